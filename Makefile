@@ -1,0 +1,37 @@
+# Everything a fresh clone needs: `make demo` and `make test` set themselves up.
+PYTHON ?= python3
+VENV   := .venv
+BIN    := $(VENV)/bin
+STAMP  := $(VENV)/.ready
+
+.PHONY: help setup demo test check ci serve bench clean
+help:            ## list the targets
+	@grep -E '^[a-z]+: .*##|^[a-z]+:  *##' $(MAKEFILE_LIST) | sed 's/:.*##/\t/'
+
+$(STAMP): pyproject.toml constraints.txt
+	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || { echo "ikplan needs Python 3.11 or newer (make PYTHON=python3.12 ...)" >&2; exit 2; }
+	@test -x $(BIN)/python || $(PYTHON) -m venv $(VENV)
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt --editable '.[dev]'
+	@touch $@
+
+setup: $(STAMP)  ## make the virtual environment in .venv
+
+demo: $(STAMP)   ## plan the helix of examples/ and write out/helix.{json,csv,png}
+	$(BIN)/python examples/demo.py
+
+test: $(STAMP)   ## run the tests
+	$(BIN)/python -m pytest
+
+check: $(STAMP)  ## lint and type-check
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/mypy
+
+serve: $(STAMP)  ## start the service on 127.0.0.1:8000
+	$(BIN)/ikplan serve
+
+bench: $(STAMP)  ## print the speed ratios
+	$(BIN)/python -m benchmarks.speed
+
+clean:           ## remove the environment and every output
+	rm -rf $(VENV) out build dist

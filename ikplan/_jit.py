@@ -1,0 +1,123 @@
+"""The one place where kernels are compiled and cached.
+
+numba's own cache looks only at the file of the function, so that a kernel that calls another
+file's kernel can be stale after an edit; it also refuses to work where the cache folder is
+read-only, as in a container. The cache here is stamped with the content of every kernel file,
+reads from a read-only folder, and says on stderr, once, when it has to compile.
+
+Environment: ``IKPLAN_CACHE_DIR`` moves the cache (default: ``ikplan`` in the user's cache
+folder); ``NUMBA_CPU_NAME=generic`` compiles for any processor of the family.
+"""
+
+from __future__ import annotations
+
+import functools
+import hashlib
+import os
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, ParamSpec, TypeVar, cast
+
+import numba
+from numba.core import caching
+
+__all__ = ["cache_folder", "kernel"]
+
+P = ParamSpec("P")
+R = TypeVar("R")
+
+_PACKAGE = Path(__file__).parent
+
+
+@functools.cache
+def _source_digest() -> str:
+    """Digest of every file that may hold a kernel, and of the compiler's version."""
+    digest = hashlib.sha256(numba.__version__.encode())
+    for path in sorted(_PACKAGE.rglob("*.py")):
+        source = path.read_bytes()
+        if b"_jit" in source:
+            digest.update(path.relative_to(_PACKAGE).as_posix().encode() + b"\0" + source)
+    return digest.hexdigest()[:24]
+
+
+@functools.cache
+def cache_folder() -> Path:
+    """Folder of the compiled kernels of this version of the source."""
+    root = os.environ.get("IKPLAN_CACHE_DIR")
+    if root is None:
+        base = os.environ.get("XDG_CACHE_HOME") or os.path.join(os.path.expanduser("~"), ".cache")
+        root = os.path.join(base, "ikplan")
+    return Path(root) / f"kernels-{_source_digest()}"
+
+
+@functools.cache
+def _announce() -> None:
+    """Tell the user why nothing seems to happen; cached, so said once a process."""
+    print("compiling kernels, once ...", file=sys.stderr, flush=True)  # noqa: T201
+
+
+class _Locator(caching._CacheLocator):  # type: ignore[misc]
+    """Puts each kernel in the project's cache folder, whether it can be written or not."""
+
+    def __init__(self, py_func: Callable[..., Any], py_file: str) -> None:
+        self._module = Path(py_file).resolve().relative_to(_PACKAGE).with_suffix("")
+        self._line = py_func.__code__.co_firstlineno
+
+    def get_cache_path(self) -> str:
+        return str(cache_folder() / "-".join(self._module.parts))
+
+    def get_source_stamp(self) -> str:
+        return _source_digest()
+
+    def get_disambiguator(self) -> str:
+        return str(self._line)
+
+    @classmethod
+    def from_function(cls, py_func: Callable[..., Any], py_file: str) -> _Locator:
+        return cls(py_func, py_file)
+
+
+class _KernelCacheImpl(caching.CompileResultCacheImpl):  # type: ignore[misc]
+    _locator_classes = (_Locator,)
+
+
+class _KernelCache(caching.FunctionCache):  # type: ignore[misc]
+    _impl_class = _KernelCacheImpl
+
+    def load_overload(self, sig: Any, target_context: Any) -> Any:
+        found = super().load_overload(sig, target_context)
+        if found is None:
+            _announce()
+        return found
+
+    def save_overload(self, sig: Any, data: Any) -> None:
+        try:
+            super().save_overload(sig, data)
+        except OSError as error:
+            # A kernel that cannot be kept still runs; the user pays the compilation again.
+            _warn_unsaved(str(error))
+
+
+@functools.cache
+def _warn_unsaved(reason: str) -> None:
+    print(  # noqa: T201
+        f"compiled kernels cannot be kept in {cache_folder()} ({reason}); "
+        "set IKPLAN_CACHE_DIR to a folder that can be written",
+        file=sys.stderr,
+    )
+
+
+def kernel(function: Callable[P, R]) -> Callable[P, R]:
+    """Compile ``function`` with numba: no GIL, cached on disk, no fast-math.
+
+    Args:
+        function: A function on plain arrays, scalars and named tuples of them.
+
+    Returns:
+        The compiled function.
+    """
+    dispatcher = numba.njit(nogil=True, error_model="numpy")(function)
+    if os.environ.get("NUMBA_DISABLE_JIT", "0") in ("", "0"):
+        dispatcher._cache = _KernelCache(function)
+    return cast("Callable[P, R]", dispatcher)

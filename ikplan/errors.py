@@ -1,0 +1,399 @@
+"""The errors of ikplan: one tree, each class with its own data.
+
+::
+
+    IkplanError
+    ├── InvalidRequest        a field is wrong, unknown, not finite, of the wrong length
+    ├── RobotNotFound         no robot of that name
+    ├── PlanNotFound          no plan of that id
+    ├── InvalidRobot          a description that makes no sense
+    ├── Unreachable           a waypoint has no solution within limits and tolerance
+    ├── Disconnected          waypoints have solutions, but no continuous motion joins them
+    ├── TimingFailed          no timing under the limits
+    ├── BudgetExceeded        the time budget ran out
+    ├── CertificateViolated   a finished plan broke a promise: a bug of ours
+    └── ServiceUnavailable    the client cannot reach the service, or it answers no document of ours
+
+Every class has one problem ``type`` (RFC 9457), so that an error raised by the service is raised
+again, as the same class with the same data, by the client.
+"""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from typing import Any, ClassVar
+
+__all__ = [
+    "BudgetExceeded",
+    "CertificateViolated",
+    "Disconnected",
+    "IkplanError",
+    "InvalidRequest",
+    "InvalidRobot",
+    "PlanNotFound",
+    "RobotNotFound",
+    "ServiceUnavailable",
+    "TimingFailed",
+    "Unreachable",
+    "error_from_problem",
+    "near_names",
+]
+
+_URN = "urn:ikplan:"
+
+
+def near_names(name: str, valid: Iterable[str]) -> list[str]:
+    """Return up to three of ``valid`` that look like ``name``, best first."""
+    by_folded = {v.lower(): v for v in sorted(valid)}
+    matches = difflib.get_close_matches(name.lower(), by_folded, n=3, cutoff=0.5)
+    return [by_folded[m] for m in matches]
+
+
+class IkplanError(Exception):
+    """Root of the tree.
+
+    Attributes:
+        slug: Last part of the problem type ``urn:ikplan:<slug>``.
+        title: A short name for people, the same for every occurrence.
+        status: HTTP status of the problem document.
+        fields: Names of the attributes that make up the error's own data, JSON-ready.
+        detail: What happened this time, and what the user can do.
+    """
+
+    slug: ClassVar[str] = "error"
+    title: ClassVar[str] = "Planning error"
+    status: ClassVar[int] = 500
+    fields: ClassVar[tuple[str, ...]] = ()
+
+    def __init__(self, detail: str) -> None:
+        super().__init__(detail)
+        self.detail = detail
+
+    @property
+    def data(self) -> dict[str, Any]:
+        """The error's own data, by field name, ready for JSON."""
+        return {name: getattr(self, name) for name in self.fields}
+
+    @classmethod
+    def problem_type(cls) -> str:
+        """The problem type URI of this class."""
+        return _URN + cls.slug
+
+    def to_problem(self) -> dict[str, Any]:
+        """Return the RFC 9457 problem document of this error."""
+        return {
+            "type": self.problem_type(),
+            "title": self.title,
+            "status": self.status,
+            "detail": self.detail,
+            **self.data,
+        }
+
+    def __reduce__(self) -> tuple[Callable[..., IkplanError], tuple[Any, ...]]:
+        # Keyword-only data does not survive the default pickling of exceptions.
+        return _rebuild, (type(self), self.detail, self.data)
+
+
+def _rebuild(cls: type[IkplanError], detail: str, data: Mapping[str, Any]) -> IkplanError:
+    return cls(detail, **data)
+
+
+class InvalidRequest(IkplanError):
+    """A field is wrong, unknown, not finite or of the wrong length.
+
+    Attributes:
+        field: Path of the first wrong field, such as ``path.waypoints[3].position``.
+        allowed: What is allowed there: a list of choices, a range in words, or None.
+        errors: Every wrong field as ``{"field": ..., "detail": ...}``, the first one included.
+    """
+
+    slug = "invalid-request"
+    title = "Invalid request"
+    status = 422
+    fields = ("field", "allowed", "errors")
+
+    def __init__(
+        self,
+        detail: str,
+        *,
+        field: str = "",
+        allowed: Any = None,
+        errors: Sequence[Mapping[str, str]] | None = None,
+    ) -> None:
+        super().__init__(detail)
+        self.field = field
+        self.allowed = allowed
+        self.errors = list(errors) if errors else [{"field": field, "detail": detail}]
+
+
+class RobotNotFound(IkplanError):
+    """No robot of that name.
+
+    Attributes:
+        name: The name asked for.
+        near: Valid names that look like it.
+        valid: Every valid name.
+    """
+
+    slug = "robot-not-found"
+    title = "Robot not found"
+    status = 404
+    fields = ("name", "near", "valid")
+
+    def __init__(
+        self,
+        detail: str = "",
+        *,
+        name: str,
+        valid: Sequence[str] = (),
+        near: Sequence[str] | None = None,
+    ) -> None:
+        self.name = name
+        self.valid = list(valid)
+        self.near = near_names(name, valid) if near is None else list(near)
+        if not detail:
+            hint = f"; did you mean {' or '.join(self.near)}?" if self.near else ""
+            detail = f"no robot named {name!r}{hint} Valid names: {', '.join(self.valid)}"
+        super().__init__(detail)
+
+
+class PlanNotFound(IkplanError):
+    """No plan of that id.
+
+    Attributes:
+        id: The id asked for.
+    """
+
+    slug = "plan-not-found"
+    title = "Plan not found"
+    status = 404
+    fields = ("id",)
+
+    def __init__(self, detail: str = "", *, id: str) -> None:
+        super().__init__(detail or f"no plan with id {id!r} is kept here")
+        self.id = id
+
+
+class InvalidRobot(IkplanError):
+    """A robot description that makes no sense.
+
+    Attributes:
+        robot: Name or file of the description.
+        joint: The joint at fault, or None.
+        value: The value at fault, or None.
+    """
+
+    slug = "invalid-robot"
+    title = "Invalid robot description"
+    status = 422
+    fields = ("robot", "joint", "value")
+
+    def __init__(
+        self, detail: str, *, robot: str = "", joint: str | None = None, value: Any = None
+    ) -> None:
+        super().__init__(detail)
+        self.robot = robot
+        self.joint = joint
+        self.value = value
+
+
+class Unreachable(IkplanError):
+    """A waypoint has no solution within limits and tolerance.
+
+    Attributes:
+        waypoint: Index of the waypoint, from 0.
+        position_error: Smallest position error found [m].
+        orientation_error: Orientation error of that configuration [rad], None for a position target.
+        q: Joint values of the best configuration found, shape (dof,) [rad or m].
+        reason: Why, as far as it is known: out of reach by so much, or which joint limit binds.
+        limits: Names of the joints that stand at a position limit in ``q``.
+        waypoints: Every waypoint found unreachable, as ``{"waypoint", "position_error",
+            "orientation_error", "reason"}``.
+    """
+
+    slug = "unreachable"
+    title = "Waypoint unreachable"
+    status = 422
+    fields = (
+        "waypoint",
+        "position_error",
+        "orientation_error",
+        "q",
+        "reason",
+        "limits",
+        "waypoints",
+    )
+
+    def __init__(
+        self,
+        detail: str,
+        *,
+        waypoint: int,
+        position_error: float,
+        orientation_error: float | None,
+        q: Sequence[float],
+        reason: str,
+        limits: Sequence[str] = (),
+        waypoints: Sequence[Mapping[str, Any]] = (),
+    ) -> None:
+        super().__init__(detail)
+        self.waypoint = waypoint
+        self.position_error = position_error
+        self.orientation_error = orientation_error
+        self.q = [float(v) for v in q]
+        self.reason = reason
+        self.limits = list(limits)
+        self.waypoints = [dict(w) for w in waypoints]
+
+
+class Disconnected(IkplanError):
+    """Each waypoint has solutions, but no continuous motion joins two neighbours.
+
+    Attributes:
+        waypoints: Indices of the two waypoints, from 0; -1 stands for the start configuration.
+        jump: Largest single-joint difference a motion between them would need [rad or m].
+        reason: Why the motion is not possible.
+    """
+
+    slug = "disconnected"
+    title = "Path disconnected"
+    status = 422
+    fields = ("waypoints", "jump", "reason")
+
+    def __init__(
+        self, detail: str, *, waypoints: Sequence[int], jump: float, reason: str = ""
+    ) -> None:
+        super().__init__(detail)
+        self.waypoints = [int(i) for i in waypoints]
+        self.jump = jump
+        self.reason = reason
+
+
+class TimingFailed(IkplanError):
+    """No timing exists, or none was found, under the limits.
+
+    Attributes:
+        position: Where on the path, as a fraction 0..1 of its joint arc length, or None.
+        joint: Name of the joint, or None.
+        limit: The limit that cannot be kept ("velocity", "acceleration", "position"), or None.
+    """
+
+    slug = "timing-failed"
+    title = "Timing failed"
+    status = 422
+    fields = ("position", "joint", "limit")
+
+    def __init__(
+        self,
+        detail: str,
+        *,
+        position: float | None = None,
+        joint: str | None = None,
+        limit: str | None = None,
+    ) -> None:
+        super().__init__(detail)
+        self.position = position
+        self.joint = joint
+        self.limit = limit
+
+
+class BudgetExceeded(IkplanError):
+    """The time budget of the request ran out.
+
+    Attributes:
+        stage: The stage that was running.
+        budget_s: The budget [s].
+        best: Best result so far (joint values of the waypoints solved), or None.
+    """
+
+    slug = "budget-exceeded"
+    title = "Time budget exceeded"
+    status = 422
+    fields = ("stage", "budget_s", "best")
+
+    def __init__(
+        self, detail: str, *, stage: str, budget_s: float, best: Mapping[str, Any] | None = None
+    ) -> None:
+        super().__init__(detail)
+        self.stage = stage
+        self.budget_s = budget_s
+        self.best = dict(best) if best is not None else None
+
+
+class CertificateViolated(IkplanError):
+    """A finished plan broke one of its promises: a bug of ours, never returned as a plan.
+
+    Attributes:
+        certificate: The certificate as a JSON-ready mapping.
+        violations: The promises broken, in words.
+    """
+
+    slug = "certificate-violated"
+    title = "Certificate violated"
+    status = 500
+    fields = ("certificate", "violations")
+
+    def __init__(
+        self, detail: str, *, certificate: Mapping[str, Any], violations: Sequence[str] = ()
+    ) -> None:
+        super().__init__(detail)
+        self.certificate = dict(certificate)
+        self.violations = list(violations)
+
+
+class ServiceUnavailable(IkplanError):
+    """The client cannot reach the service, or got an answer that is no document of ours.
+
+    Attributes:
+        url: The address asked.
+        status_code: HTTP status of the answer, None if there was none.
+    """
+
+    slug = "service-unavailable"
+    title = "Service unavailable"
+    status = 503
+    fields = ("url", "status_code")
+
+    def __init__(self, detail: str, *, url: str = "", status_code: int | None = None) -> None:
+        super().__init__(detail)
+        self.url = url
+        self.status_code = status_code
+
+
+_BY_TYPE: dict[str, type[IkplanError]] = {
+    cls.problem_type(): cls
+    for cls in (
+        InvalidRequest,
+        RobotNotFound,
+        PlanNotFound,
+        InvalidRobot,
+        Unreachable,
+        Disconnected,
+        TimingFailed,
+        BudgetExceeded,
+        CertificateViolated,
+        ServiceUnavailable,
+    )
+}
+
+
+def error_from_problem(problem: Mapping[str, Any], *, url: str = "") -> IkplanError:
+    """Rebuild the error that a problem document describes.
+
+    Args:
+        problem: An RFC 9457 document, as made by :meth:`IkplanError.to_problem`.
+        url: Address it came from, for documents of no class of ours.
+
+    Returns:
+        An error of the class that the document's ``type`` names, with its data, or
+        ServiceUnavailable when the type is none of ours.
+    """
+    cls = _BY_TYPE.get(str(problem.get("type")))
+    detail = str(problem.get("detail") or problem.get("title") or "unknown problem")
+    if cls is None or any(name not in problem for name in cls.fields):
+        status = problem.get("status")
+        return ServiceUnavailable(
+            detail, url=url, status_code=status if isinstance(status, int) else None
+        )
+    return cls(detail, **{name: problem[name] for name in cls.fields})

@@ -2,8 +2,9 @@
 
 numba's own cache looks only at the file of the function, so that a kernel that calls another
 file's kernel can be stale after an edit; it also refuses to work where the cache folder is
-read-only, as in a container. The cache here is stamped with the content of every kernel file,
-reads from a read-only folder, and says on stderr, once, when it has to compile.
+read-only, as in a container. The cache here is stamped with the content of the file and of every
+file it imports (so kernels are imported by ``from ikplan.... import ...``), reads from a read-only
+folder, and says on stderr, once, when it has to compile.
 
 Environment: ``IKPLAN_CACHE_DIR`` moves the cache (default: ``ikplan`` in the user's cache
 folder); ``NUMBA_CPU_NAME=generic`` compiles for any processor of the family.
@@ -14,6 +15,7 @@ from __future__ import annotations
 import functools
 import hashlib
 import os
+import re
 import sys
 from collections.abc import Callable
 from pathlib import Path
@@ -30,25 +32,46 @@ R = TypeVar("R")
 _PACKAGE = Path(__file__).parent
 
 
+_IMPORT = re.compile(rb"^\s*(?:from|import) (ikplan[\w.]*)(?: import \(?([\w, ]+))?", re.MULTILINE)
+
+
 @functools.cache
-def _source_digest() -> str:
-    """Digest of every file that may hold a kernel, and of the compiler's version."""
+def _sources(path: Path) -> frozenset[Path]:
+    """The file and every file of the package that it imports, directly or not."""
+    found: set[Path] = set()
+    pending = [path]
+    while pending:
+        current = pending.pop()
+        if current in found:
+            continue
+        found.add(current)
+        for module, names in _IMPORT.findall(current.read_bytes()):
+            parts = module.decode().split(".")[1:]
+            base = _PACKAGE.joinpath(*parts)
+            submodules = [base / name.strip() for name in names.decode().split(",")]
+            candidates = [p.with_suffix(".py") for p in (base, *submodules) if p != _PACKAGE]
+            pending += [p for p in candidates if p.is_file()]
+    return frozenset(found)
+
+
+@functools.cache
+def _digest(path: Path) -> str:
+    """Digest of a kernel file, of all it builds on, and of the compiler's version."""
     digest = hashlib.sha256(numba.__version__.encode())
-    for path in sorted(_PACKAGE.rglob("*.py")):
-        source = path.read_bytes()
-        if b"_jit" in source:
-            digest.update(path.relative_to(_PACKAGE).as_posix().encode() + b"\0" + source)
-    return digest.hexdigest()[:24]
+    for source in sorted(_sources(path)):
+        digest.update(source.relative_to(_PACKAGE).as_posix().encode() + b"\0")
+        digest.update(source.read_bytes())
+    return digest.hexdigest()[:16]
 
 
 @functools.cache
 def cache_folder() -> Path:
-    """Folder of the compiled kernels of this version of the source."""
+    """Folder of the compiled kernels."""
     root = os.environ.get("IKPLAN_CACHE_DIR")
     if root is None:
         base = os.environ.get("XDG_CACHE_HOME") or os.path.join(os.path.expanduser("~"), ".cache")
         root = os.path.join(base, "ikplan")
-    return Path(root) / f"kernels-{_source_digest()}"
+    return Path(root) / "kernels"
 
 
 @functools.cache
@@ -61,14 +84,16 @@ class _Locator(caching._CacheLocator):  # type: ignore[misc]
     """Puts each kernel in the project's cache folder, whether it can be written or not."""
 
     def __init__(self, py_func: Callable[..., Any], py_file: str) -> None:
-        self._module = Path(py_file).resolve().relative_to(_PACKAGE).with_suffix("")
+        path = Path(py_file)
+        self._stamp = _digest(path)
+        self._folder = "-".join([*path.relative_to(_PACKAGE).with_suffix("").parts, self._stamp])
         self._line = py_func.__code__.co_firstlineno
 
     def get_cache_path(self) -> str:
-        return str(cache_folder() / "-".join(self._module.parts))
+        return str(cache_folder() / self._folder)
 
     def get_source_stamp(self) -> str:
-        return _source_digest()
+        return self._stamp
 
     def get_disambiguator(self) -> str:
         return str(self._line)

@@ -204,7 +204,7 @@ class Unreachable(IkplanError):
     Attributes:
         waypoint: Index of the waypoint, from 0.
         position_error: Smallest position error found [m].
-        orientation_error: Orientation error of that configuration [rad], None for a position target.
+        orientation_error: Orientation error of that configuration [rad]; None: position target.
         q: Joint values of the best configuration found, shape (dof,) [rad or m].
         reason: Why, as far as it is known: out of reach by so much, or which joint limit binds.
         limits: Names of the joints that stand at a position limit in ``q``.

@@ -1,0 +1,104 @@
+"""ikplan: a tool path in, a certified joint trajectory out.
+
+The public names are imported on first use, so that a client needs neither Pinocchio nor a compiler.
+"""
+
+from __future__ import annotations
+
+import importlib
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from ikplan.client import AsyncClient, Client
+    from ikplan.errors import (
+        BudgetExceeded,
+        CertificateViolated,
+        Disconnected,
+        IkplanError,
+        InvalidRequest,
+        InvalidRobot,
+        PlanNotFound,
+        RobotNotFound,
+        ServiceUnavailable,
+        TimingFailed,
+        Unreachable,
+    )
+    from ikplan.ik import solve_ik
+    from ikplan.pipeline import plan
+    from ikplan.request import FkRequest, IkRequest, PlanRequest
+    from ikplan.result import Certificate, FkResult, IkSolution, Plan
+    from ikplan.retiming import time_path
+    from ikplan.robots import Robot, load_robot, robot_names
+
+_HOMES = {
+    "AsyncClient": "client",
+    "BudgetExceeded": "errors",
+    "Certificate": "result",
+    "CertificateViolated": "errors",
+    "Client": "client",
+    "Disconnected": "errors",
+    "FkRequest": "request",
+    "FkResult": "result",
+    "IkRequest": "request",
+    "IkSolution": "result",
+    "IkplanError": "errors",
+    "InvalidRequest": "errors",
+    "InvalidRobot": "errors",
+    "Plan": "result",
+    "PlanNotFound": "errors",
+    "PlanRequest": "request",
+    "Robot": "robots",
+    "RobotNotFound": "errors",
+    "ServiceUnavailable": "errors",
+    "TimingFailed": "errors",
+    "Unreachable": "errors",
+    "load_robot": "robots",
+    "plan": "pipeline",
+    "robot_names": "robots",
+    "solve_ik": "ik",
+    "time_path": "retiming",
+}
+
+__all__ = [
+    "AsyncClient",
+    "BudgetExceeded",
+    "Certificate",
+    "CertificateViolated",
+    "Client",
+    "Disconnected",
+    "FkRequest",
+    "FkResult",
+    "IkRequest",
+    "IkSolution",
+    "IkplanError",
+    "InvalidRequest",
+    "InvalidRobot",
+    "Plan",
+    "PlanNotFound",
+    "PlanRequest",
+    "Robot",
+    "RobotNotFound",
+    "ServiceUnavailable",
+    "TimingFailed",
+    "Unreachable",
+    "__version__",
+    "load_robot",
+    "plan",
+    "robot_names",
+    "solve_ik",
+    "time_path",
+]
+
+__version__ = "0.1.0"
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _HOMES:
+        raise AttributeError(f"module 'ikplan' has no attribute {name!r}")
+    value = getattr(importlib.import_module(f"ikplan.{_HOMES[name]}"), name)
+    globals()[name] = value
+    return value
+
+
+def __dir__() -> list[str]:
+    return __all__

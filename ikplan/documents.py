@@ -1,0 +1,237 @@
+"""What the request and result documents are built of, and how their faults are reported.
+
+Every model refuses unknown fields, NaN and infinities. A fault becomes an
+:class:`~ikplan.errors.InvalidRequest` that names the field as a user writes it
+(``path.waypoints[3].position``) and what is allowed there.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping, Sequence
+from typing import Annotated, Any, NoReturn, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import (
+    BaseModel,
+    BeforeValidator,
+    ConfigDict,
+    Field,
+    PlainSerializer,
+    PlainValidator,
+    ValidationError,
+    WithJsonSchema,
+)
+
+from ikplan.errors import InvalidRequest, near_names
+
+__all__ = [
+    "Document",
+    "Floats",
+    "Matrix",
+    "Vec3",
+    "Vector",
+    "load_json",
+    "parse",
+    "parse_json",
+    "plain",
+    "raise_invalid",
+]
+
+M = TypeVar("M", bound="Document")
+
+
+class Document(BaseModel):
+    """Base of every request model: strict, closed, finite, immutable."""
+
+    model_config = ConfigDict(extra="forbid", allow_inf_nan=False, frozen=True, strict=True)
+
+
+def plain(value: Any) -> Any:
+    """Let Python callers pass arrays and tuples where the document has lists."""
+    if isinstance(value, np.ndarray):
+        return value.tolist()
+    if isinstance(value, tuple):
+        return list(value)
+    return value
+
+
+Floats = Annotated[list[float], BeforeValidator(plain)]
+Vec3 = Annotated[list[float], BeforeValidator(plain), Field(min_length=3, max_length=3)]
+
+
+def _array(ndim: int, schema: dict[str, Any]) -> Any:
+    def load(value: Any) -> NDArray[np.float64]:
+        array = np.array(value, dtype=np.float64)
+        if array.size == 0 and array.ndim < ndim:
+            array = array.reshape((0,) * ndim)
+        if array.ndim != ndim:
+            raise ValueError(f"expected {ndim} dimension(s), got {array.ndim}")
+        array.setflags(write=False)
+        return array
+
+    return Annotated[
+        NDArray[np.float64],
+        PlainValidator(load),
+        PlainSerializer(lambda a: a.tolist(), return_type=list),
+        WithJsonSchema(schema),
+    ]
+
+
+_NUMBERS: dict[str, Any] = {"type": "array", "items": {"type": "number"}}
+Vector = _array(1, _NUMBERS)
+"""A float64 array of shape (n,) in Python, a list of numbers in JSON."""
+Matrix = _array(2, {"type": "array", "items": _NUMBERS})
+"""A float64 array of shape (n, m) in Python, a list of rows in JSON."""
+
+
+def _path_of(loc: Sequence[int | str]) -> str:
+    """Write a pydantic location as a user would: ``path.waypoints[3].position``."""
+    text = ""
+    for part in loc:
+        if isinstance(part, int):
+            text += f"[{part}]"
+        elif not any(c in part for c in "[(-"):  # the tags pydantic adds for unions and functions
+            text += f".{part}" if text else part
+    return text
+
+
+def _fields_at(model: type[BaseModel], loc: Sequence[int | str]) -> list[str]:
+    """Names of the fields of the model that ``loc`` leads to."""
+    current: Any = model
+    for part in loc:
+        if isinstance(part, int) or not hasattr(current, "model_fields"):
+            continue
+        field = current.model_fields.get(part)
+        if field is None:
+            continue
+        current = _model_in(field.annotation)
+    return sorted(getattr(current, "model_fields", {}))
+
+
+def _model_in(annotation: Any) -> Any:
+    """The first model found inside an annotation such as ``list[Waypoint] | None``."""
+    if hasattr(annotation, "model_fields"):
+        return annotation
+    for argument in getattr(annotation, "__args__", ()):
+        found = _model_in(argument)
+        if found is not None:
+            return found
+    return None
+
+
+_LENGTHS = {
+    "too_short": "item(s)",
+    "too_long": "item(s)",
+    "string_too_short": "character(s)",
+    "string_too_long": "character(s)",
+}
+
+
+def _describe(model: type[BaseModel], error: Mapping[str, Any]) -> tuple[str, str, Any]:
+    """Return field path, sentence and what is allowed for one pydantic error."""
+    loc: tuple[int | str, ...] = tuple(error["loc"])
+    field = _path_of(loc)
+    kind, context = error["type"], error.get("ctx", {})
+    if kind == "extra_forbidden":
+        fields = _fields_at(model, loc[:-1])
+        near = near_names(str(loc[-1]), fields)
+        hint = f"; did you mean {near[0]!r}?" if near else f"; known fields: {', '.join(fields)}"
+        return field, f"unknown field{hint}", fields
+    if kind == "missing":
+        return field, "this field is required", None
+    if kind == "finite_number":
+        return field, "NaN and infinities are not numbers a robot can follow", "a finite number"
+    if kind == "literal_error":
+        return field, f"must be {context['expected']}", context["expected"]
+    if kind == "value_error":
+        return field, str(context.get("error", error["msg"])), None
+    if kind in _LENGTHS:
+        least, most = context.get("min_length"), context.get("max_length")
+        bound = f"at least {least}" if kind.endswith("short") else f"at most {most}"
+        actual = context.get("actual_length")
+        got = f", got {actual}" if actual is not None else ""
+        return field, f"wants {bound} {_LENGTHS[kind]}{got}", bound
+    message = str(error["msg"])
+    allowed = {k: v for k, v in context.items() if isinstance(v, int | float | str)} or None
+    return field, message[0].lower() + message[1:], allowed
+
+
+def raise_invalid(
+    model: type[BaseModel], errors: Sequence[Mapping[str, Any]], cause: Exception | None = None
+) -> NoReturn:
+    """Raise InvalidRequest for pydantic's list of errors on a document of ``model``."""
+    described = [_describe(model, e) for e in errors]
+    field, sentence, allowed = described[0]
+    more = f" (and {len(described) - 1} more)" if len(described) > 1 else ""
+    raise InvalidRequest(
+        f"{field}: {sentence}{more}" if field else sentence + more,
+        field=field,
+        allowed=allowed,
+        errors=[{"field": f, "detail": s} for f, s, _ in described[:100]],
+    ) from cause
+
+
+def parse(model: type[M], document: Any) -> M:
+    """Read a document from a mapping.
+
+    Args:
+        model: The model wanted.
+        document: A mapping, or already an instance of the model.
+
+    Returns:
+        The validated model.
+
+    Raises:
+        InvalidRequest: A field is wrong; names it.
+    """
+    if isinstance(document, model):
+        return document
+    if not isinstance(document, Mapping):
+        raise InvalidRequest(
+            f"a request is a JSON object, not {type(document).__name__}", allowed="an object"
+        )
+    try:
+        return model.model_validate(dict(document))
+    except ValidationError as error:
+        raise_invalid(model, error.errors(include_url=False), error)
+
+
+def parse_json(model: type[M], text: str | bytes) -> M:
+    """Read a document from JSON text.
+
+    Raises:
+        InvalidRequest: The text is not JSON (with line and column), or a field is wrong.
+    """
+    return parse(model, load_json(text))
+
+
+def load_json(text: str | bytes) -> Any:
+    """Read JSON, refusing the NaN and Infinity that Python's parser lets through.
+
+    Raises:
+        InvalidRequest: With the line and column of the fault.
+    """
+    try:
+        return json.loads(text, parse_constant=_refuse_constant)
+    except json.JSONDecodeError as error:
+        raise InvalidRequest(
+            f"malformed JSON at line {error.lineno}, column {error.colno}: {error.msg}",
+            allowed="a JSON object",
+        ) from error
+    except UnicodeDecodeError as error:
+        raise InvalidRequest(
+            f"the document is not UTF-8 text: {error.reason} at byte {error.start}",
+            allowed="UTF-8 text",
+        ) from error
+    except RecursionError as error:
+        raise InvalidRequest(
+            "the document is nested too deeply", allowed="a JSON object"
+        ) from error
+
+
+def _refuse_constant(name: str) -> NoReturn:
+    raise InvalidRequest(
+        f"{name} is not JSON and no number a robot can follow", allowed="finite numbers"
+    )

@@ -1,0 +1,220 @@
+"""The request documents: the one language of HTTP, the shell, Python and batches.
+
+SI units: metres, radians, seconds. Quaternions are ``xyzw``. Poses are of the tool frame, in the
+path frame unless said otherwise.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import math
+from typing import Annotated, Any, Literal
+
+from pydantic import BeforeValidator, Discriminator, Field, PlainValidator, Tag, field_validator
+
+from ikplan.documents import Document, Floats, Vec3, plain
+
+__all__ = [
+    "FkRequest",
+    "Frame",
+    "IkOptions",
+    "IkRequest",
+    "LimitOptions",
+    "PathRequest",
+    "PlanRequest",
+    "SamplingOptions",
+    "Tolerance",
+    "Waypoint",
+]
+
+MAX_WAYPOINTS = 10_000
+MAX_RATE_HZ = 10_000.0
+
+Quaternion = Annotated[list[float], BeforeValidator(plain), Field(min_length=4, max_length=4)]
+
+
+def _start_tag(value: Any) -> str:
+    return "[free]" if isinstance(value, str) else "[values]"
+
+
+# Tagged, so that a fault is told of the form the user wrote and not of both.
+Start = Annotated[
+    Annotated[Floats, Tag("[values]")] | Annotated[Literal["free"], Tag("[free]")],
+    Discriminator(_start_tag),
+]
+
+
+def _scalar(value: Any) -> bool | int | float | str:
+    if not isinstance(value, bool | int | float | str):
+        raise ValueError("a parameter is a number, a string, true or false")
+    if isinstance(value, float) and not math.isfinite(value):
+        raise ValueError("NaN and infinities are not allowed")
+    return value
+
+
+Scalar = Annotated[bool | int | float | str, PlainValidator(_scalar)]
+
+
+def _unit(quaternion: list[float] | None) -> list[float] | None:
+    """Normalise a quaternion whose norm is within 1e-3 of 1; refuse any other."""
+    if quaternion is None:
+        return None
+    norm = math.sqrt(sum(c * c for c in quaternion))
+    if not abs(norm - 1.0) <= 1e-3:
+        raise ValueError(f"a unit quaternion (x, y, z, w) is wanted; this one has norm {norm:.6g}")
+    # A quaternion that is unit to rounding is kept as it is, so that the id does not change.
+    return quaternion if abs(norm - 1.0) < 1e-15 else [c / norm for c in quaternion]
+
+
+class Frame(Document):
+    """A frame given by its origin and orientation in another frame."""
+
+    position: Vec3 = Field([0.0, 0.0, 0.0], description="Origin [m].")
+    quaternion_xyzw: Quaternion = Field(
+        [0.0, 0.0, 0.0, 1.0], description="Orientation, unit quaternion (x, y, z, w)."
+    )
+
+    _check = field_validator("quaternion_xyzw")(_unit)
+
+
+class Waypoint(Document):
+    """A pose of the tool, in the path frame."""
+
+    position: Vec3 = Field(description="Tool position [m].")
+    quaternion_xyzw: Quaternion | None = Field(
+        None,
+        description="Tool orientation, unit quaternion (x, y, z, w); absent: any orientation.",
+    )
+
+    _check = field_validator("quaternion_xyzw")(_unit)
+
+
+class Tolerance(Document):
+    """How far from a waypoint or the path the tool may be."""
+
+    position: float = Field(1e-4, gt=0, le=1, description="Position tolerance [m].")
+    orientation: float = Field(1e-3, gt=0, le=3.2, description="Orientation tolerance [rad].")
+
+
+class PathRequest(Document):
+    """The path of the tool."""
+
+    frame: Frame = Field(default_factory=Frame, description="The path frame, in the robot's base.")
+    waypoints: list[Waypoint] = Field(
+        min_length=1, max_length=MAX_WAYPOINTS, description="Poses of the tool, in order."
+    )
+    interpolation: Literal["joint"] = Field(
+        "joint", description='"joint": a joint spline from the start through the waypoints.'
+    )
+    tolerance: Tolerance = Field(
+        default_factory=Tolerance, description="Deviation allowed from the waypoints."
+    )
+
+
+class IkOptions(Document):
+    """How joint solutions are looked for."""
+
+    method: str = Field("ik-ba", description="Name of a solver; see GET /v1/solvers.")
+    seed: int = Field(0, ge=0, lt=2**63, description="Seed of every random choice.")
+    population: int | None = Field(
+        None, ge=1, le=10_000, description="Candidates per iteration; null: the planner's own."
+    )
+    iterations: int | None = Field(
+        None, ge=1, le=100_000, description="Iterations; null: the planner's own."
+    )
+    params: dict[str, Scalar] = Field(
+        default_factory=dict, description="Parameters of the method, by name."
+    )
+    refine: bool = Field(
+        True, description="Polish the seeds to machine precision; false: the raw solver."
+    )
+    elongation: Literal["greedy"] = Field(
+        "greedy",
+        description='How joint motion is kept small: "greedy" goes waypoint by waypoint.',
+    )
+
+
+class LimitOptions(Document):
+    """Limits of the motion, on top of the robot's own."""
+
+    velocity_scale: float = Field(1.0, gt=0, le=1, description="Share of the velocity limits.")
+    acceleration_scale: float = Field(
+        1.0, gt=0, le=1, description="Share of the acceleration limits."
+    )
+
+
+class SamplingOptions(Document):
+    """The samples of the trajectory."""
+
+    rate_hz: float = Field(
+        250.0, ge=1, le=MAX_RATE_HZ, description="Samples per second [Hz]; the end is exact."
+    )
+
+
+class PlanRequest(Document):
+    """A request for a plan (v1)."""
+
+    robot: str = Field(min_length=1, max_length=200, description="Name of a robot.")
+    start: Start | None = Field(
+        None,
+        description='Joint values at the start [rad or m]; null: the robot\'s home; "free": any.',
+    )
+    tool: Frame = Field(
+        default_factory=Frame, description="The tool frame (TCP), in the tip frame."
+    )
+    path: PathRequest
+    ik: IkOptions = Field(default_factory=IkOptions)
+    limits: LimitOptions = Field(default_factory=LimitOptions)
+    sampling: SamplingOptions = Field(default_factory=SamplingOptions)
+    budget_s: float = Field(10.0, gt=0, le=3600, description="Time budget of the planner [s].")
+
+    def content_hash(self, *context: str) -> str:
+        """Return the plan's id: a hash of this request in canonical form and its context.
+
+        Args:
+            context: What else decides the plan: the robot's fingerprint and the version.
+
+        Returns:
+            32 hexadecimal digits.
+        """
+        # The budget decides whether there is a plan, never which one.
+        document = self.model_dump(mode="json", exclude={"budget_s"})
+        canonical = json.dumps([document, *context], sort_keys=True, separators=(",", ":"))
+        return hashlib.sha256(canonical.encode()).hexdigest()[:32]
+
+
+class FkRequest(Document):
+    """Joint values whose tool pose is asked for."""
+
+    robot: str = Field(min_length=1, max_length=200, description="Name of a robot.")
+    q: Floats = Field(description="Joint values, shape (dof,) [rad or m].")
+    tool: Frame = Field(
+        default_factory=Frame, description="The tool frame (TCP), in the tip frame."
+    )
+
+
+class IkRequest(Document):
+    """A tool pose whose joint values are asked for."""
+
+    robot: str = Field(min_length=1, max_length=200, description="Name of a robot.")
+    position: Vec3 = Field(description="Tool position in the robot's base [m].")
+    quaternion_xyzw: Quaternion | None = Field(
+        None,
+        description="Tool orientation, unit quaternion (x, y, z, w); absent: any orientation.",
+    )
+    start: Floats | None = Field(
+        None, description="Joint values to stay close to [rad or m]; null: the robot's home."
+    )
+    tool: Frame = Field(
+        default_factory=Frame, description="The tool frame (TCP), in the tip frame."
+    )
+    ik: IkOptions = Field(default_factory=IkOptions)
+    tolerance: Tolerance = Field(default_factory=lambda: Tolerance(position=1e-6, orientation=1e-6))
+
+    _check = field_validator("quaternion_xyzw")(_unit)
+
+
+def json_schema() -> dict[str, Any]:
+    """Return the JSON schema of the plan request, every default and unit included."""
+    return PlanRequest.model_json_schema()

@@ -182,20 +182,28 @@ class InvalidRobot(IkplanError):
         robot: Name or file of the description.
         joint: The joint at fault, or None.
         value: The value at fault, or None.
+        valid: The choices there are instead (link names, fields), empty where there are none.
     """
 
     slug = "invalid-robot"
     title = "Invalid robot description"
     status = 422
-    fields = ("robot", "joint", "value")
+    fields = ("robot", "joint", "value", "valid")
 
     def __init__(
-        self, detail: str, *, robot: str = "", joint: str | None = None, value: Any = None
+        self,
+        detail: str,
+        *,
+        robot: str = "",
+        joint: str | None = None,
+        value: Any = None,
+        valid: Sequence[str] = (),
     ) -> None:
         super().__init__(detail)
         self.robot = robot
         self.joint = joint
         self.value = value
+        self.valid = list(valid)
 
 
 class Unreachable(IkplanError):
@@ -348,17 +356,26 @@ class ServiceUnavailable(IkplanError):
     Attributes:
         url: The address asked.
         status_code: HTTP status of the answer, None if there was none.
+        retry_after_s: When to ask again [s], as far as the service says so, or None.
     """
 
     slug = "service-unavailable"
     title = "Service unavailable"
     status = 503
-    fields = ("url", "status_code")
+    fields = ("url", "status_code", "retry_after_s")
 
-    def __init__(self, detail: str, *, url: str = "", status_code: int | None = None) -> None:
+    def __init__(
+        self,
+        detail: str,
+        *,
+        url: str = "",
+        status_code: int | None = None,
+        retry_after_s: float | None = None,
+    ) -> None:
         super().__init__(detail)
         self.url = url
         self.status_code = status_code
+        self.retry_after_s = retry_after_s
 
 
 _BY_TYPE: dict[str, type[IkplanError]] = {

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field
 
@@ -109,6 +109,9 @@ class Plan(_Result):
     version: str = Field(description="Version of ikplan that made the plan.")
     robot: str = Field(description="Name of the robot.")
     joint_names: list[str] = Field(description="Names of the columns of q, dq and ddq.")
+    joint_units: list[Literal["rad", "m"]] = Field(
+        description='Unit of each column of q: "rad" for a turning joint, "m" for a sliding one.'
+    )
     waypoints: WaypointResults
     trajectory: Trajectory
     certificate: Certificate

@@ -1,0 +1,26 @@
+"""The whole plan as the JSON document of the service."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from ikplan.export.formats import Format
+
+if TYPE_CHECKING:
+    from ikplan.result import Plan
+
+__all__ = ["FORMAT"]
+
+
+def encode(plan: Plan) -> bytes:
+    """Return the document, byte for byte as ``POST /v1/plans`` answers it."""
+    return plan.model_dump_json().encode()
+
+
+FORMAT = Format(
+    name="json",
+    title="the whole plan, as the service answers it",
+    suffixes=(".json",),
+    media_type="application/json",
+    encode=encode,
+)

@@ -1,0 +1,83 @@
+"""A joint path with its timing."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ikplan.timing.evaluation import evaluate_timed
+from ikplan.timing.joint_path import JointPath
+
+__all__ = ["TimedPath"]
+
+Array = NDArray[np.float64]
+Indices = NDArray[np.int64]
+
+
+@dataclass(frozen=True, eq=False)
+class TimedPath:
+    """A joint path whose parameter moves with constant acceleration between nodes.
+
+    Attributes:
+        path: The geometric path.
+        s: Path positions of the nodes, shape (n + 1,); every knot of the path is one.
+        pieces: Piece of the path of each interval, shape (n,).
+        sdot: Path velocities at the nodes [1/s of s], shape (n + 1,); zero at rest points.
+        node_times: Times of the nodes [s], shape (n + 1,), strictly increasing from 0.
+    """
+
+    path: JointPath
+    s: Array
+    pieces: Indices
+    sdot: Array
+    node_times: Array
+
+    @property
+    def duration(self) -> float:
+        """Duration [s]; 0 for a path of length zero."""
+        return float(self.node_times[-1])
+
+    @property
+    def times(self) -> Array:
+        """Times of the waypoints [s], shape (n_waypoints,); equal for waypoints that coincide."""
+        return self.node_times[np.searchsorted(self.s, self.path.s_waypoints)]
+
+    def evaluate(self, t: ArrayLike) -> tuple[Array, Array, Array]:
+        """Evaluate the motion, exact at both ends.
+
+        Args:
+            t: Times [s], shape (m,); clipped to [0, duration].
+
+        Returns:
+            Joint positions [rad or m], velocities and accelerations, each of shape (m, dof). At a
+            node, the acceleration is of the interval that begins there; at the end, of the last.
+        """
+        at = np.atleast_1d(np.asarray(t, dtype=np.float64))
+        path = self.path
+        if len(self.s) == 1:
+            q = np.repeat(path.q_knots, len(at), axis=0)
+            return q, np.zeros_like(q), np.zeros_like(q)
+        return evaluate_timed(
+            path.s_knots,
+            path.q_knots,
+            path.tangents_start,
+            path.tangents_end,
+            self.pieces,
+            self.node_times,
+            self.s,
+            self.sdot,
+            at,
+        )
+
+    def slowed(self, factor: float) -> TimedPath:
+        """Return the same motion, slower.
+
+        Args:
+            factor: How many times longer it takes, >= 1.
+
+        Returns:
+            The slower motion: velocities divided by factor, accelerations by its square.
+        """
+        return replace(self, sdot=self.sdot / factor, node_times=self.node_times * factor)

@@ -1,0 +1,165 @@
+"""The promises of a timing: no limit exceeded at 10 kHz, waypoints met, rest at both ends."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from ikplan.errors import InvalidRequest, TimingFailed
+from ikplan.timing import JointLimits, JointPath, TimedPath, sample, time_joint_path
+
+
+def make_limits(dof: int, *, seed: int = 0, box: float = 3.0) -> JointLimits:
+    rng = np.random.default_rng(seed)
+    return JointLimits(
+        lower=np.full(dof, -box),
+        upper=np.full(dof, box),
+        velocity=rng.uniform(1.0, 3.0, dof),
+        acceleration=rng.uniform(5.0, 20.0, dof),
+        joint_names=tuple(f"joint{i}" for i in range(dof)),
+    )
+
+
+def assert_keeps_limits(timed: TimedPath, limits: JointLimits) -> None:
+    time = np.append(np.arange(0.0, timed.duration, 1e-4), timed.duration)
+    q, dq, ddq = timed.evaluate(time)
+    span = np.where(np.isfinite(limits.upper), limits.upper - limits.lower, 1.0)
+    assert ((limits.lower - q) <= 1e-6 * span).all()
+    assert ((q - limits.upper) <= 1e-6 * span).all()
+    assert (dq <= limits.velocity * (1 + 1e-6)).all()
+    assert (dq >= limits.velocity_lower * (1 + 1e-6)).all()
+    assert (ddq <= limits.acceleration * (1 + 1e-6)).all()
+    assert (ddq >= limits.acceleration_lower * (1 + 1e-6)).all()
+
+
+def assert_meets_waypoints(timed: TimedPath, waypoints: np.ndarray) -> None:
+    q, dq, _ = timed.evaluate(timed.times)
+    scale = max(1.0, np.abs(waypoints).max())
+    length = np.linalg.norm(np.diff(waypoints, axis=0), axis=1).sum()
+    assert np.abs(q - waypoints).max() <= 1e-9 * length + 1e-14 * scale
+    assert np.array_equal(q[0], waypoints[0])
+    assert np.array_equal(q[-1], waypoints[-1])
+    assert np.abs(dq[[0, -1]]).max() == 0.0
+
+
+DOF = 6
+RNG = np.random.default_rng(1)
+TURN = np.linspace(0.0, 4.0 * np.pi, 20)[:, None]
+CASES = {
+    "helix": np.sin(TURN + np.arange(DOF)) * 0.5,
+    "line": np.outer(np.linspace(0, 1, 7), np.arange(1.0, DOF + 1)) / DOF,
+    "two points": RNG.uniform(-2, 2, (2, DOF)),
+    "random": RNG.uniform(-3, 3, (30, DOF)),
+    "walk": np.cumsum(RNG.normal(0, 0.01, (400, DOF)), axis=0),
+    "duplicates": np.repeat(RNG.uniform(-2, 2, (6, DOF)), 3, axis=0),
+    "near duplicates": np.repeat(RNG.uniform(-2, 2, (6, DOF)), 2, axis=0)
+    + RNG.normal(0, 1e-8, (12, DOF)),
+    "there and back": np.array([[0.0] * DOF, [1.0] * DOF, [0.0] * DOF]),
+    "between the limits": np.array([[3.0] * DOF, [-3.0] * DOF, [3.0] * DOF, [2.9] * DOF]),
+    "motion of 1e-9": np.array([[1.0] * DOF, [1.0 + 1e-9] * DOF]),
+    "motion of one ulp": np.array([[1.0] * DOF, [np.nextafter(1.0, 2.0)] * DOF]),
+    "one joint": np.array([[0.0] * DOF, [1.0] + [0.0] * (DOF - 1)]),
+    "one waypoint": np.full((1, DOF), 0.3),
+    "no motion": np.full((4, DOF), 0.3),
+}
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_no_limit_is_exceeded_and_every_waypoint_is_met(name: str) -> None:
+    waypoints, limits = CASES[name], make_limits(DOF)
+    timed = time_joint_path(JointPath.through(waypoints, limits), limits)
+    assert_keeps_limits(timed, limits)
+    assert_meets_waypoints(timed, waypoints)
+    assert (np.diff(timed.node_times) > 0.0).all()
+
+
+@settings(max_examples=40, deadline=None)
+@given(
+    seed=st.integers(0, 2**32 - 1),
+    dof=st.integers(1, 8),
+    count=st.integers(1, 40),
+    scale=st.sampled_from([1e-9, 1e-4, 0.1, 3.0]),
+    repeat=st.booleans(),
+)
+def test_random_paths_keep_their_limits(
+    seed: int, dof: int, count: int, scale: float, repeat: bool
+) -> None:
+    rng = np.random.default_rng(seed)
+    waypoints = rng.uniform(-scale, scale, (count, dof))
+    if repeat:
+        waypoints = np.repeat(waypoints, rng.integers(1, 3, count), axis=0)
+    limits = make_limits(dof, seed=seed % 7)
+    timed = time_joint_path(JointPath.through(waypoints, limits), limits)
+    assert_keeps_limits(timed, limits)
+    assert_meets_waypoints(timed, waypoints)
+
+
+@pytest.mark.parametrize(("velocity", "acceleration"), [(1.0, 10.0), (10.0, 1.0), (0.3, 0.2)])
+@pytest.mark.parametrize("distance", [1e-9, 1e-3, 1.0])
+def test_a_single_joint_moves_with_the_closed_form_trapezoid(
+    velocity: float, acceleration: float, distance: float
+) -> None:
+    limits = JointLimits([-np.inf], [np.inf], [velocity], [acceleration], ("j",))  # type: ignore[arg-type]
+    timed = time_joint_path(JointPath.through([[0.0], [distance]], limits), limits)
+    ramp = velocity**2 / acceleration
+    if distance <= ramp:
+        best = 2.0 * np.sqrt(distance / acceleration)
+    else:
+        best = 2.0 * velocity / acceleration + (distance - ramp) / velocity
+    assert best <= timed.duration * (1 + 1e-12)
+    assert timed.duration <= best * 1.003
+
+
+def test_waypoints_that_coincide_have_the_same_time() -> None:
+    waypoints = np.array([[0.0, 0.0], [0.0, 0.0], [1.0, 0.5], [1.0, 0.5], [2.0, 0.0], [2.0, 0.0]])
+    limits = make_limits(2)
+    times = time_joint_path(JointPath.through(waypoints, limits), limits).times
+    assert times[0] == times[1] == 0.0
+    assert times[2] == times[3]
+    assert times[4] == times[5]
+    assert times[0] < times[2] < times[4]
+
+
+@pytest.mark.parametrize("rate_hz", [1.0, 30.0, 250.0, 1000.0, 10_000.0])
+@pytest.mark.parametrize("name", ["helix", "motion of 1e-9", "one waypoint", "there and back"])
+def test_samples_are_strictly_increasing_and_end_exactly(name: str, rate_hz: float) -> None:
+    waypoints, limits = CASES[name], make_limits(DOF)
+    timed = time_joint_path(JointPath.through(waypoints, limits), limits)
+    samples = sample(timed, rate_hz)
+    steps = np.diff(samples.time) * rate_hz
+    assert samples.time[0] == 0.0
+    assert (steps > 0.5 - 1e-6).all()
+    assert (steps < 1.5 + 1e-6).all()
+    assert np.allclose(steps[:-1], 1.0, rtol=0, atol=1e-9)
+    assert np.array_equal(samples.q[0], waypoints[0])
+    assert np.array_equal(samples.q[-1], waypoints[-1])
+    assert (samples.dq[[0, -1]] == 0.0).all()
+    if timed.duration >= 0.5 / rate_hz:
+        assert samples.time[-1] == timed.duration
+
+
+@pytest.mark.parametrize("rate_hz", [0.0, -1.0, 10_001.0, np.nan, np.inf])
+def test_a_rate_out_of_range_is_refused(rate_hz: float) -> None:
+    limits = make_limits(2)
+    timed = time_joint_path(JointPath.through([[0.0, 0.0], [1.0, 1.0]], limits), limits)
+    with pytest.raises(InvalidRequest) as error:
+        sample(timed, rate_hz)
+    assert error.value.field == "sampling.rate_hz"
+
+
+def test_a_path_made_without_limits_that_leaves_them_is_refused_by_joint() -> None:
+    limits = make_limits(2, box=1.0)
+    path = JointPath.through([[0.0, 0.0], [0.0, 0.99], [0.5, 0.99], [0.5, 0.0]])
+    assert path.extrema()[1][1] > 1.0
+    with pytest.raises(TimingFailed) as error:
+        time_joint_path(path, limits)
+    assert (error.value.limit, error.value.joint) == ("position", "joint1")
+
+
+def test_the_same_path_is_timed_the_same_bit_for_bit() -> None:
+    limits = make_limits(DOF)
+    runs = [time_joint_path(JointPath.through(CASES["random"], limits), limits) for _ in range(2)]
+    assert np.array_equal(runs[0].node_times, runs[1].node_times)
+    assert np.array_equal(runs[0].sdot, runs[1].sdot)

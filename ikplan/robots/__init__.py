@@ -1,0 +1,21 @@
+"""Robots: loading, checking and describing them.
+
+A :class:`Robot` comes from the catalogue (``robots/``, one folder a robot), from the user's own
+folders (``IKPLAN_ROBOTS_PATH``), or from a URDF file.
+"""
+
+from ikplan.robots.catalogue import robot_names
+from ikplan.robots.info import JointInfo, LimitSourceInfo, RobotInfo
+from ikplan.robots.load import catalogue_robot, load_robot, robot_from_urdf
+from ikplan.robots.robot import Robot
+
+__all__ = [
+    "JointInfo",
+    "LimitSourceInfo",
+    "Robot",
+    "RobotInfo",
+    "catalogue_robot",
+    "load_robot",
+    "robot_from_urdf",
+    "robot_names",
+]

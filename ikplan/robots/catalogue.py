@@ -1,0 +1,101 @@
+"""Where robots are found: our own folder, the user's folders, and the URDFs of a package."""
+
+from __future__ import annotations
+
+import importlib.metadata
+import os
+import site
+import sys
+from pathlib import Path
+
+from ikplan.errors import InvalidRobot, RobotNotFound
+
+__all__ = ["PATH_VARIABLE", "catalogue_folders", "package_file", "robot_folder", "robot_names"]
+
+PATH_VARIABLE = "IKPLAN_ROBOTS_PATH"
+_FILE = "robot.yaml"
+_EXAMPLE_DATA = Path("share/example-robot-data/robots")
+
+
+def catalogue_folders() -> list[Path]:
+    """The folders that hold robots: the user's of ``IKPLAN_ROBOTS_PATH`` first, then ours.
+
+    A robot of the user's folders hides one of the same name behind it, as on any search path.
+
+    Raises:
+        InvalidRobot: The variable names something that is not a folder.
+    """
+    folders = []
+    for part in os.environ.get(PATH_VARIABLE, "").split(os.pathsep):
+        if not part:
+            continue
+        folder = Path(part)
+        if not folder.is_dir():
+            raise InvalidRobot(f"{PATH_VARIABLE} names {part!r}, which is not a folder", value=part)
+        folders.append(folder)
+    here = Path(__file__).resolve().parent
+    installed, checkout = here / "catalogue", here.parents[1] / "robots"
+    return [*folders, installed if installed.is_dir() else checkout]
+
+
+def robot_names() -> list[str]:
+    """Names of the catalogue, sorted."""
+    return sorted(
+        {
+            entry.name
+            for folder in catalogue_folders()
+            for entry in folder.iterdir()
+            if (entry / _FILE).is_file()
+        }
+    )
+
+
+def robot_folder(name: str) -> Path:
+    """Folder of a robot of the catalogue.
+
+    Raises:
+        RobotNotFound: No such name; names that look like it are offered.
+    """
+    # Compared with the listing, never joined to a path, so that no name leads elsewhere.
+    names = robot_names()
+    if name not in names:
+        raise RobotNotFound(name=name, valid=names)
+    return next(
+        folder / name for folder in catalogue_folders() if (folder / name / _FILE).is_file()
+    )
+
+
+def package_file(package: str, path: str) -> Path:
+    """A file of the example-robot-data package, wherever it is installed.
+
+    Args:
+        package: Name of the distribution.
+        path: Path below its ``robots`` folder.
+
+    Raises:
+        InvalidRobot: The package or the file is not installed; the places tried are listed.
+    """
+    roots = _package_roots(package)
+    for root in roots:
+        if (root / path).is_file():
+            return root / path
+    tried = ", ".join(str(root) for root in roots)
+    raise InvalidRobot(
+        f"{path} of {package} is not installed (pip install {package}); looked in {tried}",
+        value=path,
+        valid=[str(root) for root in roots],
+    )
+
+
+def _package_roots(package: str) -> list[Path]:
+    """Places where the package's data may be: its own record first, then the usual prefixes."""
+    roots: list[Path] = []
+    try:
+        distribution = importlib.metadata.distribution(package)
+        roots.append(Path(str(distribution.locate_file("cmeel.prefix"))) / _EXAMPLE_DATA)
+    except importlib.metadata.PackageNotFoundError:
+        pass
+    places = [*site.getsitepackages(), site.getusersitepackages(), *sys.path]
+    roots += [Path(place) / "cmeel.prefix" / _EXAMPLE_DATA for place in places if place]
+    roots.append(Path(sys.prefix) / _EXAMPLE_DATA)
+    return list(dict.fromkeys(roots))

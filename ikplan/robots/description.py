@@ -1,0 +1,149 @@
+"""A robot as plain, frozen data: what a :class:`~ikplan.robots.Robot` is built from."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import math
+from dataclasses import dataclass
+from typing import Any
+
+from ikplan.robots.tree import Vector
+
+__all__ = ["Coupling", "JointSpec", "LimitSource", "RobotDescription", "Tool"]
+
+Quaternion = tuple[float, float, float, float]
+
+
+@dataclass(frozen=True)
+class JointSpec:
+    """One joint of the user: limits and home [rad or m, per second, N m or N].
+
+    Attributes:
+        name: Name of the joint.
+        kind: revolute, continuous or prismatic.
+        lower: Lower position limit, -inf for a continuous joint.
+        upper: Upper position limit, inf for a continuous joint.
+        velocity: Velocity limit.
+        acceleration: Acceleration limit.
+        effort: Effort limit, nan where no source gives one.
+        home: Home position.
+    """
+
+    name: str
+    kind: str
+    lower: float
+    upper: float
+    velocity: float
+    acceleration: float
+    effort: float
+    home: float
+
+
+@dataclass(frozen=True)
+class Coupling:
+    """Serial joint values ``s = matrix @ q + offset`` of the user's joint values ``q``."""
+
+    serial: tuple[str, ...]
+    matrix: tuple[tuple[float, ...], ...]
+    offset: tuple[float, ...]
+
+
+@dataclass(frozen=True)
+class Tool:
+    """Pose of the tool frame in the tip frame: position [m], unit quaternion xyzw."""
+
+    position: Vector = (0.0, 0.0, 0.0)
+    quaternion_xyzw: Quaternion = (0.0, 0.0, 0.0, 1.0)
+
+
+@dataclass(frozen=True)
+class LimitSource:
+    """Where one kind of limit comes from.
+
+    Attributes:
+        limit: position, velocity, acceleration or effort.
+        source: The document, package or file, None for a default.
+        default: Name of the default, None for a sourced limit.
+        verified: Whether the source could be confirmed.
+    """
+
+    limit: str
+    source: str | None
+    default: str | None
+    verified: bool = True
+
+    def __str__(self) -> str:
+        if self.default is not None:
+            return f"default: {self.default}; no source gives one"
+        return f"{self.source}" + ("" if self.verified else " (unverified)")
+
+
+@dataclass(frozen=True)
+class RobotDescription:
+    """Everything a robot is, in numbers and names.
+
+    Attributes:
+        name: Short name.
+        title: Full name.
+        urdf: The bare kinematics and inertias; only the joints of the chain move.
+        base: Base link.
+        tip: Tip link.
+        joints: The user's joints, from base to tip.
+        coupling: How the serial joints follow the user's joints, None where they are the same.
+        tool: Pose of the tool frame in the tip frame.
+        limit_sources: Where each kind of limit comes from.
+        sources: Where the other facts come from.
+        notes: What a user should know.
+        inertias_sourced: Whether the inertias come from a named source.
+    """
+
+    name: str
+    title: str
+    urdf: str
+    base: str
+    tip: str
+    joints: tuple[JointSpec, ...]
+    coupling: Coupling | None = None
+    tool: Tool = Tool()
+    limit_sources: tuple[LimitSource, ...] = ()
+    sources: tuple[str, ...] = ()
+    notes: tuple[str, ...] = ()
+    inertias_sourced: bool = False
+
+    def fingerprint(self) -> str:
+        """SHA-256 over all that can change a plan; prose and file paths are left out.
+
+        Computed from the numbers as described, before any trigonometry, so that it does not
+        depend on the machine.
+        """
+        coupling = self.coupling
+        content: dict[str, Any] = {
+            "name": self.name,
+            "urdf": self.urdf,
+            "base": self.base,
+            "tip": self.tip,
+            "joints": [
+                [j.name, j.kind]
+                + [
+                    _number(v)
+                    for v in (j.lower, j.upper, j.velocity, j.acceleration, j.effort, j.home)
+                ]
+                for j in self.joints
+            ],
+            "coupling": None
+            if coupling is None
+            else [
+                list(coupling.serial),
+                [[_number(v) for v in row] for row in coupling.matrix],
+                [_number(v) for v in coupling.offset],
+            ],
+            "tool": [_number(v) for v in (*self.tool.position, *self.tool.quaternion_xyzw)],
+            "inertias_sourced": self.inertias_sourced,
+        }
+        text = json.dumps(content, sort_keys=True, separators=(",", ":"))
+        return hashlib.sha256(text.encode()).hexdigest()
+
+
+def _number(value: float) -> str:
+    return "nan" if math.isnan(value) else float(value + 0.0).hex()

@@ -1,0 +1,54 @@
+"""What a user sees of a robot, ready for JSON."""
+
+from __future__ import annotations
+
+from pydantic import BaseModel, ConfigDict, Field
+
+__all__ = ["JointInfo", "LimitSourceInfo", "RobotInfo"]
+
+
+class JointInfo(BaseModel):
+    """One joint. Angles in rad, lengths in m; null: no limit, or none known."""
+
+    model_config = ConfigDict(extra="forbid")
+
+    name: str
+    type: str = Field(description="revolute, continuous or prismatic")
+    lower: float | None = Field(description="lower position limit [rad or m]; null: none")
+    upper: float | None = Field(description="upper position limit [rad or m]; null: none")
+    velocity: float = Field(description="velocity limit [rad/s or m/s]")
+    acceleration: float = Field(description="acceleration limit [rad/s^2 or m/s^2]")
+    effort: float | None = Field(description="effort limit [N m or N]; null: not known")
+    home: float = Field(description="home position [rad or m]")
+
+
+class LimitSourceInfo(BaseModel):
+    """Where one kind of limit comes from."""
+
+    model_config = ConfigDict(extra="forbid")
+
+    limit: str = Field(description="position, velocity, acceleration or effort")
+    source: str | None = Field(description="the document or file; null: a default")
+    default: str | None = Field(description="name of the default; null: a sourced limit")
+    verified: bool = Field(description="whether the source could be confirmed")
+
+
+class RobotInfo(BaseModel):
+    """A robot: names, limits, frames and where they come from."""
+
+    model_config = ConfigDict(extra="forbid")
+
+    name: str
+    title: str
+    dof: int
+    joints: list[JointInfo] = Field(description="the user's joints, from base to tip")
+    base_frame: str
+    tip_frame: str
+    coupled: bool = Field(description="whether the serial joints follow a linear coupling")
+    tool_position: list[float] = Field(description="tool frame in the tip frame [m]")
+    tool_quaternion_xyzw: list[float] = Field(description="tool frame in the tip frame")
+    limit_sources: list[LimitSourceInfo]
+    sources: list[str]
+    notes: list[str]
+    inertias_sourced: bool = Field(description="whether dynamics may be computed from the model")
+    fingerprint: str = Field(description="SHA-256 over all that can change a plan")

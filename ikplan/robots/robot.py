@@ -1,0 +1,291 @@
+"""A robot arm: kinematics from Pinocchio, limits, home, tool."""
+
+from __future__ import annotations
+
+import threading
+from dataclasses import replace
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import ArrayLike, NDArray
+
+from ikplan.robots.checks import finite_vector, positive_vector, unit_quaternion
+from ikplan.robots.description import RobotDescription, Tool
+from ikplan.robots.info import JointInfo, LimitSourceInfo, RobotInfo
+from ikplan.robots.model import build_model, coupling_arrays, frame_id
+
+__all__ = ["Robot"]
+
+Array = NDArray[np.float64]
+
+
+class Robot:
+    """A robot arm from its base frame to the tool frame. Immutable, thread-safe, picklable.
+
+    Attributes:
+        description: The plain data the robot is built from.
+        name: Short name.
+        title: Full name.
+        joint_names: Names of the user's joints, from base to tip.
+        dof: Number of the user's joints.
+        lower: Lower position limits, shape (dof,) [rad or m], -inf for continuous joints.
+        upper: Upper position limits, shape (dof,) [rad or m], inf for continuous joints.
+        velocity_limit: Velocity limits, shape (dof,) [rad/s or m/s], finite and positive.
+        acceleration_limit: Acceleration limits, shape (dof,) [rad/s^2 or m/s^2], the same.
+        effort_limit: Effort limits, shape (dof,) [N m or N], nan where no source gives one.
+        home: Home configuration, shape (dof,) [rad or m].
+        continuous: Which joints turn without end, shape (dof,).
+        prismatic: Which joints slide, shape (dof,).
+        base_frame: Name of the base link.
+        tip_frame: Name of the tip link.
+        model: Pinocchio model of the serial joints; every other joint is locked at neutral.
+        coupling: Serial joint values are ``coupling @ q + coupling_offset``,
+            shape (n_serial, dof); the identity where the user's joints are the serial ones.
+        coupling_offset: Shape (n_serial,) [rad or m].
+        T_universe_base: Base frame in the model's universe.
+        tip_frame_id: Frame of the tip link in the model.
+        T_tip_tool: Tool frame in the tip frame.
+        fingerprint: SHA-256 over all that can change a plan.
+    """
+
+    def __init__(self, description: RobotDescription) -> None:
+        """Build the robot of a description.
+
+        Raises:
+            InvalidRobot: Pinocchio refuses the description.
+        """
+        joints = description.joints
+        self.description = description
+        self.name = description.name
+        self.title = description.title
+        self.joint_names = tuple(j.name for j in joints)
+        self.dof = len(joints)
+        self.lower = _frozen([j.lower for j in joints])
+        self.upper = _frozen([j.upper for j in joints])
+        self.velocity_limit = _frozen([j.velocity for j in joints])
+        self.acceleration_limit = _frozen([j.acceleration for j in joints])
+        self.effort_limit = _frozen([j.effort for j in joints])
+        self.home = _frozen([j.home for j in joints])
+        self.continuous = _frozen_flags([j.kind == "continuous" for j in joints])
+        self.prismatic = _frozen_flags([j.kind == "prismatic" for j in joints])
+        self.base_frame = description.base
+        self.tip_frame = description.tip
+        self.fingerprint = description.fingerprint()
+
+        self.model: pin.Model = build_model(description)
+        matrix, offset = coupling_arrays(description)
+        self.coupling = _frozen(matrix)
+        self.coupling_offset = _frozen(offset)
+        base = self.model.frames[frame_id(self.model, description.base)]
+        self.T_universe_base: pin.SE3 = pin.SE3(base.placement)
+        self.tip_frame_id = frame_id(self.model, description.tip)
+        tool = description.tool
+        self.T_tip_tool: pin.SE3 = pin.XYZQUATToSE3(
+            np.array([*tool.position, *tool.quaternion_xyzw])
+        )
+
+        self._T_base_universe = self.T_universe_base.inverse()
+        self._tip_to_tool = self.T_tip_tool.toActionMatrixInverse()
+        serial = self.model.joints[1:]
+        self._bounded = np.array([j.nq == 1 for j in serial])
+        self._index = np.array([j.idx_q for j in serial])
+        self._identity_map = description.coupling is None and bool(self._bounded.all())
+        self._local = threading.local()
+
+    def __reduce__(self) -> tuple[type[Robot], tuple[RobotDescription]]:
+        return Robot, (self.description,)
+
+    def __repr__(self) -> str:
+        return f"Robot({self.name!r}, dof={self.dof}, {self.base_frame!r} -> {self.tip_frame!r})"
+
+    def _data(self) -> pin.Data:
+        """Pinocchio's scratch space: one per thread, since every call writes to it."""
+        try:
+            data: pin.Data = self._local.data
+        except AttributeError:
+            data = self._local.data = self.model.createData()
+        return data
+
+    def configuration(self, q: ArrayLike) -> Array:
+        """Pinocchio's configuration of the joint values ``q``.
+
+        Args:
+            q: Joint values, shape (dof,) [rad or m].
+
+        Returns:
+            Shape (nq,): the coupled serial joint values, with (cos, sin) for continuous joints.
+
+        Raises:
+            InvalidRequest: ``q`` has the wrong length or is not finite.
+        """
+        return self._configuration(finite_vector(q, self.dof, "q", self.joint_names).copy())
+
+    def _configuration(self, q: Array) -> Array:
+        if self._identity_map:
+            return q
+        serial = self.coupling @ q + self.coupling_offset
+        configuration = np.empty(self.model.nq)
+        bounded = self._bounded
+        configuration[self._index[bounded]] = serial[bounded]
+        configuration[self._index[~bounded]] = np.cos(serial[~bounded])
+        configuration[self._index[~bounded] + 1] = np.sin(serial[~bounded])
+        return configuration
+
+    def fk(self, q: ArrayLike) -> pin.SE3:
+        """Pose of the tool frame in the base frame, T_base_tool.
+
+        Args:
+            q: Joint values, shape (dof,) [rad or m].
+
+        Returns:
+            The pose [m].
+
+        Raises:
+            InvalidRequest: ``q`` has the wrong length or is not finite.
+        """
+        configuration = self._configuration(finite_vector(q, self.dof, "q", self.joint_names))
+        data = self._data()
+        pin.forwardKinematics(self.model, data, configuration)
+        T_universe_tip = pin.updateFramePlacement(self.model, data, self.tip_frame_id)
+        return self._T_base_universe * T_universe_tip * self.T_tip_tool
+
+    def jacobian(self, q: ArrayLike) -> Array:
+        """Jacobian of the tool frame, expressed in the tool frame.
+
+        Args:
+            q: Joint values, shape (dof,) [rad or m].
+
+        Returns:
+            Shape (6, dof): linear velocity [m] above angular velocity [rad], per unit of joint
+            velocity. With coupled joints, per unit of the user's joint velocity.
+
+        Raises:
+            InvalidRequest: ``q`` has the wrong length or is not finite.
+        """
+        configuration = self._configuration(finite_vector(q, self.dof, "q", self.joint_names))
+        J_tip = pin.computeFrameJacobian(
+            self.model, self._data(), configuration, self.tip_frame_id, pin.ReferenceFrame.LOCAL
+        )
+        J: Array = self._tip_to_tool @ J_tip @ self.coupling
+        return J
+
+    def clip(self, q: ArrayLike) -> Array:
+        """The nearest joint values inside the position limits, shape (dof,) [rad or m].
+
+        Raises:
+            InvalidRequest: ``q`` has the wrong length or is not finite.
+        """
+        values = finite_vector(q, self.dof, "q", self.joint_names)
+        return np.minimum(np.maximum(values, self.lower), self.upper)
+
+    def random_configuration(self, rng: np.random.Generator) -> Array:
+        """Joint values drawn uniformly inside the limits, shape (dof,) [rad or m].
+
+        Continuous joints are drawn from [-pi, pi).
+        """
+        lower = np.where(self.continuous, -np.pi, self.lower)
+        upper = np.where(self.continuous, np.pi, self.upper)
+        q: Array = lower + rng.random(self.dof) * (upper - lower)
+        return np.minimum(q, upper)
+
+    def with_tool(
+        self, position: ArrayLike, quaternion_xyzw: ArrayLike = (0.0, 0.0, 0.0, 1.0)
+    ) -> Robot:
+        """The same robot with a tool; it replaces a tool already there.
+
+        Args:
+            position: Tool frame origin in the tip frame, shape (3,) [m].
+            quaternion_xyzw: Orientation of the tool frame in the tip frame, shape (4,), of unit
+                length within 1e-3; it is normalised.
+
+        Raises:
+            InvalidRequest: The position or quaternion is not finite, of the wrong length, or the
+                quaternion is not unit.
+        """
+        x, y, z = (float(v) + 0.0 for v in finite_vector(position, 3, "tool.position"))
+        tool = Tool((x, y, z), unit_quaternion(quaternion_xyzw, "tool.quaternion_xyzw"))
+        return Robot(replace(self.description, tool=tool))
+
+    def with_limits(
+        self, velocity: ArrayLike | None = None, acceleration: ArrayLike | None = None
+    ) -> Robot:
+        """The same robot with other velocity or acceleration limits.
+
+        Args:
+            velocity: Velocity limits, shape (dof,) or one for all [rad/s or m/s]; None: as they
+                are.
+            acceleration: Acceleration limits, the same [rad/s^2 or m/s^2].
+
+        Raises:
+            InvalidRequest: A limit is not finite and positive, or the length is wrong.
+        """
+        joints = self.description.joints
+        sources = list(self.description.limit_sources)
+        for key, values in (("velocity", velocity), ("acceleration", acceleration)):
+            if values is None:
+                continue
+            limits = positive_vector(values, self.dof, key, self.joint_names)
+            joints = tuple(
+                replace(j, velocity=v) if key == "velocity" else replace(j, acceleration=v)
+                for j, v in zip(joints, limits.tolist(), strict=True)
+            )
+            sources = [
+                replace(s, source="set by with_limits", default=None, verified=True)
+                if s.limit == key
+                else s
+                for s in sources
+            ]
+        return Robot(replace(self.description, joints=joints, limit_sources=tuple(sources)))
+
+    def info(self) -> RobotInfo:
+        """Names, limits, frames and sources, ready for JSON."""
+        d = self.description
+        return RobotInfo(
+            name=d.name,
+            title=d.title,
+            dof=self.dof,
+            joints=[
+                JointInfo(
+                    name=j.name,
+                    type=j.kind,
+                    lower=_finite(j.lower),
+                    upper=_finite(j.upper),
+                    velocity=j.velocity,
+                    acceleration=j.acceleration,
+                    effort=_finite(j.effort),
+                    home=j.home,
+                )
+                for j in d.joints
+            ],
+            base_frame=d.base,
+            tip_frame=d.tip,
+            coupled=d.coupling is not None,
+            tool_position=list(d.tool.position),
+            tool_quaternion_xyzw=list(d.tool.quaternion_xyzw),
+            limit_sources=[
+                LimitSourceInfo(
+                    limit=s.limit, source=s.source, default=s.default, verified=s.verified
+                )
+                for s in d.limit_sources
+            ],
+            sources=list(d.sources),
+            notes=[*d.notes, *(f"{s.limit} limits: {s}" for s in d.limit_sources)],
+            inertias_sourced=d.inertias_sourced,
+            fingerprint=self.fingerprint,
+        )
+
+
+def _frozen(values: ArrayLike) -> Array:
+    array = np.array(values, dtype=np.float64)
+    array.setflags(write=False)
+    return array
+
+
+def _frozen_flags(values: list[bool]) -> NDArray[np.bool_]:
+    array = np.array(values, dtype=np.bool_)
+    array.setflags(write=False)
+    return array
+
+
+def _finite(value: float) -> float | None:
+    return value if np.isfinite(value) else None

@@ -153,7 +153,7 @@ class RobotNotFound(IkplanError):
         self.valid = list(valid)
         self.near = near_names(name, valid) if near is None else list(near)
         if not detail:
-            hint = f"; did you mean {' or '.join(self.near)}?" if self.near else ""
+            hint = f"; did you mean {' or '.join(self.near)}?" if self.near else "."
             detail = f"no robot named {name!r}{hint} Valid names: {', '.join(self.valid)}"
         super().__init__(detail)
 

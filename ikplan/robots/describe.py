@@ -214,7 +214,7 @@ def _spec(
     if velocity is None and (default := defaults.get("velocity")) is not None:
         velocity = VELOCITY_DEFAULTS[default]
     velocity = _positive(velocity, "velocity", entry.name, robot)
-    if (default := defaults.get("acceleration")) is not None:
+    if acceleration is None and (default := defaults.get("acceleration")) is not None:
         acceleration = ACCELERATION_DEFAULTS[default](velocity)
     acceleration = _positive(acceleration, "acceleration", entry.name, robot)
     effort = given("effort", 1.0)

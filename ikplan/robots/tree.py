@@ -109,7 +109,7 @@ class KinematicTree:
         if name in names:
             return name
         near = near_names(name, names)
-        hint = f"; did you mean {' or '.join(near)}?" if near else ""
+        hint = f"; did you mean {' or '.join(near)}?" if near else "."
         shown = ", ".join(names[:40]) + (", ..." if len(names) > 40 else "")
         raise InvalidRobot(
             f"{self.name}: no link {name!r} to be the {role}{hint} Links: {shown}",

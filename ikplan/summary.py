@@ -1,0 +1,50 @@
+"""What a plan promises, in words: for the shell and for figures."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from ikplan.result import Certificate, LimitPlace, Plan
+
+__all__ = ["certificate_rows"]
+
+
+def certificate_rows(plan: Plan) -> list[tuple[str, str]]:
+    """Return the certificate as rows of a name and a value with its unit."""
+    c = plan.certificate
+    at_waypoints = _both(c.max_position_error, c.max_orientation_error)
+    rows = [("error at waypoints", at_waypoints)]
+    if c.max_path_deviation is not None:
+        between = _both(c.max_path_deviation, c.max_orientation_deviation)
+        rows.append(("deviation from the path", between))
+    rows += [
+        ("position limits", _share(c.position_limit_ratio, c.position_limit_at)),
+        ("velocity limits", _share(c.velocity_limit_ratio, c.velocity_limit_at)),
+        ("acceleration limits", _share(c.acceleration_limit_ratio, c.acceleration_limit_at)),
+        (
+            "least singular value",
+            f"{c.min_singular_value:.3g} at {c.min_singular_value_time:.2f} s",
+        ),
+        ("joint motion", _motion(plan, c)),
+    ]
+    return rows
+
+
+def _both(position: float, orientation: float | None) -> str:
+    text = f"{position:.1e} m"
+    return text if orientation is None else f"{text}, {orientation:.1e} rad"
+
+
+def _share(ratio: float, place: LimitPlace | None) -> str:
+    where = f" by {place.joint} at {place.time:.2f} s" if place is not None else ""
+    # Rounded up: 100.0 % must not stand for a little more.
+    return f"{math.ceil(ratio * 1000 - 1e-6) / 10:.1f} % used{where}"
+
+
+def _motion(plan: Plan, c: Certificate) -> str:
+    if set(plan.joint_units) == {"rad"}:
+        total, least = math.degrees(c.elongation_sum), math.degrees(c.elongation_lower_bound)
+        return f"{total:.1f} deg, at least {least:.1f} deg needed"
+    return f"{c.elongation_sum:.3f}, at least {c.elongation_lower_bound:.3f} needed"

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from ikplan._jit import kernel
 
-__all__ = ["usage"]
+__all__ = ["interval_usage", "usage", "utilisation"]
 
 Array = NDArray[np.float64]
 
@@ -15,6 +15,69 @@ Array = NDArray[np.float64]
 @kernel
 def _ratio(value: float, upper: float, lower: float) -> float:
     return value / upper if value >= 0.0 else value / lower
+
+
+@kernel
+def interval_usage(
+    h: float,
+    x0: float,
+    x1: float,
+    qs0: Array,
+    qss0: Array,
+    qss1: Array,
+    velocity: Array,
+    velocity_lower: Array,
+    acceleration: Array,
+    acceleration_lower: Array,
+) -> tuple[Array, Array]:
+    """Return the greatest share of each joint's limits on one interval.
+
+    With q'(s) = A + B r + C r^2, r from the start, and x = x0 + 2 u r, a joint's acceleration
+    q' u + q'' x = (A u + B x0) + (3 B u + 2 C x0) r + 5 C u r^2 is a quadratic: its extrema are
+    at the ends or the vertex. Its velocity q' sqrt(x) is extreme at the ends or where the
+    acceleration is zero.
+
+    Args:
+        h: Length of the interval.
+        x0: Squared path velocity at its start.
+        x1: Squared path velocity at its end.
+        qs0: dq/ds at its start, shape (dof,).
+        qss0: d2q/ds2 at its start, shape (dof,).
+        qss1: d2q/ds2 at its end, shape (dof,).
+        velocity: Upper velocity limits, shape (dof,).
+        velocity_lower: Lower velocity limits, shape (dof,), negative.
+        acceleration: Upper acceleration limits, shape (dof,).
+        acceleration_lower: Lower acceleration limits, shape (dof,), negative.
+
+    Returns:
+        Shares of the velocity and of the acceleration limits, each of shape (dof,).
+    """
+    dof = len(qs0)
+    v_share, a_share = np.empty(dof), np.empty(dof)
+    u = (x1 - x0) / (2.0 * h)
+    for j in range(dof):
+        A, B = qs0[j], qss0[j]
+        C = 0.5 * (qss1[j] - B) / h
+        c0, c1, c2 = A * u + B * x0, 3.0 * B * u + 2.0 * C * x0, 5.0 * C * u
+        top_a = _ratio(c0, acceleration[j], acceleration_lower[j])
+        end = c0 + h * (c1 + h * c2)
+        top_a = max(top_a, _ratio(end, acceleration[j], acceleration_lower[j]))
+        if c2 != 0.0:
+            vertex = -c1 / (2.0 * c2)
+            if 0.0 < vertex < h:
+                value = c0 + vertex * (c1 + vertex * c2)
+                top_a = max(top_a, _ratio(value, acceleration[j], acceleration_lower[j]))
+        a_share[j] = top_a
+        top_v = 0.0
+        discriminant = c1 * c1 - 4.0 * c2 * c0
+        w = -0.5 * (c1 + (1.0 if c1 >= 0.0 else -1.0) * np.sqrt(max(discriminant, 0.0)))
+        for r in (0.0, h, w / c2 if c2 != 0.0 else 0.0, c0 / w if w != 0.0 else 0.0):
+            if 0.0 <= r <= h:
+                speed = np.sqrt(max(x0 + 2.0 * u * r, 0.0))
+                value = (A + r * (B + r * C)) * speed
+                top_v = max(top_v, _ratio(value, velocity[j], velocity_lower[j]))
+        v_share[j] = top_v
+    return v_share, a_share
 
 
 @kernel
@@ -29,12 +92,7 @@ def usage(
     acceleration: Array,
     acceleration_lower: Array,
 ) -> tuple[Array, Array]:
-    """Return the greatest share of the velocity and acceleration limits in every interval.
-
-    With q'(s) = A + B r + C r^2 on an interval and x = x0 + 2 u r, r from its start, a joint's
-    acceleration q' u + q'' x = (A u + B x0) + (3 B u + 2 C x0) r + 5 C u r^2 is a quadratic: its
-    extrema are at the ends or the vertex. Its velocity q' sqrt(x) is extreme at the ends or where
-    the acceleration is zero.
+    """Return the greatest share of each joint's limits on every interval.
 
     Args:
         h: Lengths of the intervals, shape (n,).
@@ -42,10 +100,10 @@ def usage(
         qs0: dq/ds at the starts, shape (n, dof).
         qss0: d2q/ds2 at the starts, shape (n, dof).
         qss1: d2q/ds2 at the ends, shape (n, dof).
-        velocity: Upper velocity limits, shape (dof,).
-        velocity_lower: Lower velocity limits, shape (dof,), negative.
-        acceleration: Upper acceleration limits, shape (dof,).
-        acceleration_lower: Lower acceleration limits, shape (dof,), negative.
+        velocity: Upper velocity limits, shape (n, dof).
+        velocity_lower: Lower velocity limits, shape (n, dof), negative.
+        acceleration: Upper acceleration limits, shape (n, dof).
+        acceleration_lower: Lower acceleration limits, shape (n, dof), negative.
 
     Returns:
         Shares of the velocity and of the acceleration limits, each of shape (n, dof).
@@ -53,34 +111,69 @@ def usage(
     n, dof = qs0.shape
     v_share, a_share = np.empty((n, dof)), np.empty((n, dof))
     for i in range(n):
-        length, x0 = h[i], x[i]
-        u = (x[i + 1] - x0) / (2.0 * length)
+        v, a = interval_usage(
+            h[i],
+            x[i],
+            x[i + 1],
+            qs0[i],
+            qss0[i],
+            qss1[i],
+            velocity[i],
+            velocity_lower[i],
+            acceleration[i],
+            acceleration_lower[i],
+        )
         for j in range(dof):
-            A, B = qs0[i, j], qss0[i, j]
-            C = 0.5 * (qss1[i, j] - B) / length
-            c0, c1, c2 = A * u + B * x0, 3.0 * B * u + 2.0 * C * x0, 5.0 * C * u
-            top_a = _ratio(c0, acceleration[j], acceleration_lower[j])
-            end = c0 + length * (c1 + length * c2)
-            top_a = max(top_a, _ratio(end, acceleration[j], acceleration_lower[j]))
-            if c2 != 0.0:
-                vertex = -c1 / (2.0 * c2)
-                if 0.0 < vertex < length:
-                    value = c0 + vertex * (c1 + vertex * c2)
-                    top_a = max(top_a, _ratio(value, acceleration[j], acceleration_lower[j]))
-            a_share[i, j] = top_a
-            top_v = 0.0
-            discriminant = c1 * c1 - 4.0 * c2 * c0
-            w = -0.5 * (c1 + (1.0 if c1 >= 0.0 else -1.0) * np.sqrt(max(discriminant, 0.0)))
-            roots = (
-                0.0,
-                length,
-                w / c2 if c2 != 0.0 else 0.0,
-                c0 / w if w != 0.0 else 0.0,
-            )
-            for r in roots:
-                if 0.0 <= r <= length:
-                    speed = np.sqrt(max(x0 + 2.0 * u * r, 0.0))
-                    value = (A + r * (B + r * C)) * speed
-                    top_v = max(top_v, _ratio(value, velocity[j], velocity_lower[j]))
-            v_share[i, j] = top_v
+            v_share[i, j], a_share[i, j] = v[j], a[j]
     return v_share, a_share
+
+
+@kernel
+def utilisation(
+    h: Array,
+    x: Array,
+    qs0: Array,
+    qss0: Array,
+    qss1: Array,
+    velocity: Array,
+    velocity_lower: Array,
+    acceleration: Array,
+    acceleration_lower: Array,
+) -> Array:
+    """Return how fast every interval is passed, as a share of what its limits seem to allow.
+
+    In a time-optimal motion some limit binds at every time. The mean over an interval of the
+    greatest share (of velocity, or root of the share of acceleration: both grow in proportion to
+    speed) therefore shows what the grid costs there.
+
+    Args:
+        h: As in usage.
+        x: As in usage.
+        qs0: As in usage.
+        qss0: As in usage.
+        qss1: As in usage.
+        velocity: As in usage.
+        velocity_lower: As in usage.
+        acceleration: As in usage.
+        acceleration_lower: As in usage.
+
+    Returns:
+        Shares, about 0 to 1, shape (n,).
+    """
+    n, dof = qs0.shape
+    mean = np.zeros(n)
+    for i in range(n):
+        u = (x[i + 1] - x[i]) / (2.0 * h[i])
+        for part in range(3):
+            r = 0.5 * part * h[i]
+            x_here = max(x[i] + 2.0 * u * r, 0.0)
+            top = 0.0
+            for j in range(dof):
+                C = 0.5 * (qss1[i, j] - qss0[i, j]) / h[i]
+                qs = qs0[i, j] + r * (qss0[i, j] + r * C)
+                qss = qss0[i, j] + 2.0 * C * r
+                v = _ratio(qs * np.sqrt(x_here), velocity[i, j], velocity_lower[i, j])
+                a = _ratio(qs * u + qss * x_here, acceleration[i, j], acceleration_lower[i, j])
+                top = max(top, v, np.sqrt(a))
+            mean[i] += top * (4.0 if part == 1 else 1.0) / 6.0
+    return mean

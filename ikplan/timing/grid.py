@@ -2,56 +2,100 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
+from numpy.typing import NDArray
 
+from ikplan._jit import kernel
 from ikplan.timing.joint_path import JointPath
-from ikplan.timing.limits import JointLimits
-from ikplan.timing.rows import Grid
 
-__all__ = ["curvature_grid", "split"]
+__all__ = ["Grid", "curvature_grid", "regridded"]
+
+Array = NDArray[np.float64]
+Indices = NDArray[np.int64]
 
 
-def split(path: JointPath, first: int, counts: np.ndarray[tuple[int], np.dtype[np.int64]]) -> Grid:
-    """Divide pieces of a path into equal intervals.
+@dataclass(frozen=True, eq=False)
+class Grid:
+    """Nodes along a span of a path, every knot of the span among them.
+
+    Attributes:
+        s: Path positions of the nodes, shape (n + 1,), strictly increasing.
+        pieces: Piece of the path that each interval belongs to, shape (n,).
+    """
+
+    s: Array
+    pieces: Indices
+
+
+@kernel
+def _place(s: Array, pieces: Indices, wanted: Array) -> tuple[Array, Indices]:
+    """Divide each run of intervals of one piece into about as many intervals as wanted."""
+    n = len(pieces)
+    total = 0
+    for i in range(n):
+        total += int(wanted[i]) + 1
+    nodes, owner = np.empty(total + 1), np.empty(total, np.int64)
+    count, start = 0, 0
+    while start < n:
+        stop, mass = start, 0.0
+        while stop < n and pieces[stop] == pieces[start]:
+            mass += wanted[stop]
+            stop += 1
+        parts = max(int(np.ceil(mass - 1e-9)), 1)
+        i, before = start, 0.0
+        for part in range(parts):
+            level = mass * part / parts
+            while i < stop - 1 and before + wanted[i] <= level:
+                before += wanted[i]
+                i += 1
+            share = (level - before) / wanted[i]
+            nodes[count] = s[i] + (s[i + 1] - s[i]) * min(max(share, 0.0), 1.0)
+            owner[count] = pieces[start]
+            count += 1
+        start = stop
+    nodes[count] = s[n]
+    return nodes[: count + 1].copy(), owner[:count].copy()
+
+
+def regridded(grid: Grid, wanted: Array) -> Grid:
+    """Return a grid with about as many intervals as wanted in place of each interval.
 
     Args:
-        path: The path.
-        first: First piece.
-        counts: Number of intervals of each piece from there on, shape (k,), >= 1.
+        grid: The old grid.
+        wanted: Number of intervals wanted in place of each, > 0, fractions allowed, shape (n,).
 
     Returns:
-        The grid, every knot on it.
+        The new grid; it keeps the ends of the pieces and nothing else of the old one.
     """
-    k = len(counts)
-    pieces = np.repeat(np.arange(first, first + k), counts)
-    offset = np.arange(len(pieces)) - np.repeat(np.cumsum(counts) - counts, counts)
-    share = offset / np.repeat(counts, counts)
-    start, end = path.s_knots[pieces], path.s_knots[pieces + 1]
-    s = np.append(start + share * (end - start), path.s_knots[first + k])
-    return Grid(s, pieces)
+    s, pieces = _place(grid.s, grid.pieces, wanted)
+    # A node that rounding put on its neighbour would be an interval of length zero.
+    distinct = np.append(np.diff(s) > 0.0, True)
+    return Grid(s[distinct], pieces[distinct[:-1]])
 
 
-def curvature_grid(
-    path: JointPath, first: int, last: int, limits: JointLimits, target: int
-) -> Grid:
+def curvature_grid(path: JointPath, first: int, last: int, weight: Array, target: int) -> Grid:
     """Place nodes by how much the direction of motion turns, and evenly otherwise.
 
     Args:
         path: The path.
         first: First knot of the span.
         last: Last knot of the span.
-        limits: Joint limits: joints count by their share of the acceleration limit.
+        weight: How much each joint counts, shape (dof,).
         target: About how many intervals.
 
     Returns:
         The grid.
     """
-    h = np.diff(path.s_knots[first : last + 1])
+    s = path.s_knots[first : last + 1]
+    h = np.diff(s)
     m0, m1 = path.tangents_start[first:last], path.tangents_end[first:last]
     d = np.diff(path.q_knots[first : last + 1], axis=0) / h[:, None]
-    weight = 1.0 / np.minimum(limits.acceleration, -limits.acceleration_lower)
-    turn = np.sum((np.abs(d - m0) + np.abs(m1 - d)) * weight, axis=1)
-    size = np.maximum(np.sum(np.abs(d) * weight, axis=1), 1e-300)
-    density = h / h.sum() + np.sqrt(turn / size) / max(np.sqrt(turn / size).sum(), 1e-300)
-    counts = np.ceil(0.5 * target * density).astype(np.int64)
-    return split(path, first, np.maximum(counts, 2))
+    turn = np.sqrt(
+        np.sum((np.abs(d - m0) + np.abs(m1 - d)) * weight, axis=1)
+        / np.maximum(np.sum(np.abs(d) * weight, axis=1), 1e-300)
+    )
+    density = h / h.sum() + turn / max(float(turn.sum()), 1e-300)
+    wanted = np.maximum(0.5 * target * density, 2.0)
+    return regridded(Grid(s, np.arange(first, last)), wanted)

@@ -8,26 +8,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ikplan._jit import kernel
-from ikplan.timing.joint_path import JointPath
-from ikplan.timing.limits import JointLimits
+from ikplan.timing.excess import interval_usage
 
-__all__ = ["Grid", "StageRows", "joint_rows"]
+__all__ = ["StageRows", "acceleration_rows", "natural_units", "velocity_bounds"]
 
 Array = NDArray[np.float64]
-Indices = NDArray[np.int64]
-
-
-@dataclass(frozen=True, eq=False)
-class Grid:
-    """Nodes along a span of a path, every knot of the span among them.
-
-    Attributes:
-        s: Path positions of the nodes, shape (n + 1,), strictly increasing.
-        pieces: Piece of the path that each interval belongs to, shape (n,).
-    """
-
-    s: Array
-    pieces: Indices
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,7 +20,7 @@ class StageRows:
     """Constraints a u + b x <= 1 in each interval and x <= x_max at each node.
 
     u is the second time derivative of s, constant in an interval, and x the square of the first
-    at the interval's start; x at the interval's end is x + 2 u h.
+    at the interval's start; x at the interval's end is x + 2 u h. Rest (x = 0, u = 0) keeps all.
 
     Attributes:
         s: Path positions of the nodes, shape (n + 1,).
@@ -51,66 +36,137 @@ class StageRows:
 
 
 @kernel
-def _fill(
-    h: Array,
-    qs0: Array,
-    qss0: Array,
-    qss1: Array,
-    qs1: Array,
-    acceleration: Array,
-    acceleration_lower: Array,
-    velocity: Array,
-    velocity_lower: Array,
-) -> tuple[Array, Array, Array]:
-    n, dof = qs0.shape
-    a, b = np.empty((n, 6 * dof)), np.empty((n, 6 * dof))
-    x_max = np.full(n + 1, np.inf)
-    for i in range(n):
-        for j in range(dof):
-            c2 = qss1[i, j] - qss0[i, j]
-            for side in range(2):
-                bound = acceleration[j] if side == 0 else acceleration_lower[j]
-                first = 3 * (2 * j + side)
-                a[i, first] = qs0[i, j] / bound
-                b[i, first] = qss0[i, j] / bound
-                a[i, first + 1] = (qs0[i, j] + 1.5 * h[i] * qss0[i, j]) / bound
-                b[i, first + 1] = (qss0[i, j] + 0.5 * c2) / bound
-                a[i, first + 2] = (qs1[i, j] + 2.0 * h[i] * qss1[i, j]) / bound
-                b[i, first + 2] = qss1[i, j] / bound
-            for node, qs in ((i, qs0[i, j]), (i + 1, qs1[i, j])):
-                if qs != 0.0:
-                    root = (velocity[j] if qs > 0.0 else velocity_lower[j]) / qs
-                    x_max[node] = min(x_max[node], root * root)
-    return a, b, x_max
-
-
-def joint_rows(path: JointPath, grid: Grid, limits: JointLimits) -> StageRows:
-    """Write joint velocity and acceleration limits as rows.
+def acceleration_rows(
+    h: Array, qs0: Array, qss0: Array, qss1: Array, upper: Array, lower: Array
+) -> tuple[Array, Array]:
+    """Bound the joint accelerations over whole intervals.
 
     On an interval of a cubic path with constant path acceleration, a joint's acceleration is a
     quadratic in s. Its three Bezier coefficients are linear in (u, x); bounding them bounds the
     acceleration over the whole interval, and not at its ends alone.
 
     Args:
-        path: The path.
-        grid: Nodes of one span of it.
-        limits: Joint limits.
+        h: Lengths of the intervals, shape (n,).
+        qs0: dq/ds at the starts, shape (n, dof).
+        qss0: d2q/ds2 at the starts, shape (n, dof).
+        qss1: d2q/ds2 at the ends, shape (n, dof).
+        upper: Upper acceleration limits, shape (n, dof).
+        lower: Lower acceleration limits, shape (n, dof), negative.
 
     Returns:
-        The rows.
+        Coefficients of u and of x in rows a u + b x <= 1, each of shape (n, 6 dof).
     """
-    h = np.diff(grid.s)
-    _, qs0, qss0 = path.derivatives(grid.s[:-1], grid.pieces)
-    _, qs1, qss1 = path.derivatives(grid.s[1:], grid.pieces)
-    a, b, x_max = _fill(
-        h,
-        qs0,
-        qss0,
-        qss1,
-        qs1,
-        limits.acceleration,
-        limits.acceleration_lower,
-        limits.velocity,
-        limits.velocity_lower,
-    )
-    return StageRows(grid.s, a, b, x_max)
+    n, dof = qs0.shape
+    a, b = np.empty((n, 6 * dof)), np.empty((n, 6 * dof))
+    for i in range(n):
+        for j in range(dof):
+            qs, c0, c1 = qs0[i, j], qss0[i, j], qss1[i, j]
+            end = qs + 0.5 * h[i] * (c0 + c1)
+            for side in range(2):
+                scale = 1.0 / upper[i, j] if side == 0 else 1.0 / lower[i, j]
+                row = 3 * (2 * j + side)
+                a[i, row], b[i, row] = qs * scale, c0 * scale
+                a[i, row + 1] = (qs + 1.5 * h[i] * c0) * scale
+                b[i, row + 1] = 0.5 * (c0 + c1) * scale
+                a[i, row + 2] = (end + 2.0 * h[i] * c1) * scale
+                b[i, row + 2] = c1 * scale
+    return a, b
+
+
+@kernel
+def _largest_slope(h: float, qs: float, qss0: float, qss1: float) -> float:
+    """Return the greatest |dq/ds| on an interval."""
+    top = max(abs(qs), abs(qs + 0.5 * h * (qss0 + qss1)))
+    if qss0 * qss1 < 0.0:
+        top = max(top, abs(qs + 0.5 * h * qss0 * qss0 / (qss0 - qss1)))
+    return top
+
+
+@kernel
+def velocity_bounds(
+    h: Array,
+    qs0: Array,
+    qss0: Array,
+    qss1: Array,
+    velocity: Array,
+    velocity_lower: Array,
+    acceleration: Array,
+    acceleration_lower: Array,
+) -> Array:
+    """Bound the squared path velocity at the nodes so that no joint is too fast between them.
+
+    x is linear between nodes. The bounds are first those of the nodes themselves; where the line
+    between two of them breaks a velocity limit in the interval, both are lowered to what fits.
+    Any x below the bounds is then below a line that keeps every limit.
+
+    Args:
+        h: Lengths of the intervals, shape (n,).
+        qs0: dq/ds at the starts, shape (n, dof).
+        qss0: d2q/ds2 at the starts, shape (n, dof).
+        qss1: d2q/ds2 at the ends, shape (n, dof).
+        velocity: Upper velocity limits, shape (n, dof).
+        velocity_lower: Lower velocity limits, shape (n, dof), negative.
+        acceleration: Upper acceleration limits, shape (n, dof).
+        acceleration_lower: Lower acceleration limits, shape (n, dof), negative.
+
+    Returns:
+        Upper bounds of x, shape (n + 1,).
+    """
+    n, dof = qs0.shape
+    x_max = np.full(n + 1, np.inf)
+    for i in range(n):
+        for j in range(dof):
+            up, down = velocity[i, j], velocity_lower[i, j]
+            end = qs0[i, j] + 0.5 * h[i] * (qss0[i, j] + qss1[i, j])
+            for node, qs in ((i, qs0[i, j]), (i + 1, end)):
+                if qs != 0.0:
+                    root = (up if qs > 0.0 else down) / qs
+                    x_max[node] = min(x_max[node], root * root)
+            # A node where the joints stand still would else allow any speed.
+            highest = _largest_slope(h[i], qs0[i, j], qss0[i, j], qss1[i, j])
+            if highest > 0.0:
+                root = min(up, -down) / highest
+                for node in (i, i + 1):
+                    x_max[node] = min(x_max[node], 4.0 * root * root)
+    share = np.ones(n + 1)
+    for i in range(n):
+        if np.isfinite(x_max[i]) and np.isfinite(x_max[i + 1]):
+            v, _ = interval_usage(
+                h[i],
+                x_max[i],
+                x_max[i + 1],
+                qs0[i],
+                qss0[i],
+                qss1[i],
+                velocity[i],
+                velocity_lower[i],
+                acceleration[i],
+                acceleration_lower[i],
+            )
+            share[i], share[i + 1] = max(share[i], v.max()), max(share[i + 1], v.max())
+    for i in range(n + 1):
+        x_max[i] /= share[i] * share[i]
+    return x_max
+
+
+def natural_units(rows: StageRows) -> tuple[StageRows, float]:
+    """Scale a problem so that lengths, speeds and accelerations are about one.
+
+    toppra's solver has absolute tolerances, so that a motion of 1e-9 rad drowns in them.
+
+    Args:
+        rows: The problem.
+
+    Returns:
+        The scaled problem, and the factor that turns its x into the caller's.
+    """
+    length = float(rows.s[-1] - rows.s[0])
+    finite = rows.x_max[np.isfinite(rows.x_max)]
+    by_velocity = float(np.median(finite)) if len(finite) else np.inf
+    slope = float(np.median(np.abs(rows.a).max(axis=1)))
+    by_acceleration = length / slope if slope > 0.0 else np.inf
+    unit = min(by_velocity, by_acceleration)
+    if not np.isfinite(unit):
+        unit = 1.0
+    s = (rows.s - rows.s[0]) / length
+    return StageRows(s, rows.a * (unit / length), rows.b * unit, rows.x_max / unit), unit

@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ikplan.timing.evaluation import evaluate_timed
 from ikplan.timing.joint_path import JointPath
+from ikplan.timing.span import SpanTiming
 
 __all__ = ["TimedPath"]
 
@@ -26,6 +27,7 @@ class TimedPath:
         pieces: Piece of the path of each interval, shape (n,).
         sdot: Path velocities at the nodes [1/s of s], shape (n + 1,); zero at rest points.
         node_times: Times of the nodes [s], shape (n + 1,), strictly increasing from 0.
+        spans: How each span between rest points was timed.
     """
 
     path: JointPath
@@ -33,6 +35,7 @@ class TimedPath:
     pieces: Indices
     sdot: Array
     node_times: Array
+    spans: tuple[SpanTiming, ...]
 
     @property
     def duration(self) -> float:

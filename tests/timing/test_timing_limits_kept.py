@@ -97,7 +97,7 @@ def test_random_paths_keep_their_limits(
 
 
 @pytest.mark.parametrize(("velocity", "acceleration"), [(1.0, 10.0), (10.0, 1.0), (0.3, 0.2)])
-@pytest.mark.parametrize("distance", [1e-9, 1e-3, 1.0])
+@pytest.mark.parametrize("distance", [1e-9, 1e-3, 1.0, 50.0])
 def test_a_single_joint_moves_with_the_closed_form_trapezoid(
     velocity: float, acceleration: float, distance: float
 ) -> None:

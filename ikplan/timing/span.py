@@ -1,0 +1,158 @@
+"""The timing of one span of a path, from rest to rest."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ikplan.errors import TimingFailed
+from ikplan.timing.compiled_engine import CompiledEngine
+from ikplan.timing.engine import Engine, EngineFailed
+from ikplan.timing.grid import Grid, curvature_grid, regridded
+from ikplan.timing.joint_path import JointPath
+from ikplan.timing.limits import JointLimits
+from ikplan.timing.problem import SpanProblem
+from ikplan.timing.rows import natural_units
+from ikplan.timing.toppra_engine import ToppraEngine
+
+__all__ = ["SpanTiming", "time_span"]
+
+Array = NDArray[np.float64]
+
+# Kept below the limits, so that rounding in a sample cannot step over one.
+_MARGIN = 1e-9
+_PILOT_INTERVALS = 100
+_PILOT_ROUNDS = 6
+_MAX_INTERVALS = 40_000
+# toppra takes about ten microseconds an interval; beyond this its compiled twin takes over.
+_MAX_TOPPRA_INTERVALS = 4_000
+# A result this much slower than the pilot on the same grid is a numerical failure.
+_WORSE = 1.001
+
+
+@dataclass(frozen=True, eq=False)
+class SpanTiming:
+    """The timing of a span.
+
+    Attributes:
+        problem: Path derivatives and limits on the grid that was used.
+        x: Squared path velocities at the nodes, shape (n + 1,), zero at both ends.
+        dt: Durations of the intervals [s], shape (n,).
+        loss: Estimated share of the duration that the grid costs.
+        engine: Name of the engine that found it.
+    """
+
+    problem: SpanProblem
+    x: Array
+    dt: Array
+    loss: float
+    engine: str
+
+
+def time_span(
+    path: JointPath,
+    first: int,
+    last: int,
+    limits: JointLimits,
+    engine: Engine | None = None,
+    tolerance: float = 0.003,
+) -> SpanTiming:
+    """Time the span between two knots as fast as the limits allow.
+
+    A compiled pilot finds the grid; the engine solves on it. Where it fails, or is slower than
+    the pilot, the pilot's own solution is taken, then finer grids are tried.
+
+    Args:
+        path: The path.
+        first: First knot of the span.
+        last: Last knot of the span.
+        limits: Joint limits.
+        engine: The engine; None: toppra, with its compiled twin to stand in.
+        tolerance: Estimated share of the duration that the grid may cost.
+
+    Returns:
+        The timing, within every limit.
+
+    Raises:
+        TimingFailed: No rung of the ladder found a path speed.
+    """
+    failure: tuple[SpanProblem, int] | None = None
+    for grid, pilot in _grids(path, first, last, limits, tolerance):
+        problem = SpanProblem.build(path, grid, limits)
+        engines: list[Engine] = [engine] if engine is not None else [ToppraEngine(), pilot]
+        if engine is None and len(grid.pieces) > _MAX_TOPPRA_INTERVALS:
+            del engines[0]
+        for candidate in engines:
+            try:
+                x = _solve(problem, candidate)
+            except EngineFailed as error:
+                failure = (problem, error.stage)
+                continue
+            if engine is None and candidate is not pilot:
+                best = float(problem.times(_solve(problem, pilot)).sum())
+                if float(problem.times(x).sum()) > _WORSE * best:
+                    continue
+            return _within_limits(problem, x, type(candidate).__name__)
+    assert failure is not None  # every rung ended in a return or a failure
+    raise _failed(path, limits, *failure)
+
+
+def _solve(problem: SpanProblem, engine: Engine) -> Array:
+    rows, unit = natural_units(problem.rows())
+    return engine.solve(rows) * unit
+
+
+def _grids(
+    path: JointPath, first: int, last: int, limits: JointLimits, tolerance: float
+) -> Iterator[tuple[Grid, Engine]]:
+    """Yield the grid that the pilot finds good enough, then finer ones."""
+    pilot = CompiledEngine()
+    weight = 1.0 / np.minimum(limits.acceleration, -limits.acceleration_lower)
+    grid = curvature_grid(path, first, last, weight, _PILOT_INTERVALS)
+    for _ in range(_PILOT_ROUNDS):
+        problem = SpanProblem.build(path, grid, limits)
+        try:
+            x = _solve(problem, pilot)
+        except EngineFailed:
+            break
+        loss = problem.loss(x)
+        total = float(problem.times(x).sum())
+        if loss.sum() <= tolerance * total or len(loss) >= _MAX_INTERVALS:
+            break
+        # The loss falls with the first power of the interval's length; the least number of
+        # nodes for a given sum of losses then goes with the root of each.
+        root = np.sqrt(np.maximum(loss, 1e-6 * total / len(loss)))
+        wanted = np.clip(root * (root.sum() / (0.9 * tolerance * total)), 0.33, 16.0)
+        wanted *= min(1.0, _MAX_INTERVALS / float(wanted.sum()))
+        grid = regridded(grid, wanted)
+    yield grid, pilot
+    for _ in range(2):
+        grid = regridded(grid, np.full(len(grid.pieces), 3.0))
+        yield grid, pilot
+
+
+def _within_limits(problem: SpanProblem, x: Array, engine: str) -> SpanTiming:
+    """Slow a solution by what it exceeds the limits, computed exactly."""
+    v_share, a_share = problem.usage(x)
+    k = max(float(v_share.max()), float(np.sqrt(a_share.max()))) * (1.0 + _MARGIN)
+    x = x / (k * k)
+    dt = problem.times(x)
+    return SpanTiming(problem, x, dt, float(problem.loss(x).sum() / dt.sum()), engine)
+
+
+def _failed(path: JointPath, limits: JointLimits, problem: SpanProblem, stage: int) -> TimingFailed:
+    """Describe a failure: the joint whose acceleration the path asks most of there."""
+    qss = problem.qss0[stage]
+    share = np.maximum(qss / limits.acceleration, qss / limits.acceleration_lower)
+    j = int(np.argmax(share))
+    where = float(problem.grid.s[stage] / path.length)
+    return TimingFailed(
+        f"no path speed found at {where:.4f} of the path, where joint "
+        f"{limits.joint_names[j]!r} needs the most of its acceleration limit",
+        position=where,
+        joint=limits.joint_names[j],
+        limit="acceleration",
+    )

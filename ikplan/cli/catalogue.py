@@ -1,0 +1,90 @@
+"""What there is: ``ikplan robots``, ``ikplan solvers``, ``ikplan schema``."""
+
+from __future__ import annotations
+
+import argparse
+import math
+
+from ikplan.cli.output import number, say, say_json, table
+
+__all__ = ["robots", "schema", "solvers"]
+
+
+def robots(options: argparse.Namespace) -> None:
+    """List the robots, or describe one."""
+    from ikplan.robots import load_robot, robot_names
+
+    if options.robot is not None:
+        _robot(options)
+        return
+    infos = [load_robot(name).info() for name in robot_names()]
+    if options.json:
+        say_json({"robots": [info.model_dump(mode="json") for info in infos]})
+        return
+    rows = [(i.name, i.title, str(i.dof)) for i in infos]
+    say(*table(("name", "title", "joints"), rows, left=2))
+
+
+def _robot(options: argparse.Namespace) -> None:
+    from ikplan.robots import load_robot
+
+    info = load_robot(options.robot, base=options.base, tip=options.tip).info()
+    if options.json:
+        say_json(info.model_dump(mode="json"))
+        return
+    say(f"{info.name}: {info.title}", f"{info.base_frame} -> {info.tip_frame}", "")
+    rows = []
+    for joint in info.joints:
+        turning = joint.type != "prismatic"
+        values = (joint.lower, joint.upper, joint.home, joint.velocity, joint.acceleration)
+        shown = [
+            number(math.degrees(v) if turning and v is not None else v, 2 if turning else 4)
+            for v in values
+        ]
+        effort = number(joint.effort, 1)
+        rows.append((joint.name, joint.type, *shown, effort, "deg" if turning else "m"))
+    titles = ("joint", "type", "lower", "upper", "home", "speed", "accel.", "effort", "unit")
+    say(*table(titles, rows, left=2))
+    if info.notes:
+        say("", *(f"- {note}" for note in info.notes))
+    if info.sources:
+        say("", "sources:", *(f"- {source}" for source in info.sources))
+
+
+def solvers(options: argparse.Namespace) -> None:
+    """List the solvers, or describe one."""
+    from ikplan.ik import registry
+
+    if options.solver is None:
+        known = registry.solvers()
+        if options.json:
+            say_json({"solvers": [s.model_dump(mode="json") for s in known]})
+            return
+        say(
+            *table(
+                ("name", "title", "source"), [(s.name, s.title, s.source) for s in known], left=3
+            )
+        )
+        return
+    solver = registry.find_solver(options.solver)
+    if options.json:
+        say_json(solver.model_dump(mode="json"))
+        return
+    say(f"{solver.name}: {solver.title}", f"source: {solver.source}")
+    for what, value in (("population", solver.population), ("iterations", solver.iterations)):
+        if value is not None:
+            say(f"{what}: {value}")
+    if solver.notes:
+        say(solver.notes)
+    rows = [
+        (p.name, str(p.default), p.unit or "", " | ".join(p.choices or ()), p.description)
+        for p in solver.parameters
+    ]
+    say("", *table(("parameter", "default", "unit", "choices", "meaning"), rows, left=5))
+
+
+def schema(options: argparse.Namespace) -> None:  # noqa: ARG001 - every command takes them
+    """Print the JSON schema of the plan request."""
+    from ikplan.request import json_schema
+
+    say_json(json_schema())

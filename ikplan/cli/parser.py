@@ -1,0 +1,129 @@
+"""What can be typed."""
+
+from __future__ import annotations
+
+import argparse
+import contextlib
+import os
+from collections.abc import Sequence
+from typing import NoReturn
+
+import ikplan
+from ikplan.cli import catalogue, planning, poses, serving
+from ikplan.errors import InvalidRequest
+
+__all__ = ["make_parser", "numbers_as_values"]
+
+
+class _Parser(argparse.ArgumentParser):
+    """Tells a wrong command line as it tells a wrong request: one line, exit code 2."""
+
+    def error(self, message: str) -> NoReturn:
+        raise InvalidRequest(f"{message} (see {self.prog} --help)", field="command line")
+
+
+def numbers_as_values(arguments: Sequence[str]) -> list[str]:
+    """Keep argparse from taking ``-1e-3`` for an option: with a space before it, it cannot."""
+    values = []
+    for argument in arguments:
+        if argument.startswith("-"):
+            with contextlib.suppress(ValueError):
+                float(argument)
+                argument = " " + argument
+        values.append(argument)
+    return values
+
+
+def make_parser() -> argparse.ArgumentParser:
+    """Return the parser; every command sets ``run``, a function of the options."""
+    parser = _Parser(prog="ikplan", description="A tool path in, a certified joint trajectory out.")
+    parser.add_argument("--version", action="version", version=f"ikplan {ikplan.__version__}")
+    commands = parser.add_subparsers(title="commands", metavar="COMMAND", required=True)
+
+    robots = commands.add_parser("robots", help="list the robots, or describe one")
+    robots.add_argument("robot", nargs="?", metavar="ROBOT", help="a name, or a URDF file")
+    _robot_frames(robots)
+    _json(robots)
+    robots.set_defaults(run=catalogue.robots)
+
+    solvers = commands.add_parser("solvers", help="list the solvers of joint values")
+    solvers.add_argument("solver", nargs="?", metavar="SOLVER", help="a name: its parameters")
+    _json(solvers)
+    solvers.set_defaults(run=catalogue.solvers)
+
+    fk = commands.add_parser("fk", help="place the tool: joint values to tool pose")
+    fk.add_argument("robot", metavar="ROBOT")
+    fk.add_argument("q", nargs="+", type=float, metavar="Q", help="joint values [rad or m]")
+    _json(fk)
+    fk.set_defaults(run=poses.fk)
+
+    ik = commands.add_parser("ik", help="find joint values: tool pose to joint values")
+    ik.add_argument("robot", metavar="ROBOT")
+    ik.add_argument(
+        "--position",
+        nargs=3,
+        type=float,
+        required=True,
+        metavar=("X", "Y", "Z"),
+        help="tool position in the base [m]",
+    )
+    ik.add_argument(
+        "--quaternion",
+        nargs=4,
+        type=float,
+        metavar=("X", "Y", "Z", "W"),
+        help="tool orientation; absent: any",
+    )
+    ik.add_argument(
+        "--start",
+        nargs="+",
+        type=float,
+        metavar="Q",
+        help="joint values to stay close to [rad or m]; absent: the robot's home",
+    )
+    ik.add_argument("--method", help="a solver (see ikplan solvers)")
+    ik.add_argument("--seed", type=int, help="seed of every random choice")
+    _json(ik)
+    ik.set_defaults(run=poses.ik)
+
+    plan = commands.add_parser("plan", help="make a plan from a request document")
+    plan.add_argument("request", metavar="REQUEST", help="a JSON file, or - for standard input")
+    plan.add_argument(
+        "-o",
+        "--output",
+        action="append",
+        default=[],
+        metavar="FILE",
+        help="write the plan there; the suffix names the format (.json, .csv, .npz)",
+    )
+    plan.add_argument("--plot", metavar="FILE", help="draw the plan there (.png, .svg, .pdf)")
+    plan.add_argument("--server", metavar="URL", help="let the service at that address plan")
+    plan.add_argument("--robot", metavar="FILE", help="plan for the robot of this URDF file")
+    _robot_frames(plan)
+    _json(plan)
+    plan.set_defaults(run=planning.plan)
+
+    serve = commands.add_parser(
+        "serve", help="start the service", description="Settings are read from IKPLAN_... too."
+    )
+    serve.add_argument(
+        "--host", default=os.environ.get("IKPLAN_HOST", "127.0.0.1"), help="address to listen on"
+    )
+    serve.add_argument(
+        "--port", type=int, default=os.environ.get("IKPLAN_PORT", "8000"), help="0: any free port"
+    )
+    serve.add_argument("--workers", type=int, help="plans made at the same time; 0: all processors")
+    serve.set_defaults(run=serving.serve)
+
+    schema = commands.add_parser("schema", help="print the JSON schema of the plan request")
+    schema.set_defaults(run=catalogue.schema)
+    return parser
+
+
+def _json(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("--json", action="store_true", help="print the JSON document instead")
+
+
+def _robot_frames(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("--base", metavar="LINK", help="base link of a URDF file")
+    parser.add_argument("--tip", metavar="LINK", help="tip link of a URDF file")

@@ -1,0 +1,97 @@
+"""``ikplan plan``."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from ikplan.cli.output import say, table
+from ikplan.documents import load_json, parse
+from ikplan.errors import InvalidRequest
+from ikplan.summary import certificate_rows
+
+if TYPE_CHECKING:
+    from ikplan.result import Plan
+    from ikplan.robots import Robot
+
+__all__ = ["plan"]
+
+
+def plan(options: argparse.Namespace) -> None:
+    """Make a plan, here or by a service, and write it."""
+    from ikplan.export import format_for, save
+
+    for output in options.output:
+        format_for(output)  # before the work, not after
+    if options.plot is not None:
+        from ikplan.plotting import check_image_suffix
+
+        check_image_suffix(options.plot)
+    document = _read(options.request)
+    robot = _robot(options, document)
+    made = _by_service(options.server, document) if options.server else _here(document, robot)
+    for output in options.output:
+        save(made, output)
+    if options.plot is not None:
+        _plot(made, options.plot, document, robot)
+    if options.json:
+        say(made.model_dump_json())
+        return
+    say(f"plan {made.id}")
+    say(f"{made.robot}, {len(made.waypoints.time)} waypoints, {made.duration:.3f} s, certified:")
+    say(*(f"  {line}" for line in table((), certificate_rows(made), left=2)))
+    for output in [*options.output, *([options.plot] if options.plot else [])]:
+        say(f"wrote {output}")
+
+
+def _read(name: str) -> Any:
+    """The request document; a file that cannot be read raises OSError."""
+    return load_json(sys.stdin.buffer.read() if name == "-" else Path(name).read_bytes())
+
+
+def _robot(options: argparse.Namespace, document: Any) -> Robot | None:
+    """The robot of a file, whose name then stands in the document; None: the document's."""
+    if options.robot is None:
+        if options.base is not None or options.tip is not None:
+            raise InvalidRequest("--base and --tip belong to --robot FILE", field="command line")
+        return None
+    if options.server is not None:
+        raise InvalidRequest(
+            "--robot FILE cannot be combined with --server: a service plans for its own robots",
+            field="command line",
+        )
+    from ikplan.robots import load_robot
+
+    robot = load_robot(Path(options.robot), base=options.base, tip=options.tip)
+    if isinstance(document, dict):
+        document["robot"] = robot.name
+    return robot
+
+
+def _here(document: Any, robot: Robot | None) -> Plan:
+    from ikplan.pipeline import plan as make
+
+    return make(document, robot=robot)
+
+
+def _by_service(url: str, document: Any) -> Plan:
+    from ikplan.client import Client
+
+    with Client(url, timeout=3600.0) as client:
+        return client.plan(document)
+
+
+def _plot(made: Plan, path: str, document: Any, robot: Robot | None) -> None:
+    """Draw the plan with the tool of its request, which a plan does not tell."""
+    from ikplan.plotting import plot_plan
+    from ikplan.request import PlanRequest
+    from ikplan.robots import catalogue_robot, robot_names
+
+    tool = parse(PlanRequest, document).tool
+    if robot is None and made.robot in robot_names():
+        robot = catalogue_robot(made.robot)
+    if robot is not None:
+        robot = robot.with_tool(tool.position, tool.quaternion_xyzw)
+    plot_plan(made, path, robot=robot)

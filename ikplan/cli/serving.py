@@ -1,0 +1,46 @@
+"""``ikplan serve``."""
+
+from __future__ import annotations
+
+import argparse
+import contextlib
+import os
+import socket
+
+import uvicorn
+
+from ikplan.errors import InvalidRequest
+
+__all__ = ["serve"]
+
+APP = "ikplan_api.app:create_app"
+
+
+def serve(options: argparse.Namespace) -> None:
+    """Serve until interrupted.
+
+    Raises:
+        InvalidRequest: A port or setting is not allowed.
+        OSError: The address cannot be listened on.
+    """
+    if not 0 <= options.port <= 65535:
+        raise InvalidRequest("--port: 0..65535 is allowed", field="--port", allowed="0..65535")
+    # The service reads its settings from the environment, however it is started.
+    os.environ["IKPLAN_HOST"], os.environ["IKPLAN_PORT"] = options.host, str(options.port)
+    if options.workers is not None:
+        os.environ["IKPLAN_WORKERS"] = str(options.workers)
+    config = uvicorn.Config(APP, factory=True, host=options.host, port=options.port)
+    with _listen(options.host, options.port) as listening:
+        config.load()
+        with contextlib.suppress(KeyboardInterrupt):
+            uvicorn.Server(config).run(sockets=[listening])
+
+
+def _listen(host: str, port: int) -> socket.socket:
+    """Take the address before anything else, so that a wrong one is told at once."""
+    family = socket.AF_INET6 if ":" in host else socket.AF_INET
+    try:
+        return socket.create_server((host, port), family=family)
+    except OSError as error:
+        reason = error.strerror or str(error)
+        raise OSError(error.errno, f"cannot listen on {host} port {port}: {reason}") from error

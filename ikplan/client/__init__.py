@@ -1,0 +1,11 @@
+"""The service's client: a synchronous and an asynchronous twin over one base.
+
+Nothing here needs Pinocchio or a compiler.
+"""
+
+from __future__ import annotations
+
+from ikplan.client.asynchronous import AsyncClient
+from ikplan.client.synchronous import Client
+
+__all__ = ["AsyncClient", "Client"]

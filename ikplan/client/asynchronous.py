@@ -1,0 +1,126 @@
+"""The asynchronous client."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from types import TracebackType
+from typing import Any, Self, TypeVar
+
+import httpx
+
+from ikplan.client import calls
+from ikplan.client.wire import Call, read, unreachable
+from ikplan.request import FkRequest, IkRequest, PlanRequest
+from ikplan.result import FkResult, IkSolution, Plan
+
+__all__ = ["AsyncClient"]
+
+T = TypeVar("T")
+
+
+class AsyncClient:
+    """Talks to an ikplan service; its twin is :class:`~ikplan.Client`.
+
+    Every method raises the errors of the library: the same class, with the same data, as the
+    same call made locally; ServiceUnavailable when the service cannot be reached or does not
+    answer like one.
+
+    Args:
+        base_url: Address of the service, such as ``http://127.0.0.1:8000``.
+        transport: How requests travel; None: over the network.
+        timeout: Longest wait for an answer [s]; a plan may take as long as its ``budget_s``.
+
+    Raises:
+        ServiceUnavailable: ``base_url`` is no address.
+    """
+
+    def __init__(
+        self,
+        base_url: str = "http://127.0.0.1:8000",
+        *,
+        transport: httpx.AsyncBaseTransport | None = None,
+        timeout: float | httpx.Timeout = 60.0,
+    ) -> None:
+        self.base_url = base_url.rstrip("/")
+        try:
+            self._http = httpx.AsyncClient(
+                base_url=self.base_url, transport=transport, timeout=timeout
+            )
+        except httpx.InvalidURL as error:
+            raise unreachable(error, base_url) from error
+
+    async def __aenter__(self) -> Self:
+        return self
+
+    async def __aexit__(
+        self,
+        exc_type: type[BaseException] | None,
+        exc: BaseException | None,
+        traceback: TracebackType | None,
+    ) -> None:
+        await self.aclose()
+
+    async def aclose(self) -> None:
+        """Close the connections."""
+        await self._http.aclose()
+
+    async def _send(self, call: Call[T]) -> T:
+        try:
+            response = await self._http.request(
+                call.method, call.path, content=call.content, headers=call.headers
+            )
+        except (httpx.HTTPError, httpx.InvalidURL) as error:
+            raise unreachable(error, self.base_url + call.path) from error
+        return read(call, response)
+
+    async def plan(self, request: Mapping[str, Any] | PlanRequest) -> Plan:
+        """Make a plan.
+
+        Args:
+            request: The request, as for :func:`ikplan.plan`; arrays are welcome.
+
+        Raises:
+            IkplanError: As :func:`ikplan.plan` raises.
+            ServiceUnavailable: The service cannot be reached, or is busy.
+        """
+        return await self._send(calls.plan(request))
+
+    async def get_plan(self, plan_id: str) -> Plan:
+        """Fetch a finished plan by its id.
+
+        Raises:
+            PlanNotFound: The service keeps no plan of that id.
+        """
+        return await self._send(calls.get_plan(plan_id))
+
+    async def ik(self, request: Mapping[str, Any] | IkRequest) -> IkSolution:
+        """Find joint values that bring the tool to a pose.
+
+        Raises:
+            Unreachable: There are none.
+        """
+        return await self._send(calls.ik(request))
+
+    async def fk(self, request: Mapping[str, Any] | FkRequest) -> FkResult:
+        """Place the tool of given joint values."""
+        return await self._send(calls.fk(request))
+
+    async def robots(self) -> list[dict[str, Any]]:
+        """List the robots of the service: for each, what :meth:`robot` tells."""
+        return await self._send(calls.robots())
+
+    async def robot(self, name: str) -> dict[str, Any]:
+        """Describe a robot: joints, limits, home, frames and sources.
+
+        Raises:
+            RobotNotFound: The service has no robot of that name.
+        """
+        return await self._send(calls.robot(name))
+
+    async def solvers(self) -> list[dict[str, Any]]:
+        """List the solvers, with their parameters and defaults."""
+        return await self._send(calls.solvers())
+
+    async def version(self) -> dict[str, Any]:
+        """Tell the version of the service."""
+        return await self._send(calls.version())

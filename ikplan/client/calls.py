@@ -1,0 +1,71 @@
+"""The exchanges that the service offers, each as one :class:`~ikplan.client.wire.Call`."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Mapping
+from typing import Any
+from urllib.parse import quote
+
+from ikplan.client.wire import Call, encode
+from ikplan.request import FkRequest, IkRequest, PlanRequest
+from ikplan.result import FkResult, IkSolution, Plan
+
+__all__ = ["fk", "get_plan", "ik", "plan", "robot", "robots", "solvers", "version"]
+
+
+def plan(request: Mapping[str, Any] | PlanRequest) -> Call[Plan]:
+    """Make a plan."""
+    return Call("POST", "/v1/plans", Plan.load, encode(request))
+
+
+def get_plan(plan_id: str) -> Call[Plan]:
+    """Fetch a finished plan."""
+    return Call("GET", f"/v1/plans/{quote(plan_id, safe='')}", Plan.load)
+
+
+def ik(request: Mapping[str, Any] | IkRequest) -> Call[IkSolution]:
+    """Solve one pose."""
+    return Call("POST", "/v1/ik", IkSolution.model_validate_json, encode(request))
+
+
+def fk(request: Mapping[str, Any] | FkRequest) -> Call[FkResult]:
+    """Place the tool."""
+    return Call("POST", "/v1/fk", FkResult.model_validate_json, encode(request))
+
+
+def robots() -> Call[list[dict[str, Any]]]:
+    """List the robots."""
+    return Call("GET", "/v1/robots", _list("robots"))
+
+
+def robot(name: str) -> Call[dict[str, Any]]:
+    """Describe a robot."""
+    return Call("GET", f"/v1/robots/{quote(name, safe='')}", _object)
+
+
+def solvers() -> Call[list[dict[str, Any]]]:
+    """List the solvers."""
+    return Call("GET", "/v1/solvers", _list("solvers"))
+
+
+def version() -> Call[dict[str, Any]]:
+    """Tell the service's version."""
+    return Call("GET", "/version", _object)
+
+
+def _object(body: bytes) -> dict[str, Any]:
+    document = json.loads(body)
+    if not isinstance(document, dict):
+        raise TypeError("an object was expected")
+    return document
+
+
+def _list(key: str) -> Callable[[bytes], list[dict[str, Any]]]:
+    def pick(body: bytes) -> list[dict[str, Any]]:
+        items = _object(body)[key]
+        if not isinstance(items, list):
+            raise TypeError("a list was expected")
+        return items
+
+    return pick

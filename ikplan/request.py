@@ -45,6 +45,17 @@ Start = Annotated[
 ]
 
 
+def _budget_tag(value: Any) -> str:
+    return "[name]" if isinstance(value, str) else "[number]"
+
+
+Budget = Annotated[
+    Annotated[int, Field(ge=1, le=100_000), Tag("[number]")]
+    | Annotated[Literal["paper"], Tag("[name]")],
+    Discriminator(_budget_tag),
+]
+
+
 def _scalar(value: Any) -> bool | int | float | str:
     if not isinstance(value, bool | int | float | str):
         raise ValueError("a parameter is a number, a string, true or false")
@@ -117,11 +128,14 @@ class IkOptions(Document):
 
     method: str = Field("ik-ba", description="Name of a solver; see GET /v1/solvers.")
     seed: int = Field(0, ge=0, lt=2**63, description="Seed of every random choice.")
-    population: int | None = Field(
-        None, ge=1, le=10_000, description="Candidates per iteration; null: the planner's own."
+    population: Budget | None = Field(
+        None,
+        description="Candidates per iteration, 1 to 100000; null: the planner's own, as small as "
+        'keeps its promises; "paper": the number of the method\'s paper.',
     )
-    iterations: int | None = Field(
-        None, ge=1, le=100_000, description="Iterations; null: the planner's own."
+    iterations: Budget | None = Field(
+        None,
+        description="Iterations, 1 to 100000; null: the planner's own; \"paper\": the paper's.",
     )
     params: dict[str, Scalar] = Field(
         default_factory=dict, description="Parameters of the method, by name."

@@ -1,0 +1,339 @@
+"""Levenberg-Marquardt on SE(3) with joint limits, and the slide to the nearest solution.
+
+Source of the damping: Sugihara, "Solvability-Unconcerned Inverse Kinematics by the
+Levenberg-Marquardt Method", IEEE Trans. Robotics 2011, 27(5), Eq. 31: the damping is the residual
+itself. The limits are an active set: a joint at its limit that the step would push out rests.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ikplan._jit import kernel
+from ikplan.kinematics.chain import Chain
+from ikplan.kinematics.forward import forward_into, jacobian_into, pose_error
+from ikplan.kinematics.target import Target
+
+__all__ = ["Workspace", "new_workspace", "nearest_on_manifold", "refine"]
+
+Array = NDArray[np.float64]
+
+
+class Workspace(NamedTuple):
+    """Buffers of a solve.
+
+    Attributes:
+        R: Rotation of the tool, shape (3, 3).
+        p: Position of the tool, shape (3,).
+        z: Joint axes, shape (n, 3).
+        o: Joint origins, shape (n, 3).
+        E: Rotation from the tool to the target, shape (3, 3).
+        turn: Its rotation vector, shape (3,).
+        e: Error of the current configuration, shape (6,).
+        e_trial: Error of the trial, shape (6,).
+        Jt: Transposed Jacobian, shape (dof, 6).
+        A: Normal matrix, shape (6, 6).
+        L: Its Cholesky factor, shape (6, 6).
+        y: Right-hand side and solution, shape (6,).
+        dq: Step, shape (dof,).
+        free: Which joints move, shape (dof,).
+        trial: Trial configuration, shape (dof,).
+    """
+
+    R: Array
+    p: Array
+    z: Array
+    o: Array
+    E: Array
+    turn: Array
+    e: Array
+    e_trial: Array
+    Jt: Array
+    A: Array
+    L: Array
+    y: Array
+    dq: Array
+    free: NDArray[np.bool_]
+    trial: Array
+
+
+@kernel
+def new_workspace(chain: Chain) -> Workspace:
+    """Return the buffers for a chain."""
+    n, dof = chain.coupling.shape
+    return Workspace(
+        np.empty((3, 3)),
+        np.empty(3),
+        np.empty((n, 3)),
+        np.empty((n, 3)),
+        np.empty((3, 3)),
+        np.empty(3),
+        np.zeros(6),
+        np.zeros(6),
+        np.empty((dof, 6)),
+        np.empty((6, 6)),
+        np.empty((6, 6)),
+        np.empty(6),
+        np.empty(dof),
+        np.empty(dof, dtype=np.bool_),
+        np.empty(dof),
+    )
+
+
+@kernel
+def residual(
+    chain: Chain, target: Target, q: Array, e: Array, w: Workspace
+) -> tuple[float, float, float]:
+    """Write the pose error of q to ``e``, shape (6,).
+
+    Returns:
+        Distance [m], rotation angle [rad] (0 where none counts), and half the squared error.
+    """
+    forward_into(chain, q, w.R, w.p, w.z, w.o)
+    distance, angle = pose_error(w.R, w.p, target.R, target.p, w.E, e, w.turn)
+    if not target.oriented:
+        return distance, 0.0, 0.5 * distance * distance
+    weight = target.weight
+    e[3] *= weight
+    e[4] *= weight
+    e[5] *= weight
+    return distance, angle, 0.5 * (distance * distance + weight * weight * angle * angle)
+
+
+@kernel
+def differentiate(chain: Chain, target: Target, w: Workspace) -> None:
+    """Write the transposed Jacobian of the weighted error at the last :func:`residual`."""
+    jacobian_into(chain, w.R, w.p, w.z, w.o, w.Jt)
+    if target.oriented and target.weight != 1.0:
+        for j in range(w.Jt.shape[0]):
+            for i in range(3, 6):
+                w.Jt[j, i] *= target.weight
+
+
+@kernel
+def _factor_rows(m: int, w: Workspace) -> None:
+    """Write A = J J^T over the free joints, lower triangle."""
+    A, Jt, free = w.A, w.Jt, w.free
+    for i in range(m):
+        for k in range(i + 1):
+            A[i, k] = 0.0
+    for j in range(Jt.shape[0]):
+        if free[j]:
+            for i in range(m):
+                a = Jt[j, i]
+                for k in range(i + 1):
+                    A[i, k] += a * Jt[j, k]
+
+
+@kernel
+def _solve_rows(m: int, damping: float, w: Workspace) -> None:
+    """Write y = (A + damping I)^-1 y, by Cholesky."""
+    A, L, y = w.A, w.L, w.y
+    for i in range(m):
+        for k in range(i):
+            total = A[i, k]
+            for j in range(k):
+                total -= L[i, j] * L[k, j]
+            L[i, k] = total * L[k, k]
+        total = A[i, i] + damping
+        for j in range(i):
+            total -= L[i, j] * L[i, j]
+        L[i, i] = 1.0 / math.sqrt(max(total, 1e-300))  # the inverse of the diagonal
+        total = y[i]
+        for j in range(i):
+            total -= L[i, j] * y[j]
+        y[i] = total * L[i, i]
+    for i in range(m - 1, -1, -1):
+        total = y[i]
+        for j in range(i + 1, m):
+            total -= L[j, i] * y[j]
+        y[i] = total * L[i, i]
+
+
+@kernel
+def _damped_step(q: Array, lower: Array, upper: Array, m: int, damping: float, w: Workspace) -> None:
+    """Write the damped least-squares step to ``w.dq``; joints it would push out of limits rest."""
+    Jt, y, dq, free = w.Jt, w.y, w.dq, w.free
+    dof = q.shape[0]
+    free[:] = True
+    for _ in range(dof):
+        _factor_rows(m, w)
+        for i in range(m):
+            y[i] = w.e[i]
+        _solve_rows(m, damping, w)
+        changed = False
+        for j in range(dof):
+            step = 0.0
+            if free[j]:
+                for i in range(m):
+                    step += Jt[j, i] * y[i]
+                if (q[j] <= lower[j] and step < 0.0) or (q[j] >= upper[j] and step > 0.0):
+                    free[j] = False
+                    changed = True
+            dq[j] = step
+        if not changed:
+            return
+
+
+@kernel
+def refine(
+    chain: Chain,
+    target: Target,
+    q: Array,
+    lower: Array,
+    upper: Array,
+    iterations: int,
+    patience: int,
+    w: Workspace,
+) -> tuple[float, float, int]:
+    """Bring a configuration onto its target, in place.
+
+    Args:
+        chain: The chain from base to tool.
+        target: The tool pose wanted.
+        q: In: seed inside the limits, out: best configuration, shape (dof,) [rad or m].
+        lower: Lower position limits, shape (dof,) [rad or m].
+        upper: Upper position limits, shape (dof,) [rad or m].
+        iterations: Largest number of steps.
+        patience: Steps after which the error must have fallen to a quarter, or the seed is left.
+        w: Buffers of the chain.
+
+    Returns:
+        Distance [m] and rotation angle [rad] from the target, and evaluations spent.
+    """
+    m = 6 if target.oriented else 3
+    distance, angle, error = residual(chain, target, q, w.e, w)
+    evaluations = 1
+    factor = 1.0
+    rejected = 0
+    checkpoint = error
+    for step in range(iterations):
+        if error < 1e-26:
+            break
+        if step % patience == patience - 1:
+            # A seed that no longer gets closer sits in a local minimum: leave it to another seed.
+            if error > 0.25 * checkpoint and error > 1e-12:
+                break
+            checkpoint = error
+        if rejected == 0:
+            differentiate(chain, target, w)
+        _damped_step(q, lower, upper, m, factor * error + 1e-12, w)
+        for j in range(q.shape[0]):
+            w.trial[j] = min(max(q[j] + w.dq[j], lower[j]), upper[j])
+        new_distance, new_angle, new_error = residual(chain, target, w.trial, w.e_trial, w)
+        evaluations += 1
+        if new_error < error:
+            gain = new_error / error
+            q[:] = w.trial
+            w.e[:] = w.e_trial
+            distance, angle, error = new_distance, new_angle, new_error
+            rejected = 0
+            if gain > 0.9 and error < 1e-20:
+                break  # at the floor of rounding
+            factor = max(0.2 * factor, 1e-6)
+        else:
+            rejected += 1
+            if rejected > 6 or error < 1e-22:
+                break
+            factor = 10.0 * max(factor, 1e-3)
+    return distance, angle, evaluations
+
+
+@kernel
+def nearest_on_manifold(
+    chain: Chain,
+    target: Target,
+    q: Array,
+    q_start: Array,
+    lower: Array,
+    upper: Array,
+    iterations: int,
+    w: Workspace,
+) -> int:
+    """Slide a solution along its self-motion manifold to the point nearest to ``q_start``, in place.
+
+    Minimises ||q - q_start||^2 subject to the target and the limits, by sequential quadratic steps
+    with projection back onto the target; a step that does not get nearer is halved.
+
+    Args:
+        chain: The chain from base to tool.
+        target: The tool pose wanted.
+        q: In: a solution, out: the nearest solution of its manifold, shape (dof,) [rad or m].
+        q_start: Configuration to be near to, shape (dof,) [rad or m].
+        lower: Lower position limits, shape (dof,) [rad or m].
+        upper: Upper position limits, shape (dof,) [rad or m].
+        iterations: Largest number of steps.
+        w: Buffers of the chain.
+
+    Returns:
+        Evaluations spent.
+    """
+    dof = q.shape[0]
+    m = 6 if target.oriented else 3
+    if dof <= m:
+        return 0
+    start_distance, start_angle, _ = residual(chain, target, q, w.e, w)
+    evaluations = 1
+    here = np.empty(dof)
+    best = 0.0
+    for j in range(dof):
+        best += (q[j] - q_start[j]) ** 2
+    for _ in range(iterations):
+        here[:] = q
+        differentiate(chain, target, w)
+        w.free[:] = True
+        for _inner in range(dof):
+            # dq = d - J^T (J J^T)^-1 J d over the free joints, d = q_start - q
+            _factor_rows(m, w)
+            for i in range(m):
+                total = 0.0
+                for j in range(dof):
+                    if w.free[j]:
+                        total += w.Jt[j, i] * (q_start[j] - here[j])
+                w.y[i] = total
+            _solve_rows(m, 1e-10, w)
+            changed = False
+            for j in range(dof):
+                step = 0.0
+                if w.free[j]:
+                    step = q_start[j] - here[j]
+                    for i in range(m):
+                        step -= w.Jt[j, i] * w.y[i]
+                    if (here[j] <= lower[j] and step < 0.0) or (here[j] >= upper[j] and step > 0.0):
+                        w.free[j] = False
+                        changed = True
+                w.dq[j] = step
+            if not changed:
+                break
+        length = 0.0
+        for j in range(dof):
+            length += w.dq[j] * w.dq[j]
+        length = math.sqrt(length)
+        if length < 1e-9:
+            break
+        scale = min(1.0, 0.5 / length)
+        moved = False
+        for _half in range(6):
+            for j in range(dof):
+                q[j] = min(max(here[j] + scale * w.dq[j], lower[j]), upper[j])
+            distance, angle, spent = refine(chain, target, q, lower, upper, 12, 8, w)
+            evaluations += spent
+            total = 0.0
+            for j in range(dof):
+                total += (q[j] - q_start[j]) ** 2
+            exact = distance <= max(start_distance, 1e-11) and angle <= max(start_angle, 1e-11)
+            if exact and total < best:
+                moved = total < best * (1.0 - 1e-13)
+                best = total
+                break
+            q[:] = here
+            scale *= 0.5
+        if not moved:
+            break
+        residual(chain, target, q, w.e, w)
+        evaluations += 1
+    return evaluations

@@ -1,0 +1,312 @@
+"""One pose: seed by the chosen method, refine, take the solution nearest to the start."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ikplan.errors import InvalidRequest, Unreachable
+from ikplan.ik.lm import solve_lm, solve_seeds
+from ikplan.ik.registry import Solver, find_solver
+from ikplan.ik.search import Searcher
+from ikplan.ik.verdict import Miss, explain_miss
+from ikplan.kinematics.arm import Arm, arm_of
+from ikplan.kinematics.forward import forward
+from ikplan.kinematics.target import Target, pose_target
+from ikplan.result import IkSolution
+
+if TYPE_CHECKING:
+    from ikplan.robots import Robot
+
+__all__ = ["NoSolution", "PoseSolver", "Solved", "solve_ik"]
+
+Array = NDArray[np.float64]
+
+_RESCUE_RESTARTS = 2000
+
+
+@dataclass(frozen=True)
+class Solved:
+    """Solutions of one target, nearest to the start first.
+
+    Attributes:
+        q: Solutions, shape (k, dof), k >= 1 [rad or m].
+        position_error: Distance of each from the target, shape (k,) [m].
+        orientation_error: Rotation of each from the target, shape (k,) [rad].
+        evaluations: Evaluations spent.
+    """
+
+    q: Array
+    position_error: Array
+    orientation_error: Array
+    evaluations: int
+
+
+class NoSolution(Exception):  # noqa: N818
+    """A target without a solution within tolerance; the caller knows which waypoint it is."""
+
+    def __init__(self, miss: Miss, evaluations: int) -> None:
+        super().__init__(miss.reason)
+        self.miss = miss
+        self.evaluations = evaluations
+
+
+@dataclass
+class PoseSolver:
+    """Solves targets of one arm, one after the other, by one method.
+
+    Attributes:
+        arm: The arm.
+        method: Name of the solver.
+        seed: Seed of the random numbers; the same sequence of targets gives the same answers.
+        population: N; None for the planner's own, "paper" for the paper's.
+        iterations: T; None for the planner's own, "paper" for the paper's.
+        params: Parameters of the method.
+        refined: Whether seeds are refined.
+        tolerance_position: Distance that counts as solved [m].
+        tolerance_orientation: Angle that counts as solved [rad].
+    """
+
+    arm: Arm
+    method: str = "ik-ba"
+    seed: int = 0
+    population: int | str | None = None
+    iterations: int | str | None = None
+    params: Mapping[str, Any] = field(default_factory=dict)
+    refined: bool = True
+    tolerance_position: float = 1e-6
+    tolerance_orientation: float = 1e-6
+
+    def __post_init__(self) -> None:
+        self._solver: Solver = find_solver(self.method)
+        self._values = self._solver.check(self.params)
+        self._searcher: Searcher | None = None
+        if self._solver.family == "metaheuristic":
+            self._searcher = Searcher(
+                self.arm, self._solver, self._values, self.seed, self.population, self.iterations
+            )
+        elif self.population is not None:
+            raise InvalidRequest(
+                f"ik.population: {self.method} has no population", field="ik.population"
+            )
+
+    def solve(self, target: Target, q_start: Array) -> Solved:
+        """Return solutions of a target, the one nearest to ``q_start`` first.
+
+        Args:
+            target: The tool pose wanted.
+            q_start: Configuration to stay near to, shape (dof,) [rad or m].
+
+        Raises:
+            NoSolution: None was found within tolerance; carries the verdict.
+        """
+        if self._searcher is None:
+            return self._solve_by_refinement(target, q_start)
+        if not self.refined:
+            return self._solve_raw(self._searcher, target, q_start)
+        lower, upper = self.arm.search_bounds(q_start)
+        evaluations = 0
+        for _ in range(3):
+            seeds, spent = self._searcher.seeds(target, q_start, lower, upper)
+            seeds = np.vstack([seeds, q_start])
+            solutions, errors = np.empty_like(seeds), np.empty((seeds.shape[0], 3))
+            found, refining = solve_seeds(
+                self.arm.chain,
+                target,
+                seeds,
+                q_start,
+                lower,
+                upper,
+                self.tolerance_position,
+                self.tolerance_orientation,
+                40,
+                solutions,
+                errors,
+            )
+            evaluations += spent + refining
+            if found:
+                return Solved(solutions[:found], errors[:found, 0], errors[:found, 1], evaluations)
+        try:
+            rescued = self._solve_by_refinement(target, q_start)
+        except NoSolution as verdict:
+            verdict.evaluations += evaluations
+            raise
+        return Solved(
+            rescued.q,
+            rescued.position_error,
+            rescued.orientation_error,
+            rescued.evaluations + evaluations,
+        )
+
+    def _solve_by_refinement(self, target: Target, q_start: Array) -> Solved:
+        lower, upper = self.arm.search_bounds(q_start)
+        restarts = int(self._values.get("restarts", _RESCUE_RESTARTS))
+        iterations = self.iterations if isinstance(self.iterations, int) else 40
+        q = np.empty(self.arm.dof)
+        distance, angle, evaluations = solve_lm(
+            *self.arm.chain,
+            target.R,
+            target.p,
+            target.oriented,
+            q_start,
+            lower,
+            upper,
+            self.tolerance_position,
+            self.tolerance_orientation,
+            restarts if self._searcher is None else _RESCUE_RESTARTS,
+            iterations if self._searcher is None else 40,
+            self.seed,
+            self.method != "lm",
+            q,
+        )
+        if distance > self.tolerance_position or angle > self.tolerance_orientation:
+            miss, spent = explain_miss(self.arm, target, q, q_start)
+            raise NoSolution(miss, evaluations + spent)
+        return Solved(q[None], np.array([distance]), np.array([angle]), evaluations)
+
+    def _solve_raw(self, searcher: Searcher, target: Target, q_start: Array) -> Solved:
+        lower, upper = self.arm.search_bounds(q_start)
+        q, evaluations = searcher.best(target, q_start, lower, upper)
+        distance, angle = pose_distance(self.arm, target, q)
+        return Solved(q[None], np.array([distance]), np.array([angle]), evaluations)
+
+
+def pose_distance(arm: Arm, target: Target, q: Array) -> tuple[float, float]:
+    """Return the distance [m] and the rotation angle [rad] of q from a target (0 if none counts)."""
+    R, p = forward(arm.chain, q)
+    distance = float(np.linalg.norm(p - target.p))
+    if not target.oriented:
+        return distance, 0.0
+    chord = float(np.linalg.norm(R - target.R))
+    return distance, 2.0 * math.asin(min(1.0, chord / (2.0 * math.sqrt(2.0))))
+
+
+def solve_ik(
+    robot: Robot,
+    pose: Any,
+    *,
+    start: ArrayLike | None = None,
+    method: str = "ik-ba",
+    seed: int = 0,
+    population: int | str | None = None,
+    iterations: int | str | None = None,
+    params: Mapping[str, Any] | None = None,
+    refine: bool = True,
+    tolerance_position: float = 1e-6,
+    tolerance_orientation: float = 1e-6,
+) -> IkSolution:
+    """Find joint values that bring the tool to a pose, near to a start configuration.
+
+    Args:
+        robot: The robot.
+        pose: ``pinocchio.SE3`` of the tool in the base, or a position, shape (3,) [m].
+        start: Configuration to stay near to, shape (dof,) [rad or m]; None: the robot's home.
+        method: Name of a solver, see :func:`ikplan.ik.registry.solvers`.
+        seed: Seed of the random numbers.
+        population: N; None: the planner's own; "paper": the paper's.
+        iterations: T; None: the planner's own; "paper": the paper's.
+        params: Parameters of the method, by name.
+        refine: Polish the seed; False returns what the method itself found, however far off.
+        tolerance_position: Distance that counts as solved [m].
+        tolerance_orientation: Angle that counts as solved [rad].
+
+    Returns:
+        The nearest solution found.
+
+    Raises:
+        InvalidRequest: An argument is wrong.
+        Unreachable: No solution within tolerance; carries the best one and the reason.
+    """
+    target = _target_of(pose)
+    q_start = robot.home if start is None else check_start(robot, start)
+    solver = PoseSolver(
+        arm_of(robot),
+        method,
+        seed,
+        population,
+        iterations,
+        params or {},
+        refine,
+        tolerance_position,
+        tolerance_orientation,
+    )
+    try:
+        solved = solver.solve(target, q_start)
+    except NoSolution as verdict:
+        raise unreachable(robot, verdict.miss, 0, "the pose") from verdict
+    q = solved.q[0]
+    difference = q - q_start
+    return IkSolution.model_construct(
+        q=q,
+        position_error=float(solved.position_error[0]),
+        orientation_error=float(solved.orientation_error[0]) if target.oriented else None,
+        elongation=math.sqrt(float(difference @ difference)),
+        evaluations=solved.evaluations,
+    )
+
+
+def unreachable(robot: Robot, miss: Miss, waypoint: int, subject: str) -> Unreachable:
+    """Return the error of a target without a solution, told of ``subject``."""
+    limits = [robot.joint_names[k] for k in miss.limits]
+    error = f"{miss.position_error * 1e3:.3g} mm"
+    if miss.orientation_error is not None:
+        error += f" and {miss.orientation_error:.3g} rad"
+    binding = f"; at its limit there: {', '.join(limits)}" if limits else ""
+    return Unreachable(
+        f"{subject} is unreachable, the closest found is {error} away: {miss.reason}{binding}",
+        waypoint=waypoint,
+        position_error=miss.position_error,
+        orientation_error=miss.orientation_error,
+        q=[float(v) for v in miss.q],
+        reason=miss.reason,
+        limits=limits,
+    )
+
+
+def check_start(robot: Robot, start: ArrayLike, field: str = "start") -> Array:
+    """Return a start configuration as an array of shape (dof,).
+
+    Raises:
+        InvalidRequest: Wrong number of joints, not finite, or outside the position limits.
+    """
+    q = np.array(start, dtype=np.float64)
+    if q.shape != (robot.dof,):
+        raise InvalidRequest(
+            f"{field}: {robot.name} has {robot.dof} joints ({', '.join(robot.joint_names)}), "
+            f"got {q.size} values",
+            field=field,
+            allowed=f"{robot.dof} numbers",
+        )
+    outside = ~((q >= robot.lower - 1e-9) & (q <= robot.upper + 1e-9))
+    if outside.any():
+        k = int(np.argmax(outside))
+        raise InvalidRequest(
+            f"{field}[{k}]: joint {robot.joint_names[k]} is at {q[k]:.6g}, outside its limits "
+            f"{robot.lower[k]:.6g} to {robot.upper[k]:.6g}",
+            field=f"{field}[{k}]",
+            allowed=[float(robot.lower[k]), float(robot.upper[k])],
+        )
+    return np.clip(q, robot.lower, robot.upper)
+
+
+def _target_of(pose: Any) -> Target:
+    """Read an SE3 or a position."""
+    rotation = getattr(pose, "rotation", None)
+    position = np.array(pose.translation if rotation is not None else pose, dtype=np.float64)
+    if position.shape != (3,) or not np.isfinite(position).all():
+        raise InvalidRequest(
+            "pose: a pinocchio.SE3 or three finite numbers are wanted",
+            field="pose",
+            allowed="pinocchio.SE3 or position of shape (3,)",
+        )
+    if rotation is None:
+        return pose_target(position)
+    R = np.array(rotation, dtype=np.float64)
+    if not np.isfinite(R).all() or np.abs(R @ R.T - np.eye(3)).max() > 1e-3:
+        raise InvalidRequest("pose: its rotation is not a rotation matrix", field="pose.rotation")
+    return pose_target(position, R)

@@ -1,0 +1,85 @@
+"""The ASGI application."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import logging
+from collections.abc import AsyncIterator
+
+from fastapi import FastAPI
+
+import ikplan
+from ikplan_api import openapi, problems
+from ikplan_api.middleware import RequestIdMiddleware
+from ikplan_api.planner import Planner, ThreadPlanner
+from ikplan_api.routes import ROUTERS
+from ikplan_api.settings import Settings, load_settings
+from ikplan_api.store import MemoryStore, PlanStore
+
+__all__ = ["create_app"]
+
+_log = logging.getLogger("ikplan.service")
+
+
+def create_app(
+    settings: Settings | None = None,
+    *,
+    planner: Planner | None = None,
+    store: PlanStore | None = None,
+) -> FastAPI:
+    """Put the service together.
+
+    Args:
+        settings: What the operator set; None: read from the environment.
+        planner: Who plans; None: as many threads as the settings say.
+        store: Where finished plans are kept; None: in memory.
+
+    Returns:
+        The application. Its lifespan warms the planner up in the background, so that ``/livez``
+        answers at once and ``/readyz`` when the first request would not wait for a compiler.
+
+    Raises:
+        InvalidRequest: An environment variable has a value that is not allowed.
+    """
+    settings = settings if settings is not None else load_settings()
+    app = FastAPI(
+        title="ikplan",
+        version=ikplan.__version__,
+        summary="A tool path in, a certified joint trajectory out.",
+        description=(
+            "SI units: metres, radians, seconds. Quaternions are (x, y, z, w). Every failure is "
+            "an RFC 9457 problem document with the data of one class of error."
+        ),
+        docs_url=None,
+        redoc_url=None,
+        generate_unique_id_function=openapi.operation_id,
+        lifespan=_lifespan,
+    )
+    app.state.settings = settings
+    app.state.planner = planner or ThreadPlanner(settings.worker_count, settings.max_queued)
+    app.state.store = store or MemoryStore(settings.store_plans, settings.store_bytes)
+    for router in ROUTERS:
+        app.include_router(router)
+    problems.install(app)
+    openapi.install(app)
+    app.add_middleware(RequestIdMiddleware)
+    return app
+
+
+@contextlib.asynccontextmanager
+async def _lifespan(app: FastAPI) -> AsyncIterator[None]:
+    planner: Planner = app.state.planner
+    warming = asyncio.create_task(planner.warm_up())
+    warming.add_done_callback(_report)
+    try:
+        yield
+    finally:
+        warming.cancel()
+        await planner.close()
+
+
+def _report(warming: asyncio.Task[None]) -> None:
+    """A service that cannot warm up stays unready; the log has to say why."""
+    if not warming.cancelled() and (error := warming.exception()) is not None:
+        _log.error("warming up failed", exc_info=error)

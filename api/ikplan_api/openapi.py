@@ -1,0 +1,93 @@
+"""The OpenAPI document: what FastAPI cannot see, it is told here."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+from fastapi import FastAPI
+from fastapi.openapi.utils import get_openapi
+from fastapi.routing import APIRoute
+from pydantic import BaseModel
+from pydantic.json_schema import models_json_schema
+
+from ikplan import errors
+from ikplan.request import FkRequest, IkRequest, PlanRequest
+from ikplan_api.problems import PROBLEM
+from ikplan_api.schemas import PROBLEMS, Problem
+
+__all__ = ["install", "operation_id", "problems", "request_body"]
+
+_REF = "#/components/schemas/{model}"
+_REQUESTS: tuple[type[BaseModel], ...] = (PlanRequest, IkRequest, FkRequest)
+
+
+def operation_id(route: APIRoute) -> str:
+    """Name an operation after its function: the same in every version."""
+    return route.name
+
+
+def _ref(model: type[BaseModel]) -> dict[str, str]:
+    return {"$ref": _REF.format(model=model.__name__)}
+
+
+def request_body(model: type[BaseModel], example: dict[str, Any]) -> dict[str, Any]:
+    """Document a JSON body that the route reads by itself."""
+    content = {"application/json": {"schema": _ref(model), "example": example}}
+    return {"requestBody": {"required": True, "content": content}}
+
+
+def problems(*classes: type[errors.IkplanError]) -> dict[int | str, dict[str, Any]]:
+    """Document the problems that a route can answer, by status."""
+    by_status: dict[int | str, list[type[errors.IkplanError]]] = {}
+    for cls in classes:
+        by_status.setdefault(cls.status, []).append(cls)
+    if errors.InvalidRequest in classes:
+        by_status[413] = by_status[415] = [errors.InvalidRequest]
+    answers: dict[int | str, dict[str, Any]] = {
+        status: _answer(" or ".join(c.title for c in kinds), [PROBLEMS[c] for c in kinds])
+        for status, kinds in sorted(by_status.items(), key=lambda item: str(item[0]))
+    }
+    if 503 in answers:
+        header = {"description": "When to ask again [s].", "schema": {"type": "integer"}}
+        answers[503]["headers"] = {"Retry-After": header}
+    answers["default"] = _answer("Any other failure", [Problem])
+    return answers
+
+
+def _answer(description: str, models: Sequence[type[Problem]]) -> dict[str, Any]:
+    refs = [_ref(m) for m in models]
+    schema: dict[str, Any] = refs[0]
+    if len(refs) > 1:
+        kinds = {m.model_fields["type"].annotation.__args__[0]: m for m in models}  # type: ignore[union-attr]
+        mapping = {kind: _ref(m)["$ref"] for kind, m in kinds.items()}
+        schema = {
+            "oneOf": refs,
+            "discriminator": {"propertyName": "type", "mapping": mapping},
+        }
+    return {"description": description, "content": {PROBLEM: {"schema": schema}}}
+
+
+def install(app: FastAPI) -> None:
+    """Make the app's document hold the schemas that the routes refer to."""
+
+    def document() -> dict[str, Any]:
+        if app.openapi_schema is None:
+            made = get_openapi(
+                title=app.title,
+                version=app.version,
+                summary=app.summary,
+                description=app.description,
+                routes=app.routes,
+                tags=app.openapi_tags,
+            )
+            models = [*_REQUESTS, Problem, *PROBLEMS.values()]
+            _, extra = models_json_schema(
+                [(model, "validation") for model in models], ref_template=_REF
+            )
+            schemas = made.setdefault("components", {}).setdefault("schemas", {})
+            made["components"]["schemas"] = dict(sorted((schemas | extra["$defs"]).items()))
+            app.openapi_schema = made
+        return app.openapi_schema
+
+    app.openapi = document  # type: ignore[method-assign]

@@ -1,0 +1,122 @@
+"""Every failure as an RFC 9457 problem document."""
+
+from __future__ import annotations
+
+import http
+import json
+import math
+from collections.abc import Mapping
+from typing import Any
+
+from fastapi import FastAPI, Request, Response
+from fastapi.exceptions import RequestValidationError
+from starlette.exceptions import HTTPException
+
+from ikplan.errors import IkplanError, InvalidRequest, ServiceUnavailable
+
+__all__ = ["PROBLEM", "Refusal", "install", "problem_response"]
+
+PROBLEM = "application/problem+json"
+
+
+class Refusal(Exception):
+    """An error told with an HTTP status that is more exact than its class's own.
+
+    Args:
+        error: The error.
+        status: The HTTP status.
+    """
+
+    def __init__(self, error: IkplanError, status: int) -> None:
+        super().__init__(error.detail)
+        self.error = error
+        self.status = status
+
+
+def problem_response(
+    document: Mapping[str, Any], request_id: str, headers: Mapping[str, str] | None = None
+) -> Response:
+    """Return a problem document as an answer; its ``instance`` is the request's id."""
+    body = {**document, "instance": f"urn:ikplan:request:{request_id}"}
+    return Response(
+        json.dumps(_plain(body), allow_nan=False),
+        status_code=int(document["status"]),
+        media_type=PROBLEM,
+        headers=dict(headers or {}),
+    )
+
+
+def _plain(value: Any) -> Any:
+    """What JSON can hold of an error's data: a number that is not finite becomes null."""
+    if isinstance(value, Mapping):
+        return {str(k): _plain(v) for k, v in value.items()}
+    if isinstance(value, list | tuple):
+        return [_plain(v) for v in value]
+    if hasattr(value, "tolist"):  # numpy
+        return _plain(value.tolist())
+    if isinstance(value, float):
+        return value if math.isfinite(value) else None
+    if value is None or isinstance(value, bool | int | str):
+        return value
+    return str(value)
+
+
+def error_response(request: Request, error: IkplanError, status: int | None = None) -> Response:
+    """Return the answer that tells an error."""
+    document = error.to_problem()
+    headers = {}
+    if status is not None:
+        document["status"] = status
+    if isinstance(error, ServiceUnavailable):
+        if not error.url:
+            document["url"] = request.url.path
+        if error.retry_after_s is not None:
+            headers["retry-after"] = str(math.ceil(error.retry_after_s))
+    return problem_response(document, request_id_of(request), headers)
+
+
+def http_problem(status: int, detail: str) -> dict[str, Any]:
+    """Return the problem document of a failure that HTTP itself has the words for."""
+    title = http.HTTPStatus(status).phrase
+    return {"type": "about:blank", "title": title, "status": status, "detail": detail}
+
+
+def request_id_of(request: Request) -> str:
+    """Return the id that the middleware gave the request."""
+    return str(request.scope.get("state", {}).get("request_id", ""))
+
+
+async def _on_ikplan_error(request: Request, error: Exception) -> Response:
+    assert isinstance(error, IkplanError)
+    return error_response(request, error)
+
+
+async def _on_refusal(request: Request, error: Exception) -> Response:
+    assert isinstance(error, Refusal)
+    return error_response(request, error.error, error.status)
+
+
+async def _on_validation_error(request: Request, error: Exception) -> Response:
+    assert isinstance(error, RequestValidationError)
+    first = error.errors()[0]
+    field = ".".join(str(part) for part in first["loc"])
+    return error_response(request, InvalidRequest(f"{field}: {first['msg']}", field=field))
+
+
+async def _on_http_exception(request: Request, error: Exception) -> Response:
+    assert isinstance(error, HTTPException)
+    path = request.url.path
+    details = {
+        404: f"there is nothing at {path}; see /docs for what there is",
+        405: f"{request.method} is not what {path} is for; see /docs",
+    }
+    document = http_problem(error.status_code, details.get(error.status_code, str(error.detail)))
+    return problem_response(document, request_id_of(request), error.headers)
+
+
+def install(app: FastAPI) -> None:
+    """Make the app tell every failure as a problem document."""
+    app.add_exception_handler(IkplanError, _on_ikplan_error)
+    app.add_exception_handler(Refusal, _on_refusal)
+    app.add_exception_handler(RequestValidationError, _on_validation_error)
+    app.add_exception_handler(HTTPException, _on_http_exception)

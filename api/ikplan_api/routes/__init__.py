@@ -1,0 +1,17 @@
+"""The endpoints, one file a subject."""
+
+from __future__ import annotations
+
+from fastapi import APIRouter
+
+from ikplan_api.routes import docs, health, plans, poses, robots
+
+__all__ = ["ROUTERS"]
+
+ROUTERS: tuple[APIRouter, ...] = (
+    plans.router,
+    poses.router,
+    robots.router,
+    health.router,
+    docs.router,
+)

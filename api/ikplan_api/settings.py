@@ -1,0 +1,61 @@
+"""Settings of the service, from the environment: ``IKPLAN_PORT=9000`` and so on."""
+
+from __future__ import annotations
+
+import os
+
+from pydantic import Field, ValidationError
+from pydantic_settings import BaseSettings, SettingsConfigDict
+
+from ikplan.errors import InvalidRequest
+
+__all__ = ["Settings", "load_settings"]
+
+_PREFIX = "IKPLAN_"
+
+
+class Settings(BaseSettings):
+    """What an operator can set, each as an environment variable ``IKPLAN_<NAME>``."""
+
+    model_config = SettingsConfigDict(env_prefix=_PREFIX, frozen=True)
+
+    host: str = Field("127.0.0.1", description="Address to listen on.")
+    port: int = Field(8000, ge=0, le=65535, description="Port to listen on; 0: any free one.")
+    workers: int = Field(
+        0, ge=0, le=1024, description="Plans made at the same time; 0: one for each processor."
+    )
+    max_queued: int = Field(
+        64, ge=0, description="Requests that may wait for a worker; more are refused with 503."
+    )
+    max_body_bytes: int = Field(8 * 2**20, ge=1024, description="Largest request body [bytes].")
+    store_plans: int = Field(256, ge=0, description="Finished plans kept for GET /v1/plans/{id}.")
+    store_bytes: int = Field(256 * 2**20, ge=0, description="Size of all plans kept [bytes].")
+
+    @property
+    def worker_count(self) -> int:
+        """Plans made at the same time."""
+        return self.workers or len(os.sched_getaffinity(0))
+
+
+def load_settings() -> Settings:
+    """Read the settings from the environment.
+
+    Raises:
+        InvalidRequest: A variable has a value that is not allowed; names the variable.
+    """
+    try:
+        return Settings()
+    except ValidationError as error:
+        errors = [
+            {
+                "field": _PREFIX + "_".join(str(part) for part in e["loc"]).upper(),
+                "detail": str(e["msg"]),
+            }
+            for e in error.errors(include_url=False)
+        ]
+        first = errors[0]
+        raise InvalidRequest(
+            f"environment variable {first['field']}: {first['detail']}",
+            field=first["field"],
+            errors=errors,
+        ) from error

@@ -1,0 +1,101 @@
+"""The work of the service, as functions from bytes to bytes, so that any worker can do it."""
+
+from __future__ import annotations
+
+import functools
+import json
+from collections.abc import Callable
+from typing import NamedTuple
+
+from ikplan.pipeline import fk_request, plan, solve_ik_request
+
+from ikplan.documents import parse_json
+from ikplan.ik.registry import solvers
+from ikplan.request import FkRequest, IkRequest, PlanRequest
+from ikplan.robots import catalogue_robot, robot_names
+
+__all__ = ["TASKS", "Answer", "robots_document", "run_task", "solvers_document", "warm_up"]
+
+
+class Answer(NamedTuple):
+    """What a task answers.
+
+    Attributes:
+        document: The JSON document.
+        plan_id: Its id, if it is a plan.
+    """
+
+    document: bytes
+    plan_id: str | None = None
+
+
+def make_plan(body: bytes) -> Answer:
+    """Answer ``POST /v1/plans``."""
+    request = parse_json(PlanRequest, body)
+    # The catalogue's, always: a name that is a path never reaches the file system.
+    made = plan(request, robot=catalogue_robot(request.robot))
+    return Answer(made.model_dump_json().encode(), made.id)
+
+
+def answer_ik(body: bytes) -> Answer:
+    """Answer ``POST /v1/ik``."""
+    request = parse_json(IkRequest, body)
+    catalogue_robot(request.robot)  # never a path
+    return Answer(solve_ik_request(request).model_dump_json().encode())
+
+
+def answer_fk(body: bytes) -> Answer:
+    """Answer ``POST /v1/fk``."""
+    request = parse_json(FkRequest, body)
+    catalogue_robot(request.robot)  # never a path
+    return Answer(fk_request(request).model_dump_json().encode())
+
+
+TASKS: dict[str, Callable[[bytes], Answer]] = {
+    "plan": make_plan,
+    "ik": answer_ik,
+    "fk": answer_fk,
+}
+
+
+def run_task(kind: str, body: bytes) -> Answer:
+    """Do one task.
+
+    Args:
+        kind: Name of the task, a key of :data:`TASKS`.
+        body: The request document as it came in.
+
+    Raises:
+        IkplanError: The verdict on the request.
+    """
+    return TASKS[kind](body)
+
+
+@functools.cache
+def robots_document() -> bytes:
+    """Return the document of ``GET /v1/robots``."""
+    robots = [catalogue_robot(name).info().model_dump(mode="json") for name in robot_names()]
+    return json.dumps({"robots": robots}, allow_nan=False).encode()
+
+
+@functools.cache
+def solvers_document() -> bytes:
+    """Return the document of ``GET /v1/solvers``."""
+    known = [solver.model_dump(mode="json") for solver in solvers()]
+    return json.dumps({"solvers": known}, allow_nan=False).encode()
+
+
+def warm_up() -> None:
+    """Load or compile every kernel by answering one small request of each kind."""
+    robot = catalogue_robot("iiwa14")
+    q = [float(v) for v in robot.home]
+    target = robot.fk([v + 0.05 for v in q])
+    position = [float(v) for v in target.translation]
+    for kind, request in (
+        ("fk", {"robot": "iiwa14", "q": q}),
+        ("ik", {"robot": "iiwa14", "position": position}),
+        ("plan", {"robot": "iiwa14", "path": {"waypoints": [{"position": position}]}}),
+    ):
+        run_task(kind, json.dumps(request).encode())
+    robots_document()
+    solvers_document()

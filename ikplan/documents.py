@@ -229,6 +229,10 @@ def load_json(text: str | bytes) -> Any:
         raise InvalidRequest(
             "the document is nested too deeply", allowed="a JSON object"
         ) from error
+    except ValueError as error:  # Python converts only so many digits to an int
+        raise InvalidRequest(
+            "a number of the document has too many digits", allowed="finite numbers"
+        ) from error
 
 
 def _refuse_constant(name: str) -> NoReturn:

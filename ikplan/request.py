@@ -61,6 +61,8 @@ def _scalar(value: Any) -> bool | int | float | str:
         raise ValueError("a parameter is a number, a string, true or false")
     if isinstance(value, float) and not math.isfinite(value):
         raise ValueError("NaN and infinities are not allowed")
+    if isinstance(value, int) and abs(value) >= 2**63:
+        raise ValueError("a whole number must fit into 64 bits")
     return value
 
 

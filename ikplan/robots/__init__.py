@@ -4,7 +4,7 @@ A :class:`Robot` comes from the catalogue (``robots/``, one folder a robot), fro
 folders (``IKPLAN_ROBOTS_PATH``), or from a URDF file.
 """
 
-from ikplan.robots.catalogue import robot_names
+from ikplan.robots.folders import robot_names
 from ikplan.robots.info import JointInfo, LimitSourceInfo, RobotInfo
 from ikplan.robots.load import catalogue_robot, load_robot, robot_from_urdf
 from ikplan.robots.robot import Robot

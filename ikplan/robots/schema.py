@@ -195,6 +195,8 @@ def read_robot_file(text: str, *, robot: str) -> RobotFile:
     except yaml.YAMLError as error:
         where = " ".join(str(error).split())
         raise InvalidRobot(f"{robot}: not YAML: {where}", robot=robot) from error
+    except RecursionError as error:
+        raise InvalidRobot(f"{robot}: nested too deep", robot=robot) from error
     if not isinstance(content, dict):
         raise InvalidRobot(f"{robot}: a mapping of fields is wanted", robot=robot)
     try:

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import pickle
+import sys
 import threading
+from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
@@ -13,7 +15,7 @@ import yaml
 
 from ikplan.errors import InvalidRequest
 from ikplan.robots import Robot, load_robot, robot_names
-from ikplan.robots.catalogue import package_file, robot_folder
+from ikplan.robots.folders import package_file, robot_folder
 
 NAMES = robot_names()
 
@@ -87,7 +89,16 @@ def test_pickled_robot_is_the_same(name: str) -> None:
     np.testing.assert_array_equal(copy.coupling, robot.coupling)
 
 
+@pytest.fixture
+def fast_switching() -> Iterator[None]:
+    before = sys.getswitchinterval()
+    sys.setswitchinterval(1e-6)
+    yield
+    sys.setswitchinterval(before)
+
+
 @pytest.mark.parametrize("name", ["kinova_j2s6s200", "tiago", "dobot_magician"])
+@pytest.mark.usefixtures("fast_switching")
 def test_threads_do_not_disturb_each_other(name: str) -> None:
     robot = load_robot(name)
     rng = np.random.default_rng(5)

@@ -30,13 +30,19 @@ IK_BA = Solver(
         Parameter(name="fmin", default=0.0, description="Smallest frequency, Eq. 5."),
         Parameter(name="fmax", default=2.0, description="Largest frequency, Eq. 5."),
         Parameter(
-            name="alpha", default=0.97, minimum=0.0, maximum=1.0, description="Loudness factor, Eq. 9."
+            name="alpha",
+            default=0.97,
+            minimum=0.0,
+            maximum=1.0,
+            description="Loudness factor, Eq. 9.",
         ),
         Parameter(
             name="gamma", default=0.1, minimum=0.0, description="Rise of the pulse rate, Eq. 10."
         ),
         Parameter(name="A0", default=1.0, minimum=0.0, description="Initial loudness."),
-        Parameter(name="r0", default=1.0, minimum=0.0, maximum=1.0, description="Limit of the rate."),
+        Parameter(
+            name="r0", default=1.0, minimum=0.0, maximum=1.0, description="Limit of the rate."
+        ),
         Parameter(
             name="eps_scale",
             default=1.0,

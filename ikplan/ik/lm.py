@@ -170,9 +170,7 @@ def solve_seeds(
     for s in range(seeds.shape[0]):
         for k in range(dof):
             q[k] = min(max(seeds[s, k], lower[k]), upper[k])
-        distance, angle, spent = refine(
-            chain, target, q, lower, upper, iterations, PATIENCE, w
-        )
+        distance, angle, spent = refine(chain, target, q, lower, upper, iterations, PATIENCE, w)
         evaluations += spent
         solved = distance <= tolerance_position and angle <= tolerance_orientation
         if solved:

@@ -155,7 +155,9 @@ def _solve_rows(m: int, damping: float, w: Workspace) -> None:
 
 
 @kernel
-def _damped_step(q: Array, lower: Array, upper: Array, m: int, damping: float, w: Workspace) -> None:
+def _damped_step(
+    q: Array, lower: Array, upper: Array, m: int, damping: float, w: Workspace
+) -> None:
     """Write the damped least-squares step to ``w.dq``; joints it would push out of limits rest."""
     Jt, y, dq, free = w.Jt, w.y, w.dq, w.free
     dof = q.shape[0]

@@ -54,11 +54,15 @@ class Parameter(BaseModel):
         if isinstance(self.default, bool):
             if not isinstance(value, bool):
                 raise InvalidRequest(
-                    f"{field}: must be true or false, not {value!r}", field=field, allowed=[True, False]
+                    f"{field}: must be true or false, not {value!r}",
+                    field=field,
+                    allowed=[True, False],
                 )
             return value
         if isinstance(value, bool | str) or not math.isfinite(value):
-            raise InvalidRequest(f"{field}: must be a number, not {value!r}", field=field, allowed=allowed)
+            raise InvalidRequest(
+                f"{field}: must be a number, not {value!r}", field=field, allowed=allowed
+            )
         if isinstance(self.default, int) and value != int(value):
             raise InvalidRequest(
                 f"{field}: must be a whole number, not {value!r}", field=field, allowed=allowed

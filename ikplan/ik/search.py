@@ -159,9 +159,7 @@ class Searcher:
         nearest_wrist(self.arm.wrist, R_arm, target.R, np.ascontiguousarray(q_start[-3:]), angles)
         return np.concatenate([x, angles])
 
-    def best(
-        self, target: Target, q_start: Array, lower: Array, upper: Array
-    ) -> tuple[Array, int]:
+    def best(self, target: Target, q_start: Array, lower: Array, upper: Array) -> tuple[Array, int]:
         """Return the best configuration of one search, shape (dof,), and its evaluations."""
         outcome = self.run(target, q_start, lower, upper)
         return self.complete(outcome.x, target, q_start), int(outcome.evaluations[0])

@@ -104,9 +104,7 @@ def _find_shoulder(wrist: SphericalWrist | None, lower: Array, upper: Array) -> 
     normal = sum(projectors, np.zeros((3, 3)))
     if np.linalg.cond(normal) > 1e9:
         return None
-    centre = np.linalg.solve(
-        normal, sum((P @ o[i] for i, P in enumerate(projectors)), np.zeros(3))
-    )
+    centre = np.linalg.solve(normal, sum((P @ o[i] for i, P in enumerate(projectors)), np.zeros(3)))
     if max(np.linalg.norm(P @ (centre - o[i])) for i, P in enumerate(projectors)) > 1e-9:
         return None
 
@@ -119,6 +117,8 @@ def _find_shoulder(wrist: SphericalWrist | None, lower: Array, upper: Array) -> 
     b, c = 0.5 * (at[0] - at[2]), at[1] - 0.5 * (at[0] + at[2])
     stationary = math.atan2(c, b)
     low, high = max(lower[elbow], -math.pi), min(upper[elbow], math.pi)
-    angles = [a for a in (stationary, stationary - math.pi, stationary + math.pi) if low <= a <= high]
+    angles = [
+        a for a in (stationary, stationary - math.pi, stationary + math.pi) if low <= a <= high
+    ]
     reach = [math.sqrt(max(squared(a), 0.0)) for a in (low, high, *angles)]
     return Shoulder(centre, min(reach), max(reach))

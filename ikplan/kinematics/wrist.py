@@ -71,7 +71,10 @@ def find_wrist(chain: Chain, lower: Array, upper: Array) -> SphericalWrist | Non
     # W in the second frame is (0, 0, along_second); the third axis must pass through it.
     to_third = np.array([0.0, 0.0, along_second]) - p_third
     along_third = float(to_third @ B[:, 2])
-    misses = (np.linalg.norm(off + along_second * a), np.linalg.norm(to_third - along_third * B[:, 2]))
+    misses = (
+        np.linalg.norm(off + along_second * a),
+        np.linalg.norm(to_third - along_third * B[:, 2]),
+    )
     if max(misses) > 1e-9:
         return None
     centre_in_third = np.array([0.0, 0.0, along_third])
@@ -114,7 +117,9 @@ def _wrapped(angle: float, lower: float, upper: float, near: float) -> float:
 
 
 @kernel
-def wrist_angles(wrist: SphericalWrist, R_arm: Array, R_target: Array, near: Array, out: Array) -> None:
+def wrist_angles(
+    wrist: SphericalWrist, R_arm: Array, R_target: Array, near: Array, out: Array
+) -> None:
     """Write the two wrist solutions of a tool orientation, Eqs. 16-17.
 
     Args:

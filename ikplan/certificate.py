@@ -1,0 +1,268 @@
+"""The certificate: an independent check of a finished trajectory.
+
+Everything here is computed from the finished samples, the request and the robot's Pinocchio model.
+No kernel, path or timing code of the planner is used.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import NDArray
+
+from ikplan.errors import CertificateViolated
+from ikplan.request import PathRequest
+from ikplan.result import Certificate, LimitPlace
+from ikplan.robots import Robot
+
+__all__ = ["Claim", "certify"]
+
+Array = NDArray[np.float64]
+
+RATIO_SLACK = 1e-9
+"""Rounding allowed in a ratio against a limit."""
+
+
+@dataclass(frozen=True)
+class Claim:
+    """A trajectory and what is promised of it.
+
+    Attributes:
+        robot: The robot, with its tool.
+        path: The path asked for; None: the waypoints are joint values.
+        q_start: Start that was asked for, shape (dof,); None: any.
+        waypoint_q: Joint values at the waypoints, shape (n, dof) [rad or m].
+        waypoint_time: When each waypoint is passed, shape (n,) [s].
+        time: Sample times, shape (m,) [s].
+        q: Joint values, shape (m, dof) [rad or m].
+        dq: Joint velocities, shape (m, dof) [rad/s or m/s].
+        ddq: Joint accelerations, shape (m, dof) [rad/s^2 or m/s^2].
+        velocity_scale: Share of the robot's velocity limits that may be used.
+        acceleration_scale: Share of the robot's acceleration limits that may be used.
+    """
+
+    robot: Robot
+    path: PathRequest | None
+    q_start: Array | None
+    waypoint_q: Array
+    waypoint_time: Array
+    time: Array
+    q: Array
+    dq: Array
+    ddq: Array
+    velocity_scale: float = 1.0
+    acceleration_scale: float = 1.0
+
+
+def certify(claim: Claim) -> Certificate:
+    """Check a trajectory and return its certificate.
+
+    Raises:
+        CertificateViolated: A promise is broken; carries the certificate and which.
+    """
+    robot = claim.robot
+    violations = _continuity(claim)
+    poses = _wanted_poses(claim)
+    position_error, orientation_error = _waypoint_errors(claim, poses)
+    if claim.path is not None:
+        tolerance = claim.path.tolerance
+        if position_error > tolerance.position:
+            violations.append(f"a waypoint is missed by {position_error:.3g} m")
+        if (orientation_error or 0.0) > tolerance.orientation:
+            violations.append(f"a waypoint is missed by {orientation_error:.3g} rad")
+    half = 0.5 * (robot.upper - robot.lower)
+    middle = np.where(np.isfinite(half), 0.5 * (robot.upper + robot.lower), 0.0)
+    finite = np.isfinite(half)
+    position = _worst(claim, np.abs(claim.q - middle) / half, finite)
+    velocity = _worst(claim, np.abs(claim.dq) / (robot.velocity_limit * claim.velocity_scale))
+    acceleration = _worst(
+        claim, np.abs(claim.ddq) / (robot.acceleration_limit * claim.acceleration_scale)
+    )
+    for kind, (ratio, place) in (
+        ("position", position),
+        ("velocity", velocity),
+        ("acceleration", acceleration),
+    ):
+        if ratio > 1.0 + RATIO_SLACK:
+            violations.append(
+                f"the {kind} limit of {place.joint} is exceeded at {place.time:.4f} s"
+            )
+    elongation = _elongations(claim)
+    singular_value, singular_time = _least_singular_value(claim)
+    certificate = Certificate(
+        valid=not violations,
+        max_position_error=position_error,
+        max_orientation_error=orientation_error,
+        max_path_deviation=None,
+        max_orientation_deviation=None,
+        position_limit_ratio=position[0],
+        position_limit_at=position[1] if finite.any() else None,
+        velocity_limit_ratio=velocity[0],
+        velocity_limit_at=velocity[1],
+        acceleration_limit_ratio=acceleration[0],
+        acceleration_limit_at=acceleration[1],
+        min_singular_value=singular_value,
+        min_singular_value_time=singular_time,
+        elongation_sum=float(elongation.sum()),
+        elongation_lower_bound=_elongation_lower_bound(claim, poses),
+    )
+    if violations:
+        raise CertificateViolated(
+            f"the finished trajectory broke a promise: {'; '.join(violations)}",
+            certificate=certificate.model_dump(),
+            violations=violations,
+        )
+    return certificate
+
+
+def _elongations(claim: Claim) -> Array:
+    """Joint distance of each waypoint from the one before, or the start, shape (n,)."""
+    begin = claim.waypoint_q[:1] if claim.q_start is None else claim.q_start[None]
+    return np.asarray(np.linalg.norm(np.diff(np.vstack([begin, claim.waypoint_q]), axis=0), axis=1))
+
+
+def _wanted_poses(claim: Claim) -> list[tuple[Array, Any]]:
+    """Position [m] and rotation (None: any) wanted at each waypoint, in the base."""
+    if claim.path is None:
+        return []
+    frame = claim.path.frame
+    T_base_path = pin.XYZQUATToSE3(np.array([*frame.position, *frame.quaternion_xyzw]))
+    poses = []
+    for waypoint in claim.path.waypoints:
+        quaternion = waypoint.quaternion_xyzw
+        T = T_base_path * pin.XYZQUATToSE3(
+            np.array([*waypoint.position, *(quaternion or (0.0, 0.0, 0.0, 1.0))])
+        )
+        poses.append((T.translation.copy(), T.rotation.copy() if quaternion else None))
+    return poses
+
+
+def _waypoint_errors(claim: Claim, poses: list[tuple[Array, Any]]) -> tuple[float, float | None]:
+    """Largest distance [m] and rotation [rad] of the waypoints from what was asked for."""
+    distances, angles = [0.0], []
+    for q, (position, rotation) in zip(claim.waypoint_q, poses, strict=bool(poses)):
+        T_base_tool = claim.robot.fk(q)
+        distances.append(float(np.linalg.norm(T_base_tool.translation - position)))
+        if rotation is not None:
+            angles.append(float(np.linalg.norm(pin.log3(T_base_tool.rotation.T @ rotation))))
+    return max(distances), max(angles) if angles else None
+
+
+def _worst(claim: Claim, ratios: Array, counted: Any = None) -> tuple[float, LimitPlace]:
+    """The largest ratio with its joint and time."""
+    if counted is not None:
+        ratios = np.where(counted, ratios, 0.0)
+    row, joint = np.unravel_index(int(np.argmax(ratios)), ratios.shape)
+    place = LimitPlace(joint=claim.robot.joint_names[joint], time=float(claim.time[row]))
+    return float(ratios[row, joint]), place
+
+
+def _continuity(claim: Claim) -> list[str]:
+    """What is wrong with the samples as one motion: ends, order of time, jumps.
+
+    A joint whose acceleration never exceeds a moves, in a time t, at most a t^2 / 2 away from
+    where its velocity would bring it: a sample or a waypoint farther off is a hidden jump.
+    """
+    wrong = []
+    steps = np.diff(claim.time)
+    if claim.time[0] != 0.0 or (steps <= 0.0).any():
+        wrong.append("sample times do not increase strictly from 0")
+    if claim.dq[0].any() or claim.dq[-1].any():
+        wrong.append("the motion does not begin and end at rest")
+    if claim.q_start is not None and not np.array_equal(claim.q[0], claim.q_start):
+        wrong.append("the first sample is not the start asked for")
+    if not np.array_equal(claim.q[-1], claim.waypoint_q[-1]):
+        wrong.append("the last sample is not the last waypoint")
+    a = claim.robot.acceleration_limit * claim.acceleration_scale * (1.0 + 1e-6)
+    rounding = 1e-9
+    dt = steps[:, None]
+    if (np.abs(np.diff(claim.dq, axis=0)) > a * dt + rounding).any():
+        wrong.append("velocities jump between samples")
+    if (np.abs(np.diff(claim.q, axis=0) - claim.dq[:-1] * dt) > 0.5 * a * dt**2 + rounding).any():
+        wrong.append("positions jump between samples")
+    at = np.clip(np.searchsorted(claim.time, claim.waypoint_time, side="right") - 1, 0, None)
+    since = (claim.waypoint_time - claim.time[at])[:, None]
+    reached = np.abs(claim.waypoint_q - claim.q[at] - claim.dq[at] * since)
+    if (reached > 0.5 * a * since**2 + rounding).any() or (since < 0.0).any():
+        wrong.append("a waypoint is not passed at its time")
+    return wrong
+
+
+def _least_singular_value(claim: Claim) -> tuple[float, float]:
+    """Smallest singular value of the tool Jacobian over the samples, and its time [s].
+
+    Examined on 128 samples spread evenly, then on every sample around the smallest of them. Rows
+    are the tool's linear and angular velocity, or the linear alone where no orientation counts.
+    """
+    oriented = claim.path is None or any(w.quaternion_xyzw for w in claim.path.waypoints)
+    rows = slice(0, 6 if oriented and claim.robot.dof >= 6 else 3)
+    count = len(claim.time)
+    stride = max(1, count // 128)
+
+    def values(indices: list[int]) -> Array:
+        J = np.array([claim.robot.jacobian(claim.q[i])[rows] for i in indices])
+        gram = J @ J.transpose(0, 2, 1) if J.shape[1] <= J.shape[2] else J.transpose(0, 2, 1) @ J
+        return np.asarray(np.sqrt(np.maximum(np.linalg.eigvalsh(gram)[:, 0], 0.0)))
+
+    coarse = [*range(0, count, stride), count - 1]
+    centre = coarse[int(np.argmin(values(coarse)))]
+    fine = list(range(max(0, centre - stride), min(count, centre + stride + 1)))
+    found = values(fine)
+    k = int(np.argmin(found))
+    return float(found[k]), float(claim.time[fine[k]])
+
+
+def _elongation_lower_bound(claim: Claim, poses: list[tuple[Array, Any]]) -> float:
+    """A joint motion that no plan through the waypoints can undercut [rad or m].
+
+    Joint i moves the tool by at most r_i per radian, r_i the length of the arm from its axis to
+    the tool, and turns it by at most one radian. So by Cauchy-Schwarz a joint step of length e
+    moves the tool by at most sqrt(sum r_i^2) e and turns it by at most sqrt(n) e.
+    """
+    robot = claim.robot
+    if not poses:
+        return float(_elongations(claim).sum())
+    reach = _joint_reach(robot)
+    per_step_linear = math.sqrt(float((reach**2).sum()))
+    turning = robot.coupling[~np.array([_slides(robot, k) for k in range(robot.model.nv)])]
+    per_step_angular = float(np.linalg.norm(turning, 2) * math.sqrt(max(len(turning), 1)))
+    begin = robot.fk(claim.q_start) if claim.q_start is not None else None
+    before = poses[0] if begin is None else (begin.translation, begin.rotation)
+    total = 0.0
+    for pose in poses:
+        step = float(np.linalg.norm(pose[0] - before[0])) / per_step_linear
+        if pose[1] is not None and before[1] is not None:
+            angle = float(np.linalg.norm(pin.log3(before[1].T @ pose[1])))
+            step = max(step, angle / per_step_angular)
+        total += step
+        before = pose
+    return total
+
+
+def _slides(robot: Robot, joint: int) -> bool:
+    """Whether serial joint ``joint`` is prismatic."""
+    return "P" in robot.model.joints[joint + 1].shortname().removeprefix("JointModel")[:2]
+
+
+def _joint_reach(robot: Robot) -> Array:
+    """Largest tool motion per unit of each joint value, shape (dof,) [m/rad, or 1 for sliding]."""
+    model = robot.model
+    T_tip_tool = model.frames[robot.tip_frame_id].placement * robot.T_tip_tool
+    links = [
+        float(np.linalg.norm(model.jointPlacements[j].translation)) for j in range(2, model.njoints)
+    ]
+    links.append(float(np.linalg.norm(T_tip_tool.translation)))
+    slide = [
+        max(abs(float(model.lowerPositionLimit[j])), abs(float(model.upperPositionLimit[j])))
+        if _slides(robot, j)
+        else 0.0
+        for j in range(model.nv)
+    ]
+    reach = np.zeros(model.nv)
+    for j in range(model.nv):
+        reach[j] = 1.0 if _slides(robot, j) else sum(links[j:]) + sum(slide[j + 1 :])
+    return np.asarray(np.abs(robot.coupling).T @ reach)

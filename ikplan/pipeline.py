@@ -1,0 +1,154 @@
+"""plan(): the stages in the order they run."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+import pinocchio as pin
+
+from ikplan import __version__
+from ikplan.certificate import Claim, certify
+from ikplan.documents import parse
+from ikplan.ik.solve import PoseSolver, check_start, pose_distance, solve_ik
+from ikplan.kinematics.arm import arm_of
+from ikplan.path import rotation_of, targets_of
+from ikplan.planning import Clock, WaypointProblem, choose_greedily
+from ikplan.request import FkRequest, IkRequest, PlanRequest
+from ikplan.result import FkResult, IkSolution, Plan, Stats, Trajectory, WaypointResults
+from ikplan.robots import Robot, catalogue_robot
+from ikplan.timing import JointLimits, JointPath, sample, time_joint_path
+
+__all__ = ["fk_request", "plan", "solve_ik_request"]
+
+
+def plan(request: Mapping[str, Any] | PlanRequest, *, robot: Robot | None = None) -> Plan:
+    """Plan a certified joint trajectory for a tool path.
+
+    Args:
+        request: The request document.
+        robot: The robot, for one that is not in the catalogue; None: load it by name.
+
+    Returns:
+        The plan. The same request gives the same id and the same plan.
+
+    Raises:
+        InvalidRequest: A field of the request is wrong.
+        RobotNotFound: No robot of that name.
+        Unreachable: A waypoint has no solution.
+        TimingFailed: No timing under the limits.
+        BudgetExceeded: ``budget_s`` ran out.
+        CertificateViolated: The finished plan broke a promise: a bug.
+    """
+    request = parse(PlanRequest, request)
+    clock = Clock(request.budget_s)
+    robot = robot or catalogue_robot(request.robot)
+    robot = robot.with_tool(request.tool.position, request.tool.quaternion_xyzw)
+    start_free = request.start == "free"
+    q_start = (
+        robot.home if start_free or request.start is None else check_start(robot, request.start)
+    )
+
+    with clock.stage("ik"):
+        targets = targets_of(request.path)
+        solver = _pose_solver(robot, request)
+        tolerance = request.path.tolerance
+        problem = WaypointProblem(robot, solver, targets, q_start, start_free, tolerance, clock)
+        chosen = choose_greedily(problem)
+    with clock.stage("planning"):
+        limits = JointLimits.from_robot(
+            robot, request.limits.velocity_scale, request.limits.acceleration_scale
+        )
+        knots = chosen.q if start_free else np.vstack([q_start, chosen.q])
+        path = JointPath.through(knots, limits)
+    with clock.stage("timing"):
+        timed = time_joint_path(path, limits)
+        samples = sample(timed, request.sampling.rate_hz)
+        waypoint_time = timed.times[-len(chosen.q) :]
+    with clock.stage("certificate"):
+        certificate = certify(
+            Claim(
+                robot,
+                request.path,
+                None if start_free else q_start,
+                chosen.q,
+                waypoint_time,
+                samples.time,
+                samples.q,
+                samples.dq,
+                samples.ddq,
+                request.limits.velocity_scale,
+                request.limits.acceleration_scale,
+            )
+        )
+    errors = [pose_distance(solver.arm, t, q) for t, q in zip(targets, chosen.q, strict=True)]
+    steps = np.diff(np.vstack([chosen.q[0] if start_free else q_start, chosen.q]), axis=0)
+    return Plan(
+        id=request.content_hash(robot.fingerprint, __version__),
+        version=__version__,
+        robot=request.robot,
+        joint_names=list(robot.joint_names),
+        joint_units=["m" if slides else "rad" for slides in robot.prismatic],
+        waypoints=WaypointResults(
+            q=chosen.q,
+            time=waypoint_time,
+            position_error=np.array([distance for distance, _ in errors]),
+            orientation_error=[
+                angle if target.oriented else None
+                for target, (_, angle) in zip(targets, errors, strict=True)
+            ],
+            elongation=np.linalg.norm(steps, axis=1),
+        ),
+        trajectory=Trajectory(time=samples.time, q=samples.q, dq=samples.dq, ddq=samples.ddq),
+        certificate=certificate,
+        stats=Stats(ik_evaluations=chosen.evaluations, seconds=clock.seconds),
+    )
+
+
+def _pose_solver(robot: Robot, request: PlanRequest) -> PoseSolver:
+    ik = request.ik
+    return PoseSolver(
+        arm_of(robot),
+        ik.method,
+        ik.seed,
+        ik.population,
+        ik.iterations,
+        ik.params,
+        ik.refine,
+        tolerance_position=1e-9,
+        tolerance_orientation=1e-9,
+    )
+
+
+def solve_ik_request(request: Mapping[str, Any] | IkRequest) -> IkSolution:
+    """Solve the single pose of an IK request; see :func:`ikplan.solve_ik`."""
+    request = parse(IkRequest, request)
+    robot = catalogue_robot(request.robot)
+    robot = robot.with_tool(request.tool.position, request.tool.quaternion_xyzw)
+    pose: Any = np.array(request.position)
+    if request.quaternion_xyzw is not None:
+        pose = pin.SE3(rotation_of(request.quaternion_xyzw), pose)
+    return solve_ik(
+        robot,
+        pose,
+        start=request.start,
+        method=request.ik.method,
+        seed=request.ik.seed,
+        population=request.ik.population,
+        iterations=request.ik.iterations,
+        params=request.ik.params,
+        refine=request.ik.refine,
+        tolerance_position=request.tolerance.position,
+        tolerance_orientation=request.tolerance.orientation,
+    )
+
+
+def fk_request(request: Mapping[str, Any] | FkRequest) -> FkResult:
+    """Return the tool pose of the joint values of an FK request."""
+    request = parse(FkRequest, request)
+    robot = catalogue_robot(request.robot)
+    robot = robot.with_tool(request.tool.position, request.tool.quaternion_xyzw)
+    q = np.array(request.q)
+    pose = pin.SE3ToXYZQUAT(robot.fk(q))
+    return FkResult(position=pose[:3], quaternion_xyzw=pose[3:])

@@ -1,0 +1,54 @@
+"""What the choice along the path works on, and what it returns."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ikplan.ik.solve import PoseSolver
+from ikplan.kinematics.target import Target
+from ikplan.planning.clock import Clock
+from ikplan.request import Tolerance
+from ikplan.robots import Robot
+
+__all__ = ["Chosen", "WaypointProblem"]
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class WaypointProblem:
+    """Targets to be met one after the other.
+
+    Attributes:
+        robot: The robot, with its tool.
+        solver: Solves single targets.
+        targets: The targets, in order.
+        q_start: Where the arm is, shape (dof,); with a free start, where it would rather be.
+        start_free: Whether the path may begin anywhere.
+        tolerance: Deviation allowed where a target cannot be met exactly.
+        clock: The time budget.
+    """
+
+    robot: Robot
+    solver: PoseSolver
+    targets: list[Target]
+    q_start: Array
+    start_free: bool
+    tolerance: Tolerance
+    clock: Clock
+
+
+@dataclass(frozen=True)
+class Chosen:
+    """One configuration per waypoint.
+
+    Attributes:
+        q: Joint values, shape (n, dof) [rad or m].
+        evaluations: Forward-kinematics evaluations spent.
+    """
+
+    q: Array
+    evaluations: int

@@ -1,0 +1,54 @@
+"""The verdict on a path with waypoints out of reach: all of them, not only the first."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from ikplan.errors import Unreachable
+from ikplan.ik.solve import NoSolution, unreachable
+from ikplan.ik.verdict import Miss
+from ikplan.planning.problem import Array, WaypointProblem
+
+__all__ = ["unreachable_path"]
+
+_MOST_EXAMINED = 200
+"""Waypoints after the first unreachable one that are examined as well."""
+
+
+def unreachable_path(
+    problem: WaypointProblem, first: int, miss: Miss, q_before: Array
+) -> Unreachable:
+    """Return the error of a path whose waypoint ``first`` is out of reach.
+
+    The waypoints after it are examined too, so that a user sees in one answer how much of the path
+    is out of reach.
+    """
+    count = len(problem.targets)
+    misses = {first: miss}
+    examined = range(first + 1, min(count, first + 1 + _MOST_EXAMINED))
+    for k in examined:
+        problem.clock.check({"waypoints_solved": first})
+        try:
+            q_before = problem.solver.solve(problem.targets[k], q_before).q[0]
+        except NoSolution as verdict:
+            misses[k] = verdict.miss
+    unexamined = count - 1 - examined[-1] if examined else 0
+    subject = f"waypoint {first} of {count} (counted from 0)"
+    if len(misses) > 1:
+        others = ", ".join(str(k) for k in list(misses)[1:12]) + (
+            ", ..." if len(misses) > 12 else ""
+        )
+        subject += f", as {'are' if len(misses) > 2 else 'is'} {others}"
+        subject += f" ({unexamined} more not examined)," if unexamined else ","
+    error = unreachable(problem.robot, miss, first, subject)
+    error.waypoints = [_row(k, m) for k, m in misses.items()]
+    return error
+
+
+def _row(k: int, miss: Miss) -> dict[str, Any]:
+    return {
+        "waypoint": k,
+        "position_error": miss.position_error,
+        "orientation_error": miss.orientation_error,
+        "reason": miss.reason,
+    }

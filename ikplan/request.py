@@ -139,9 +139,7 @@ class IkOptions(Document):
         None,
         description="Iterations, 1 to 100000; null: the planner's own; \"paper\": the paper's.",
     )
-    params: dict[str, Scalar] = Field(
-        default_factory=dict, description="Parameters of the method, by name."
-    )
+    params: dict[str, Scalar] = Field({}, description="Parameters of the method, by name.")
     refine: bool = Field(
         True, description="Polish the seeds to machine precision; false: the raw solver."
     )

@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+import contextlib
 import functools
 import json
 from collections.abc import Callable
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
-from ikplan.pipeline import fk_request, plan, solve_ik_request
+import pinocchio as pin
 
 from ikplan.documents import parse_json
+from ikplan.errors import Unreachable
 from ikplan.ik.registry import solvers
+from ikplan.pipeline import fk_request, plan, solve_ik_request
 from ikplan.request import FkRequest, IkRequest, PlanRequest
 from ikplan.robots import catalogue_robot, robot_names
 
@@ -86,16 +89,29 @@ def solvers_document() -> bytes:
 
 
 def warm_up() -> None:
-    """Load or compile every kernel by answering one small request of each kind."""
+    """Load or compile every kernel by answering small requests of each kind."""
     robot = catalogue_robot("iiwa14")
     q = [float(v) for v in robot.home]
-    target = robot.fk([v + 0.05 for v in q])
-    position = [float(v) for v in target.translation]
-    for kind, request in (
-        ("fk", {"robot": "iiwa14", "q": q}),
-        ("ik", {"robot": "iiwa14", "position": position}),
-        ("plan", {"robot": "iiwa14", "path": {"waypoints": [{"position": position}]}}),
-    ):
-        run_task(kind, json.dumps(request).encode())
+    pose = robot.fk([v + 0.05 for v in q])
+    position = [float(v) for v in pose.translation]
+    quaternion = [float(v) for v in pin.Quaternion(pose.rotation).coeffs()]
+    targets: list[dict[str, Any]] = [
+        {"position": position},
+        {"position": position, "quaternion_xyzw": quaternion},
+    ]
+    beyond = {"position": [9.0, 0.0, 0.0], "quaternion_xyzw": quaternion}
+    requests: list[tuple[str, dict[str, Any]]] = [("fk", {"robot": "iiwa14", "q": q})]
+    requests += [
+        ("ik", {"robot": "iiwa14", **target, "ik": {"method": solver.name}})
+        for target in targets
+        for solver in solvers()
+    ]
+    requests += [
+        ("plan", {"robot": "iiwa14", "path": {"waypoints": [target]}})
+        for target in (*targets, beyond)
+    ]
+    for kind, request in requests:
+        with contextlib.suppress(Unreachable):
+            run_task(kind, json.dumps(request).encode())
     robots_document()
     solvers_document()

@@ -60,11 +60,8 @@ def solvers(options: argparse.Namespace) -> None:
         if options.json:
             say_json({"solvers": [s.model_dump(mode="json") for s in known]})
             return
-        say(
-            *table(
-                ("name", "title", "source"), [(s.name, s.title, s.source) for s in known], left=3
-            )
-        )
+        rows = [(s.name, s.family, s.title) for s in known]
+        say(*table(("name", "family", "title"), rows, left=3))
         return
     solver = registry.find_solver(options.solver)
     if options.json:

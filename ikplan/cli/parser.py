@@ -6,7 +6,7 @@ import argparse
 import contextlib
 import os
 from collections.abc import Sequence
-from typing import NoReturn
+from typing import Any, NoReturn
 
 import ikplan
 from ikplan.cli import catalogue, planning, poses, serving
@@ -17,6 +17,9 @@ __all__ = ["make_parser", "numbers_as_values"]
 
 class _Parser(argparse.ArgumentParser):
     """Tells a wrong command line as it tells a wrong request: one line, exit code 2."""
+
+    def __init__(self, **options: Any) -> None:
+        super().__init__(allow_abbrev=False, **options)
 
     def error(self, message: str) -> NoReturn:
         raise InvalidRequest(f"{message} (see {self.prog} --help)", field="command line")

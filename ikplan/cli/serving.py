@@ -7,8 +7,6 @@ import contextlib
 import os
 import socket
 
-import uvicorn
-
 from ikplan.errors import InvalidRequest
 
 __all__ = ["serve"]
@@ -29,6 +27,8 @@ def serve(options: argparse.Namespace) -> None:
     os.environ["IKPLAN_HOST"], os.environ["IKPLAN_PORT"] = options.host, str(options.port)
     if options.workers is not None:
         os.environ["IKPLAN_WORKERS"] = str(options.workers)
+    import uvicorn
+
     config = uvicorn.Config(APP, factory=True, host=options.host, port=options.port)
     with _listen(options.host, options.port) as listening:
         config.load()

@@ -1,0 +1,73 @@
+"""The service in this process: its event loop in a thread, its lifespan run, no network."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator
+
+import httpx
+import pytest
+from anyio.from_thread import BlockingPortal, start_blocking_portal
+from fastapi import FastAPI
+
+from ikplan import Client
+from ikplan_api.app import create_app
+from ikplan_api.settings import Settings
+
+ADDRESS = "http://ikplan.test"
+
+
+class PortalTransport(httpx.BaseTransport):
+    """Carries a synchronous client's requests to an app that lives in another thread's loop."""
+
+    def __init__(self, app: FastAPI, portal: BlockingPortal) -> None:
+        self._inner = httpx.ASGITransport(app)
+        self._portal = portal
+
+    def handle_request(self, request: httpx.Request) -> httpx.Response:
+        content = request.read()
+
+        async def exchange() -> httpx.Response:
+            outgoing = httpx.Request(
+                request.method, request.url, headers=request.headers, content=content
+            )
+            answer = await self._inner.handle_async_request(outgoing)
+            body = await answer.aread()
+            return httpx.Response(answer.status_code, headers=answer.headers, content=body)
+
+        return self._portal.call(exchange)
+
+
+@pytest.fixture(scope="session")
+def portal() -> Iterator[BlockingPortal]:
+    with start_blocking_portal() as running:
+        yield running
+
+
+@pytest.fixture(scope="session")
+def app(portal: BlockingPortal) -> Iterator[FastAPI]:
+    made = create_app(Settings(workers=2, max_queued=1000, max_body_bytes=2**22))
+    with portal.wrap_async_context_manager(made.router.lifespan_context(made)):
+        deadline = time.monotonic() + 300
+        while not made.state.planner.ready:
+            assert time.monotonic() < deadline, "the service does not get ready"
+            time.sleep(0.05)
+        yield made
+
+
+@pytest.fixture(scope="session")
+def transport(app: FastAPI, portal: BlockingPortal) -> PortalTransport:
+    return PortalTransport(app, portal)
+
+
+@pytest.fixture(scope="session")
+def http(transport: PortalTransport) -> Iterator[httpx.Client]:
+    """Plain HTTP, for what the client hides."""
+    with httpx.Client(base_url=ADDRESS, transport=transport) as plain:
+        yield plain
+
+
+@pytest.fixture(scope="session")
+def client(transport: PortalTransport) -> Iterator[Client]:
+    with Client(ADDRESS, transport=transport) as made:
+        yield made

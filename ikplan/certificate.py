@@ -75,8 +75,9 @@ def certify(claim: Claim) -> Certificate:
         if (orientation_error or 0.0) > tolerance.orientation:
             violations.append(f"a waypoint is missed by {orientation_error:.3g} rad")
     half = 0.5 * (robot.upper - robot.lower)
-    middle = np.where(np.isfinite(half), 0.5 * (robot.upper + robot.lower), 0.0)
     finite = np.isfinite(half)
+    middle = np.zeros_like(half)
+    middle[finite] = 0.5 * (robot.upper[finite] + robot.lower[finite])
     position = _worst(claim, np.abs(claim.q - middle) / half, finite)
     velocity = _worst(claim, np.abs(claim.dq) / (robot.velocity_limit * claim.velocity_scale))
     acceleration = _worst(

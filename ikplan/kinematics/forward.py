@@ -20,11 +20,48 @@ __all__ = [
     "forward_into",
     "jacobian",
     "jacobian_into",
+    "moved",
+    "placed",
     "pose_error",
     "rotation_log",
 ]
 
 Array = NDArray[np.float64]
+
+
+Frame = tuple[float, float, float, float, float, float, float, float, float, float, float, float]
+"""Columns x, y and z of a frame's rotation, and its origin [m], in the base."""
+
+
+@kernel
+def placed(T: Array, i: int, frame: Frame) -> Frame:
+    """Return the frame moved by the constant placement i."""
+    x0, x1, x2, y0, y1, y2, z0, z1, z2, p0, p1, p2 = frame
+    a, b, c = T[i, 9], T[i, 10], T[i, 11]
+    p0 += x0 * a + y0 * b + z0 * c
+    p1 += x1 * a + y1 * b + z1 * c
+    p2 += x2 * a + y2 * b + z2 * c
+    a, b, c = T[i, 0], T[i, 3], T[i, 6]
+    u0, u1, u2 = x0 * a + y0 * b + z0 * c, x1 * a + y1 * b + z1 * c, x2 * a + y2 * b + z2 * c
+    a, b, c = T[i, 1], T[i, 4], T[i, 7]
+    v0, v1, v2 = x0 * a + y0 * b + z0 * c, x1 * a + y1 * b + z1 * c, x2 * a + y2 * b + z2 * c
+    z0, z1, z2 = u1 * v2 - u2 * v1, u2 * v0 - u0 * v2, u0 * v1 - u1 * v0
+    return u0, u1, u2, v0, v1, v2, z0, z1, z2, p0, p1, p2
+
+
+@kernel
+def moved(frame: Frame, value: float, slides: bool) -> Frame:
+    """Return the frame turned about its z axis by ``value``, or slid along it."""
+    x0, x1, x2, y0, y1, y2, z0, z1, z2, p0, p1, p2 = frame
+    if slides:
+        p0 += value * z0
+        p1 += value * z1
+        p2 += value * z2
+        return x0, x1, x2, y0, y1, y2, z0, z1, z2, p0, p1, p2
+    c, s = math.cos(value), math.sin(value)
+    u0, u1, u2 = c * x0 + s * y0, c * x1 + s * y1, c * x2 + s * y2
+    v0, v1, v2 = c * y0 - s * x0, c * y1 - s * x1, c * y2 - s * x2
+    return u0, u1, u2, v0, v1, v2, z0, z1, z2, p0, p1, p2
 
 
 @kernel
@@ -42,45 +79,23 @@ def forward_into(chain: Chain, q: Array, R: Array, p: Array, z: Array, o: Array)
     T, prismatic, coupled = chain.placements, chain.prismatic, chain.coupled
     coupling, offset = chain.coupling, chain.offset
     n = prismatic.shape[0]
-    # Columns x, y, z of the current frame, and its origin.
-    x0, x1, x2 = 1.0, 0.0, 0.0
-    y0, y1, y2 = 0.0, 1.0, 0.0
-    z0, z1, z2 = 0.0, 0.0, 1.0
-    p0, p1, p2 = 0.0, 0.0, 0.0
-    for i in range(n + 1):
-        a, b, c = T[i, 9], T[i, 10], T[i, 11]
-        p0 += x0 * a + y0 * b + z0 * c
-        p1 += x1 * a + y1 * b + z1 * c
-        p2 += x2 * a + y2 * b + z2 * c
-        a, b, c = T[i, 0], T[i, 3], T[i, 6]
-        u0, u1, u2 = x0 * a + y0 * b + z0 * c, x1 * a + y1 * b + z1 * c, x2 * a + y2 * b + z2 * c
-        a, b, c = T[i, 1], T[i, 4], T[i, 7]
-        v0, v1, v2 = x0 * a + y0 * b + z0 * c, x1 * a + y1 * b + z1 * c, x2 * a + y2 * b + z2 * c
-        z0, z1, z2 = u1 * v2 - u2 * v1, u2 * v0 - u0 * v2, u0 * v1 - u1 * v0
-        if i == n:
-            x0, x1, x2, y0, y1, y2 = u0, u1, u2, v0, v1, v2
-            break
-        o[i, 0], o[i, 1], o[i, 2] = p0, p1, p2
-        z[i, 0], z[i, 1], z[i, 2] = z0, z1, z2
+    frame = (1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0)
+    for i in range(n):
+        frame = placed(T, i, frame)
+        z[i, 0], z[i, 1], z[i, 2] = frame[6], frame[7], frame[8]
+        o[i, 0], o[i, 1], o[i, 2] = frame[9], frame[10], frame[11]
         if coupled:
             value = offset[i]
             for k in range(q.shape[0]):
                 value += coupling[i, k] * q[k]
         else:
             value = q[i]
-        if prismatic[i]:
-            p0 += value * z0
-            p1 += value * z1
-            p2 += value * z2
-            x0, x1, x2, y0, y1, y2 = u0, u1, u2, v0, v1, v2
-        else:
-            c, s = math.cos(value), math.sin(value)
-            x0, x1, x2 = c * u0 + s * v0, c * u1 + s * v1, c * u2 + s * v2
-            y0, y1, y2 = c * v0 - s * u0, c * v1 - s * u1, c * v2 - s * u2
-    R[0, 0], R[1, 0], R[2, 0] = x0, x1, x2
-    R[0, 1], R[1, 1], R[2, 1] = y0, y1, y2
-    R[0, 2], R[1, 2], R[2, 2] = z0, z1, z2
-    p[0], p[1], p[2] = p0, p1, p2
+        frame = moved(frame, value, prismatic[i])
+    frame = placed(T, n, frame)
+    R[0, 0], R[1, 0], R[2, 0] = frame[0], frame[1], frame[2]
+    R[0, 1], R[1, 1], R[2, 1] = frame[3], frame[4], frame[5]
+    R[0, 2], R[1, 2], R[2, 2] = frame[6], frame[7], frame[8]
+    p[0], p[1], p[2] = frame[9], frame[10], frame[11]
 
 
 @kernel

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from ikplan._jit import kernel
 
-__all__ = ["interval_usage", "usage", "utilisation"]
+__all__ = ["acceleration_share", "usage", "utilisation", "velocity_share"]
 
 Array = NDArray[np.float64]
 
@@ -18,66 +18,67 @@ def _ratio(value: float, upper: float, lower: float) -> float:
 
 
 @kernel
-def interval_usage(
-    h: float,
-    x0: float,
-    x1: float,
-    qs0: Array,
-    qss0: Array,
-    qss1: Array,
-    velocity: Array,
-    velocity_lower: Array,
-    acceleration: Array,
-    acceleration_lower: Array,
-) -> tuple[Array, Array]:
-    """Return the greatest share of each joint's limits on one interval.
+def velocity_share(
+    h: float, x0: float, u: float, qs: float, qss0: float, qss1: float, upper: float, lower: float
+) -> float:
+    """Return the greatest share of a joint's velocity limits on one interval.
 
-    With q'(s) = A + B r + C r^2, r from the start, and x = x0 + 2 u r, a joint's acceleration
-    q' u + q'' x = (A u + B x0) + (3 B u + 2 C x0) r + 5 C u r^2 is a quadratic: its extrema are
-    at the ends or the vertex. Its velocity q' sqrt(x) is extreme at the ends or where the
-    acceleration is zero.
+    With q'(s) = A + B r + C r^2, r from the start, and x = x0 + 2 u r, the velocity q' sqrt(x) is
+    extreme at the ends or where the acceleration is zero, a quadratic in r.
 
     Args:
         h: Length of the interval.
         x0: Squared path velocity at its start.
-        x1: Squared path velocity at its end.
-        qs0: dq/ds at its start, shape (dof,).
-        qss0: d2q/ds2 at its start, shape (dof,).
-        qss1: d2q/ds2 at its end, shape (dof,).
-        velocity: Upper velocity limits, shape (dof,).
-        velocity_lower: Lower velocity limits, shape (dof,), negative.
-        acceleration: Upper acceleration limits, shape (dof,).
-        acceleration_lower: Lower acceleration limits, shape (dof,), negative.
+        u: Path acceleration.
+        qs: dq/ds at the start.
+        qss0: d2q/ds2 at the start.
+        qss1: d2q/ds2 at the end.
+        upper: Upper velocity limit.
+        lower: Lower velocity limit, negative.
 
     Returns:
-        Shares of the velocity and of the acceleration limits, each of shape (dof,).
+        The share, >= 0.
     """
-    dof = len(qs0)
-    v_share, a_share = np.empty(dof), np.empty(dof)
-    u = (x1 - x0) / (2.0 * h)
-    for j in range(dof):
-        A, B = qs0[j], qss0[j]
-        C = 0.5 * (qss1[j] - B) / h
-        c0, c1, c2 = A * u + B * x0, 3.0 * B * u + 2.0 * C * x0, 5.0 * C * u
-        top_a = _ratio(c0, acceleration[j], acceleration_lower[j])
-        end = c0 + h * (c1 + h * c2)
-        top_a = max(top_a, _ratio(end, acceleration[j], acceleration_lower[j]))
-        if c2 != 0.0:
-            vertex = -c1 / (2.0 * c2)
-            if 0.0 < vertex < h:
-                value = c0 + vertex * (c1 + vertex * c2)
-                top_a = max(top_a, _ratio(value, acceleration[j], acceleration_lower[j]))
-        a_share[j] = top_a
-        top_v = 0.0
-        discriminant = c1 * c1 - 4.0 * c2 * c0
-        w = -0.5 * (c1 + (1.0 if c1 >= 0.0 else -1.0) * np.sqrt(max(discriminant, 0.0)))
-        for r in (0.0, h, w / c2 if c2 != 0.0 else 0.0, c0 / w if w != 0.0 else 0.0):
-            if 0.0 <= r <= h:
-                speed = np.sqrt(max(x0 + 2.0 * u * r, 0.0))
-                value = (A + r * (B + r * C)) * speed
-                top_v = max(top_v, _ratio(value, velocity[j], velocity_lower[j]))
-        v_share[j] = top_v
-    return v_share, a_share
+    C = 0.5 * (qss1 - qss0) / h
+    c0, c1, c2 = qs * u + qss0 * x0, 3.0 * qss0 * u + 2.0 * C * x0, 5.0 * C * u
+    w = -0.5 * (c1 + (1.0 if c1 >= 0.0 else -1.0) * np.sqrt(max(c1 * c1 - 4.0 * c2 * c0, 0.0)))
+    top = 0.0
+    for r in (0.0, h, w / c2 if c2 != 0.0 else 0.0, c0 / w if w != 0.0 else 0.0):
+        if 0.0 <= r <= h:
+            speed = np.sqrt(max(x0 + 2.0 * u * r, 0.0))
+            top = max(top, _ratio((qs + r * (qss0 + r * C)) * speed, upper, lower))
+    return top
+
+
+@kernel
+def acceleration_share(
+    h: float, x0: float, u: float, qs: float, qss0: float, qss1: float, upper: float, lower: float
+) -> float:
+    """Return the greatest share of a joint's acceleration limits on one interval.
+
+    The acceleration q' u + q'' x = (A u + B x0) + (3 B u + 2 C x0) r + 5 C u r^2 is a quadratic,
+    extreme at the ends or at its vertex.
+
+    Args:
+        h: As in velocity_share.
+        x0: As in velocity_share.
+        u: As in velocity_share.
+        qs: As in velocity_share.
+        qss0: As in velocity_share.
+        qss1: As in velocity_share.
+        upper: Upper acceleration limit.
+        lower: Lower acceleration limit, negative.
+
+    Returns:
+        The share, >= 0.
+    """
+    C = 0.5 * (qss1 - qss0) / h
+    c0, c1, c2 = qs * u + qss0 * x0, 3.0 * qss0 * u + 2.0 * C * x0, 5.0 * C * u
+    top = max(_ratio(c0, upper, lower), _ratio(c0 + h * (c1 + h * c2), upper, lower))
+    vertex = -c1 / (2.0 * c2) if c2 != 0.0 else 0.0
+    if 0.0 < vertex < h:
+        top = max(top, _ratio(c0 + vertex * (c1 + vertex * c2), upper, lower))
+    return top
 
 
 @kernel
@@ -111,20 +112,28 @@ def usage(
     n, dof = qs0.shape
     v_share, a_share = np.empty((n, dof)), np.empty((n, dof))
     for i in range(n):
-        v, a = interval_usage(
-            h[i],
-            x[i],
-            x[i + 1],
-            qs0[i],
-            qss0[i],
-            qss1[i],
-            velocity[i],
-            velocity_lower[i],
-            acceleration[i],
-            acceleration_lower[i],
-        )
+        u = (x[i + 1] - x[i]) / (2.0 * h[i])
         for j in range(dof):
-            v_share[i, j], a_share[i, j] = v[j], a[j]
+            v_share[i, j] = velocity_share(
+                h[i],
+                x[i],
+                u,
+                qs0[i, j],
+                qss0[i, j],
+                qss1[i, j],
+                velocity[i, j],
+                velocity_lower[i, j],
+            )
+            a_share[i, j] = acceleration_share(
+                h[i],
+                x[i],
+                u,
+                qs0[i, j],
+                qss0[i, j],
+                qss1[i, j],
+                acceleration[i, j],
+                acceleration_lower[i, j],
+            )
     return v_share, a_share
 
 

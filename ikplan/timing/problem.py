@@ -77,7 +77,7 @@ class SpanProblem:
         a, b = acceleration_rows(
             self.h, self.qs0, self.qss0, self.qss1, self.bounds[2], self.bounds[3]
         )
-        x_max = velocity_bounds(self.h, self.qs0, self.qss0, self.qss1, *self.bounds)
+        x_max = velocity_bounds(self.h, self.qs0, self.qss0, self.qss1, *self.bounds[:2])
         return StageRows(self.grid.s, a, b, x_max)
 
     def usage(self, x: Array) -> tuple[Array, Array]:

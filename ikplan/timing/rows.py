@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ikplan._jit import kernel
-from ikplan.timing.excess import interval_usage
+from ikplan.timing.excess import velocity_share
 
 __all__ = ["StageRows", "acceleration_rows", "natural_units", "velocity_bounds"]
 
@@ -90,8 +90,6 @@ def velocity_bounds(
     qss1: Array,
     velocity: Array,
     velocity_lower: Array,
-    acceleration: Array,
-    acceleration_lower: Array,
 ) -> Array:
     """Bound the squared path velocity at the nodes so that no joint is too fast between them.
 
@@ -106,8 +104,6 @@ def velocity_bounds(
         qss1: d2q/ds2 at the ends, shape (n, dof).
         velocity: Upper velocity limits, shape (n, dof).
         velocity_lower: Lower velocity limits, shape (n, dof), negative.
-        acceleration: Upper acceleration limits, shape (n, dof).
-        acceleration_lower: Lower acceleration limits, shape (n, dof), negative.
 
     Returns:
         Upper bounds of x, shape (n + 1,).
@@ -130,20 +126,17 @@ def velocity_bounds(
                     x_max[node] = min(x_max[node], 4.0 * root * root)
     share = np.ones(n + 1)
     for i in range(n):
-        if np.isfinite(x_max[i]) and np.isfinite(x_max[i + 1]):
-            v, _ = interval_usage(
-                h[i],
-                x_max[i],
-                x_max[i + 1],
-                qs0[i],
-                qss0[i],
-                qss1[i],
-                velocity[i],
-                velocity_lower[i],
-                acceleration[i],
-                acceleration_lower[i],
-            )
-            share[i], share[i + 1] = max(share[i], v.max()), max(share[i + 1], v.max())
+        highest = max(x_max[i], x_max[i + 1])
+        if not np.isfinite(highest):
+            continue
+        u = (x_max[i + 1] - x_max[i]) / (2.0 * h[i])
+        for j in range(dof):
+            up, down = velocity[i, j], velocity_lower[i, j]
+            slope = _largest_slope(h[i], qs0[i, j], qss0[i, j], qss1[i, j])
+            # Most joints are far from their limits, and need no closer look.
+            if slope * slope * highest > min(up * up, down * down):
+                top = velocity_share(h[i], x_max[i], u, qs0[i, j], qss0[i, j], qss1[i, j], up, down)
+                share[i], share[i + 1] = max(share[i], top), max(share[i + 1], top)
     for i in range(n + 1):
         x_max[i] /= share[i] * share[i]
     return x_max
@@ -163,7 +156,8 @@ def natural_units(rows: StageRows) -> tuple[StageRows, float]:
     length = float(rows.s[-1] - rows.s[0])
     finite = rows.x_max[np.isfinite(rows.x_max)]
     by_velocity = float(np.median(finite)) if len(finite) else np.inf
-    slope = float(np.median(np.abs(rows.a).max(axis=1)))
+    some = rows.a[:: max(1, len(rows.a) // 64)]
+    slope = float(np.median(np.abs(some).max(axis=1)))
     by_acceleration = length / slope if slope > 0.0 else np.inf
     unit = min(by_velocity, by_acceleration)
     if not np.isfinite(unit):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 from collections.abc import Iterator
 from dataclasses import dataclass
 
@@ -25,7 +26,8 @@ Array = NDArray[np.float64]
 # Kept below the limits, so that rounding in a sample cannot step over one.
 _MARGIN = 1e-9
 _PILOT_INTERVALS = 100
-_PILOT_ROUNDS = 6
+_PILOT_ROUNDS = 8
+_VERIFY = 4.0
 _MAX_INTERVALS = 40_000
 # toppra takes about ten microseconds an interval; beyond this its compiled twin takes over.
 _MAX_TOPPRA_INTERVALS = 4_000
@@ -91,11 +93,12 @@ def time_span(
             except EngineFailed as error:
                 failure = (problem, error.stage)
                 continue
+            timing = _within_limits(problem, x, candidate)
             if engine is None and candidate is not pilot:
-                best = float(problem.times(_solve(problem, pilot)).sum())
-                if float(problem.times(x).sum()) > _WORSE * best:
-                    continue
-            return _within_limits(problem, x, type(candidate).__name__)
+                twin = _within_limits(problem, _solve(problem, pilot), pilot)
+                if float(timing.dt.sum()) > _WORSE * float(twin.dt.sum()):
+                    timing = twin
+            return timing
     assert failure is not None  # every rung ended in a return or a failure
     raise _failed(path, limits, *failure)
 
@@ -112,35 +115,53 @@ def _grids(
     pilot = CompiledEngine()
     weight = 1.0 / np.minimum(limits.acceleration, -limits.acceleration_lower)
     grid = curvature_grid(path, first, last, weight, _PILOT_INTERVALS)
-    for _ in range(_PILOT_ROUNDS):
-        problem = SpanProblem.build(path, grid, limits)
-        try:
-            x = _solve(problem, pilot)
-        except EngineFailed:
-            break
-        loss = problem.loss(x)
-        total = float(problem.times(x).sum())
-        if loss.sum() <= tolerance * total or len(loss) >= _MAX_INTERVALS:
-            break
-        # The loss falls with the first power of the interval's length; the least number of
-        # nodes for a given sum of losses then goes with the root of each.
-        root = np.sqrt(np.maximum(loss, 1e-6 * total / len(loss)))
-        wanted = np.clip(root * (root.sum() / (0.9 * tolerance * total)), 0.33, 16.0)
-        wanted *= min(1.0, _MAX_INTERVALS / float(wanted.sum()))
-        grid = regridded(grid, wanted)
+    # Where the pilot fails, the ladder tells whether it is for good, and where.
+    with contextlib.suppress(EngineFailed):
+        grid = _refined(path, grid, limits, pilot, tolerance)
     yield grid, pilot
     for _ in range(2):
         grid = regridded(grid, np.full(len(grid.pieces), 3.0))
         yield grid, pilot
 
 
-def _within_limits(problem: SpanProblem, x: Array, engine: str) -> SpanTiming:
+def _refined(
+    path: JointPath, grid: Grid, limits: JointLimits, pilot: Engine, tolerance: float
+) -> Grid:
+    """Return a grid on which the pilot is near its optimum."""
+    for _ in range(_PILOT_ROUNDS):
+        problem = SpanProblem.build(path, grid, limits)
+        x = _solve(problem, pilot)
+        loss, total = problem.loss(x), float(problem.times(x).sum())
+        share = float(loss.sum()) / total
+        if share <= tolerance:
+            # Near a point where one joint turns round, a grid can be too coarse to pass at the
+            # right speed and lose no time it knows of: a much finer one tells.
+            fine = regridded(grid, np.full(len(loss), _VERIFY))
+            finer = SpanProblem.build(path, fine, limits)
+            best = float(finer.times(_solve(finer, pilot)).sum())
+            if total <= (1.0 + 1.5 * tolerance) * best or len(loss) * _VERIFY > _MAX_INTERVALS:
+                return grid
+            grid = fine
+            continue
+        if len(loss) >= _MAX_INTERVALS:
+            return grid
+        # The loss falls with the first power of the interval's length; the least number of
+        # nodes for a given sum of losses then goes with the root of each.
+        root = np.sqrt(np.maximum(loss, 1e-6 * total / len(loss)))
+        wanted = np.clip(root * (root.sum() / (0.9 * tolerance * total)), 0.33, 16.0)
+        grid = regridded(grid, wanted * min(1.0, _MAX_INTERVALS / float(wanted.sum())))
+    return grid
+
+
+def _within_limits(problem: SpanProblem, x: Array, engine: Engine) -> SpanTiming:
     """Slow a solution by what it exceeds the limits, computed exactly."""
     v_share, a_share = problem.usage(x)
     k = max(float(v_share.max()), float(np.sqrt(a_share.max()))) * (1.0 + _MARGIN)
     x = x / (k * k)
     dt = problem.times(x)
-    return SpanTiming(problem, x, dt, float(problem.loss(x).sum() / dt.sum()), engine)
+    return SpanTiming(
+        problem, x, dt, float(problem.loss(x).sum() / dt.sum()), type(engine).__name__
+    )
 
 
 def _failed(path: JointPath, limits: JointLimits, problem: SpanProblem, stage: int) -> TimingFailed:

@@ -17,10 +17,12 @@ __all__ = ["ToppraEngine"]
 
 Array = NDArray[np.float64]
 
-# toppra bounds every variable by 1e8; its forward pass backs off from infeasible states and
-# stays below the controllable sets by these amounts (reachability_algorithm.py, constants.py).
-_BACK_OFF = 1e-8
+# As in toppra's forward pass: where rounding makes a program infeasible, the speed is lowered a
+# little and the program solved again. Lowering it at every stage, as toppra does, would cost more
+# than the whole acceleration limit on an interval of 1e-10.
+_BACK_OFF = 1e-10
 _TRIES = 10
+# toppra's own bound of every variable.
 _HIGHEST = 1e8
 
 
@@ -101,6 +103,5 @@ class ToppraEngine:
             if math.isnan(u):
                 raise EngineFailed(i)
             x[i] = here
-            reached = here + 2.0 * h[i] * u
-            x[i + 1] = min(max(reached - _BACK_OFF, 0.9999 * reached, 0.0), following)
+            x[i + 1] = min(max(here + 2.0 * h[i] * u, 0.0), following)
         return checked(np.array(x))

@@ -1,0 +1,1 @@
+"""Timing: limits kept, distance from the optimum, and cost, over random paths."""

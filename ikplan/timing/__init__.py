@@ -2,6 +2,7 @@
 
 from ikplan.timing.joint_path import JointPath
 from ikplan.timing.limits import JointLimits, LimitedRobot
+from ikplan.timing.retime import Retimed, retime
 from ikplan.timing.sampling import Samples, sample
 from ikplan.timing.time_path import time_joint_path
 from ikplan.timing.timed_path import TimedPath
@@ -10,8 +11,10 @@ __all__ = [
     "JointLimits",
     "JointPath",
     "LimitedRobot",
+    "Retimed",
     "Samples",
     "TimedPath",
+    "retime",
     "sample",
     "time_joint_path",
 ]

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from ikplan.errors import InvalidRequest
 from ikplan.timing.timed_path import TimedPath
 
-__all__ = ["MAX_RATE_HZ", "Samples", "sample"]
+__all__ = ["MAX_RATE_HZ", "Samples", "check_rate", "sample"]
 
 Array = NDArray[np.float64]
 
@@ -35,6 +35,23 @@ class Samples:
     ddq: Array
 
 
+def check_rate(rate_hz: float) -> None:
+    """Refuse a sampling rate that no controller runs at.
+
+    Args:
+        rate_hz: Samples per second [Hz].
+
+    Raises:
+        InvalidRequest: The rate is not above 0 and at most 10,000.
+    """
+    if not 0.0 < rate_hz <= MAX_RATE_HZ:
+        raise InvalidRequest(
+            f"rate_hz must be above 0 and at most {MAX_RATE_HZ:g} Hz, not {rate_hz!r}",
+            field="sampling.rate_hz",
+            allowed=f"0 < rate_hz <= {MAX_RATE_HZ:g}",
+        )
+
+
 def sample(timed: TimedPath, rate_hz: float) -> Samples:
     """Sample a motion at multiples of the period, and at its end.
 
@@ -53,12 +70,7 @@ def sample(timed: TimedPath, rate_hz: float) -> Samples:
     Raises:
         InvalidRequest: The rate is out of range.
     """
-    if not 0.0 < rate_hz <= MAX_RATE_HZ:
-        raise InvalidRequest(
-            f"rate_hz must be above 0 and at most {MAX_RATE_HZ:g} Hz, not {rate_hz!r}",
-            field="sampling.rate_hz",
-            allowed=f"0 < rate_hz <= {MAX_RATE_HZ:g}",
-        )
+    check_rate(rate_hz)
     if 0.0 < timed.duration < 0.5 / rate_hz:
         timed = timed.slowed(0.5 / rate_hz / timed.duration)
     duration = timed.duration

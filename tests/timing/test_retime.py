@@ -1,0 +1,118 @@
+"""Retiming of joint waypoints, and how bad input is told."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from ikplan.errors import InvalidRequest
+from ikplan.timing import JointLimits, retime
+
+ROBOT = SimpleNamespace(
+    lower=np.array([-1.0, -2.0]),
+    upper=np.array([1.0, 2.0]),
+    velocity_limit=np.array([1.0, 2.0]),
+    acceleration_limit=np.array([4.0, 8.0]),
+    joint_names=("shoulder", "elbow"),
+)
+LIMITS = JointLimits.from_robot(ROBOT)
+WAYPOINTS = np.array([[0.0, 0.0], [0.9, 1.0], [-0.5, 1.9], [0.0, 0.0]])
+
+
+def test_a_retimed_path_visits_its_waypoints_within_limits() -> None:
+    result = retime(WAYPOINTS, LIMITS, rate_hz=500.0)
+    assert (np.diff(result.time) > 0.0).all()
+    assert np.array_equal(result.q[[0, -1]], WAYPOINTS[[0, -1]])
+    assert (np.abs(result.dq) <= LIMITS.velocity).all()
+    assert (np.abs(result.ddq) <= LIMITS.acceleration).all()
+    at_waypoints, _, _ = result.timed.evaluate(result.timed.times)
+    assert np.abs(at_waypoints - WAYPOINTS).max() < 1e-12
+
+
+def test_samples_are_consistent_with_their_derivatives() -> None:
+    result = retime(WAYPOINTS, LIMITS, rate_hz=10_000.0)
+    h = 1e-4
+    # Simpson's rule over velocities gives positions, over accelerations bounded differences.
+    moved = np.cumsum(0.5 * h * (result.dq[1:-1] + result.dq[:-2]), axis=0)
+    assert np.abs(moved - (result.q[1:-1] - result.q[0])).max() < 1e-6
+    change = (result.dq[1:-1] - result.dq[:-2]) / h
+    low = np.minimum(result.ddq[1:-1], result.ddq[:-2])
+    high = np.maximum(result.ddq[1:-1], result.ddq[:-2])
+    # Between two samples the path acceleration may switch once, at a node of the grid.
+    outside = np.maximum(low - change, change - high)
+    assert np.quantile(outside, 0.99) < 1e-2
+    assert np.abs(change).max(axis=0) == pytest.approx(LIMITS.acceleration, rel=0.2)
+
+
+@pytest.mark.parametrize("scale", [1.0, 0.5, 0.1])
+def test_scales_slow_the_motion(scale: float) -> None:
+    slow = JointLimits.from_robot(ROBOT, velocity_scale=scale, acceleration_scale=scale**2)
+    full, scaled = retime(WAYPOINTS, LIMITS), retime(WAYPOINTS, slow)
+    # Velocities by c and accelerations by c^2 is the same motion, slower by 1 / c.
+    assert scaled.time[-1] == pytest.approx(full.time[-1] / scale, rel=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("waypoints", "field", "word"),
+    [
+        pytest.param([[0.0, 0.0], [0.0, 2.5]], "joint_waypoints[1][1]", "elbow", id="outside"),
+        pytest.param([[-1.1, 0.0]], "joint_waypoints[0][0]", "shoulder", id="start-outside"),
+        pytest.param([[0.0, 0.0], [np.nan, 0.0]], "joint_waypoints[1][0]", "nan", id="nan"),
+        pytest.param([[0.0, np.inf]], "joint_waypoints[0][1]", "inf", id="infinite"),
+        pytest.param([[0.0, 0.0, 0.0]], "joint_waypoints", "(n, 2)", id="three-joints"),
+        pytest.param([], "joint_waypoints", "(n, 2)", id="empty"),
+        pytest.param([[]], "joint_waypoints", "(n, 2)", id="empty-row"),
+        pytest.param([0.0, 0.0], "joint_waypoints", "(n, 2)", id="flat"),
+        pytest.param([[0.0, 0.0], [0.0]], "joint_waypoints", "2 numbers", id="ragged"),
+        pytest.param([["a", "b"]], "joint_waypoints", "2 numbers", id="words"),
+    ],
+)
+def test_bad_waypoints_are_refused_by_row_and_joint(
+    waypoints: object, field: str, word: str
+) -> None:
+    with pytest.raises(InvalidRequest) as error:
+        retime(waypoints, LIMITS)  # type: ignore[arg-type]
+    assert error.value.field == field
+    assert word in error.value.detail
+
+
+@pytest.mark.parametrize("rate_hz", [0.0, -5.0, 1e6, float("nan")])
+def test_a_rate_out_of_range_is_refused_before_any_work(rate_hz: float) -> None:
+    with pytest.raises(InvalidRequest, match="rate_hz"):
+        retime(WAYPOINTS, LIMITS, rate_hz=rate_hz)
+
+
+@pytest.mark.parametrize(
+    ("change", "field"),
+    [
+        ({"velocity": [1.0, 0.0]}, "limits.velocity[1]"),
+        ({"velocity": [1.0]}, "limits.velocity"),
+        ({"acceleration": [-1.0, 1.0]}, "limits.acceleration[0]"),
+        ({"acceleration": [np.inf, 1.0]}, "limits.acceleration[0]"),
+        ({"velocity_lower": [-1.0, 1.0]}, "limits.velocity_lower[1]"),
+        ({"lower": [1.5, 0.0]}, "limits.lower[0]"),
+        ({"upper": [np.nan, 1.0]}, "limits.lower[0]"),
+        ({"acceleration": ["x", 1.0]}, "limits.acceleration"),
+    ],
+)
+def test_limits_that_make_no_sense_are_refused_by_field(change: dict, field: str) -> None:
+    good = {
+        "lower": ROBOT.lower,
+        "upper": ROBOT.upper,
+        "velocity": ROBOT.velocity_limit,
+        "acceleration": ROBOT.acceleration_limit,
+        "joint_names": ROBOT.joint_names,
+    }
+    with pytest.raises(InvalidRequest) as error:
+        JointLimits(**(good | change))
+    assert error.value.field == field
+
+
+@pytest.mark.parametrize("name", ["velocity_scale", "acceleration_scale"])
+@pytest.mark.parametrize("scale", [0.0, -1.0, 1.5, float("nan")])
+def test_a_scale_outside_its_range_is_refused(name: str, scale: float) -> None:
+    with pytest.raises(InvalidRequest) as error:
+        JointLimits.from_robot(ROBOT, **{name: scale})
+    assert error.value.field == f"limits.{name}"

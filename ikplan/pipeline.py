@@ -19,6 +19,7 @@ from ikplan.request import FkRequest, IkRequest, PlanRequest
 from ikplan.result import FkResult, IkSolution, Plan, Stats, Trajectory, WaypointResults
 from ikplan.robots import Robot, catalogue_robot
 from ikplan.timing import JointLimits, JointPath, sample, time_joint_path
+from ikplan.warmup import warm_up
 
 __all__ = ["fk_request", "plan", "solve_ik_request"]
 
@@ -42,13 +43,13 @@ def plan(request: Mapping[str, Any] | PlanRequest, *, robot: Robot | None = None
         CertificateViolated: The finished plan broke a promise: a bug.
     """
     request = parse(PlanRequest, request)
+    warm_up(request.ik.method)
     clock = Clock(request.budget_s)
     robot = robot or catalogue_robot(request.robot)
     robot = robot.with_tool(request.tool.position, request.tool.quaternion_xyzw)
     start_free = request.start == "free"
-    q_start = (
-        robot.home if start_free or request.start is None else check_start(robot, request.start)
-    )
+    home = start_free or request.start is None
+    q_start = check_start(robot, robot.home if home else request.start)
 
     with clock.stage("ik"):
         targets = targets_of(request.path)

@@ -14,15 +14,11 @@ from numpy.typing import NDArray
 from ikplan._jit import kernel
 from ikplan.ik.refine import Workspace, nearest_on_manifold, new_workspace, refine
 from ikplan.kinematics.chain import Chain
-from ikplan.kinematics.target import Target
+from ikplan.kinematics.target import ORIENTATION_WEIGHT, Target
 
-__all__ = ["ORIENTATION_WEIGHT", "restart_into", "solve_lm", "solve_seeds"]
+__all__ = ["restart_into", "solve_lm", "solve_seeds"]
 
-ORIENTATION_WEIGHT = 0.3
-"""What one radian weighs against one metre while a solution is looked for: about the lever of a
-wrist; measured to take the fewest steps over the catalogue's arms."""
-
-PATIENCE = 6
+PATIENCE = 6  # passed as int(...): numba would compile once more for each literal
 
 Array = NDArray[np.float64]
 
@@ -76,8 +72,8 @@ def solve_lm(
 ) -> tuple[float, float, int]:
     """Find one solution near the start, else the best that any restart reached.
 
-    Chain and target come field by field: numba takes far longer to unpack named tuples at the border
-    with Python than this solve takes.
+    Chain and target come field by field: numba takes far longer to unpack named tuples at the
+    border with Python than this solve takes.
 
     Args:
         placements: Of the chain from base to tool.
@@ -103,7 +99,7 @@ def solve_lm(
         Distance [m] and rotation angle [rad] from the target, and evaluations spent.
     """
     chain = Chain(placements, prismatic, coupled, coupling, offset)
-    target = Target(R_target, p_target, oriented, ORIENTATION_WEIGHT)
+    target = Target(R_target, p_target, oriented, ORIENTATION_WEIGHT if oriented else 0.0)
     w: Workspace = new_workspace(chain)
     trial = np.empty(q.shape[0])
     shift = (0.5 + seed * 0.6180339887498949) % 1.0
@@ -115,7 +111,9 @@ def solve_lm(
                 trial[k] = min(max(q_start[k], lower[k]), upper[k])
         else:
             restart_into(attempt, shift, lower, upper, trial)
-        distance, angle, spent = refine(chain, target, trial, lower, upper, iterations, PATIENCE, w)
+        distance, angle, spent = refine(
+            chain, target, trial, lower, upper, iterations, int(PATIENCE), w
+        )
         evaluations += spent
         if distance * distance + angle * angle < best:
             best = distance * distance + angle * angle
@@ -126,7 +124,9 @@ def solve_lm(
     nearest_turns(chain, q, q_start, lower, upper)
     if slide and best_distance <= tolerance_position and best_angle <= tolerance_orientation:
         evaluations += nearest_on_manifold(chain, target, q, q_start, lower, upper, 20, w)
-        best_distance, best_angle, spent = refine(chain, target, q, lower, upper, 4, PATIENCE, w)
+        best_distance, best_angle, spent = refine(
+            chain, target, q, lower, upper, int(4), int(PATIENCE), w
+        )
         evaluations += spent
     return best_distance, best_angle, evaluations
 
@@ -170,13 +170,17 @@ def solve_seeds(
     for s in range(seeds.shape[0]):
         for k in range(dof):
             q[k] = min(max(seeds[s, k], lower[k]), upper[k])
-        distance, angle, spent = refine(chain, target, q, lower, upper, iterations, PATIENCE, w)
+        distance, angle, spent = refine(
+            chain, target, q, lower, upper, iterations, int(PATIENCE), w
+        )
         evaluations += spent
         solved = distance <= tolerance_position and angle <= tolerance_orientation
         if solved:
             nearest_turns(chain, q, q_start, lower, upper)
             evaluations += nearest_on_manifold(chain, target, q, q_start, lower, upper, 30, w)
-            distance, angle, spent = refine(chain, target, q, lower, upper, 3, PATIENCE, w)
+            distance, angle, spent = refine(
+                chain, target, q, lower, upper, int(3), int(PATIENCE), w
+            )
             evaluations += spent
         elif found == 0 and distance * distance + angle * angle < best:
             best = distance * distance + angle * angle

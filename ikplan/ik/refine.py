@@ -18,7 +18,7 @@ from ikplan.kinematics.chain import Chain
 from ikplan.kinematics.forward import forward_into, jacobian_into, pose_error
 from ikplan.kinematics.target import Target
 
-__all__ = ["Workspace", "new_workspace", "nearest_on_manifold", "refine"]
+__all__ = ["Workspace", "nearest_on_manifold", "new_workspace", "refine"]
 
 Array = NDArray[np.float64]
 
@@ -88,19 +88,18 @@ def new_workspace(chain: Chain) -> Workspace:
 def residual(
     chain: Chain, target: Target, q: Array, e: Array, w: Workspace
 ) -> tuple[float, float, float]:
-    """Write the pose error of q to ``e``, shape (6,).
+    """Write the weighted pose error of q to ``e``, shape (6,).
 
     Returns:
         Distance [m], rotation angle [rad] (0 where none counts), and half the squared error.
     """
     forward_into(chain, q, w.R, w.p, w.z, w.o)
     distance, angle = pose_error(w.R, w.p, target.R, target.p, w.E, e, w.turn)
-    if not target.oriented:
-        return distance, 0.0, 0.5 * distance * distance
     weight = target.weight
-    e[3] *= weight
-    e[4] *= weight
-    e[5] *= weight
+    for i in range(3, 6):
+        e[i] *= weight
+    if not target.oriented:
+        angle = 0.0
     return distance, angle, 0.5 * (distance * distance + weight * weight * angle * angle)
 
 
@@ -108,32 +107,36 @@ def residual(
 def differentiate(chain: Chain, target: Target, w: Workspace) -> None:
     """Write the transposed Jacobian of the weighted error at the last :func:`residual`."""
     jacobian_into(chain, w.R, w.p, w.z, w.o, w.Jt)
-    if target.oriented and target.weight != 1.0:
-        for j in range(w.Jt.shape[0]):
-            for i in range(3, 6):
-                w.Jt[j, i] *= target.weight
+    weight, Jt = target.weight, w.Jt
+    for j in range(Jt.shape[0]):
+        for i in range(3, 6):
+            Jt[j, i] *= weight
+
+
+# The rows are always six, so that the compiler unrolls the loops; where no orientation counts, its
+# rows are zero, and the damping keeps the matrix regular.
 
 
 @kernel
-def _factor_rows(m: int, w: Workspace) -> None:
+def _normal_matrix(w: Workspace) -> None:
     """Write A = J J^T over the free joints, lower triangle."""
     A, Jt, free = w.A, w.Jt, w.free
-    for i in range(m):
+    for i in range(6):
         for k in range(i + 1):
             A[i, k] = 0.0
     for j in range(Jt.shape[0]):
         if free[j]:
-            for i in range(m):
+            for i in range(6):
                 a = Jt[j, i]
                 for k in range(i + 1):
                     A[i, k] += a * Jt[j, k]
 
 
 @kernel
-def _solve_rows(m: int, damping: float, w: Workspace) -> None:
+def _solve_rows(damping: float, w: Workspace) -> None:
     """Write y = (A + damping I)^-1 y, by Cholesky."""
     A, L, y = w.A, w.L, w.y
-    for i in range(m):
+    for i in range(6):
         for k in range(i):
             total = A[i, k]
             for j in range(k):
@@ -147,31 +150,31 @@ def _solve_rows(m: int, damping: float, w: Workspace) -> None:
         for j in range(i):
             total -= L[i, j] * y[j]
         y[i] = total * L[i, i]
-    for i in range(m - 1, -1, -1):
+    for back in range(6):
+        i = 5 - back
         total = y[i]
-        for j in range(i + 1, m):
+        for j in range(i + 1, 6):
             total -= L[j, i] * y[j]
         y[i] = total * L[i, i]
 
 
 @kernel
-def _damped_step(
-    q: Array, lower: Array, upper: Array, m: int, damping: float, w: Workspace
-) -> None:
+def _damped_step(q: Array, lower: Array, upper: Array, damping: float, w: Workspace) -> None:
     """Write the damped least-squares step to ``w.dq``; joints it would push out of limits rest."""
     Jt, y, dq, free = w.Jt, w.y, w.dq, w.free
     dof = q.shape[0]
-    free[:] = True
+    for j in range(dof):
+        free[j] = True
     for _ in range(dof):
-        _factor_rows(m, w)
-        for i in range(m):
+        _normal_matrix(w)
+        for i in range(6):
             y[i] = w.e[i]
-        _solve_rows(m, damping, w)
+        _solve_rows(damping, w)
         changed = False
         for j in range(dof):
             step = 0.0
             if free[j]:
-                for i in range(m):
+                for i in range(6):
                     step += Jt[j, i] * y[i]
                 if (q[j] <= lower[j] and step < 0.0) or (q[j] >= upper[j] and step > 0.0):
                     free[j] = False
@@ -207,7 +210,6 @@ def refine(
     Returns:
         Distance [m] and rotation angle [rad] from the target, and evaluations spent.
     """
-    m = 6 if target.oriented else 3
     distance, angle, error = residual(chain, target, q, w.e, w)
     evaluations = 1
     factor = 1.0
@@ -223,7 +225,7 @@ def refine(
             checkpoint = error
         if rejected == 0:
             differentiate(chain, target, w)
-        _damped_step(q, lower, upper, m, factor * error + 1e-12, w)
+        _damped_step(q, lower, upper, factor * error + 1e-12, w)
         for j in range(q.shape[0]):
             w.trial[j] = min(max(q[j] + w.dq[j], lower[j]), upper[j])
         new_distance, new_angle, new_error = residual(chain, target, w.trial, w.e_trial, w)
@@ -256,7 +258,7 @@ def nearest_on_manifold(
     iterations: int,
     w: Workspace,
 ) -> int:
-    """Slide a solution along its self-motion manifold to the point nearest to ``q_start``, in place.
+    """Slide a solution along its self-motion manifold, in place, nearest to ``q_start``.
 
     Minimises ||q - q_start||^2 subject to the target and the limits, by sequential quadratic steps
     with projection back onto the target; a step that does not get nearer is halved.
@@ -275,8 +277,7 @@ def nearest_on_manifold(
         Evaluations spent.
     """
     dof = q.shape[0]
-    m = 6 if target.oriented else 3
-    if dof <= m:
+    if dof <= (6 if target.oriented else 3):
         return 0
     start_distance, start_angle, _ = residual(chain, target, q, w.e, w)
     evaluations = 1
@@ -290,20 +291,20 @@ def nearest_on_manifold(
         w.free[:] = True
         for _inner in range(dof):
             # dq = d - J^T (J J^T)^-1 J d over the free joints, d = q_start - q
-            _factor_rows(m, w)
-            for i in range(m):
+            _normal_matrix(w)
+            for i in range(6):
                 total = 0.0
                 for j in range(dof):
                     if w.free[j]:
                         total += w.Jt[j, i] * (q_start[j] - here[j])
                 w.y[i] = total
-            _solve_rows(m, 1e-10, w)
+            _solve_rows(1e-10, w)
             changed = False
             for j in range(dof):
                 step = 0.0
                 if w.free[j]:
                     step = q_start[j] - here[j]
-                    for i in range(m):
+                    for i in range(6):
                         step -= w.Jt[j, i] * w.y[i]
                     if (here[j] <= lower[j] and step < 0.0) or (here[j] >= upper[j] and step > 0.0):
                         w.free[j] = False
@@ -322,7 +323,7 @@ def nearest_on_manifold(
         for _half in range(6):
             for j in range(dof):
                 q[j] = min(max(here[j] + scale * w.dq[j], lower[j]), upper[j])
-            distance, angle, spent = refine(chain, target, q, lower, upper, 12, 8, w)
+            distance, angle, spent = refine(chain, target, q, lower, upper, int(12), int(8), w)
             evaluations += spent
             total = 0.0
             for j in range(dof):

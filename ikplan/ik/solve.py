@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import functools
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -17,7 +19,7 @@ from ikplan.ik.search import Searcher
 from ikplan.ik.verdict import Miss, explain_miss
 from ikplan.kinematics.arm import Arm, arm_of
 from ikplan.kinematics.forward import forward
-from ikplan.kinematics.target import Target, pose_target
+from ikplan.kinematics.target import ORIENTATION_WEIGHT, Target, is_pose
 from ikplan.result import IkSolution
 
 if TYPE_CHECKING:
@@ -47,13 +49,20 @@ class Solved:
     evaluations: int
 
 
-class NoSolution(Exception):  # noqa: N818
+class NoSolution(Exception):
     """A target without a solution within tolerance; the caller knows which waypoint it is."""
 
     def __init__(self, miss: Miss, evaluations: int) -> None:
         super().__init__(miss.reason)
         self.miss = miss
         self.evaluations = evaluations
+
+
+@functools.lru_cache(maxsize=256)
+def _prepared(method: str, params: tuple[tuple[str, Any], ...]) -> tuple[Solver, Mapping[str, Any]]:
+    """Return a solver and its checked parameters."""
+    solver = find_solver(method)
+    return solver, MappingProxyType(solver.check(dict(params)))
 
 
 @dataclass
@@ -83,8 +92,7 @@ class PoseSolver:
     tolerance_orientation: float = 1e-6
 
     def __post_init__(self) -> None:
-        self._solver: Solver = find_solver(self.method)
-        self._values = self._solver.check(self.params)
+        self._solver, self._values = _prepared(self.method, tuple(self.params.items()))
         self._searcher: Searcher | None = None
         if self._solver.family == "metaheuristic":
             self._searcher = Searcher(
@@ -177,7 +185,7 @@ class PoseSolver:
 
 
 def pose_distance(arm: Arm, target: Target, q: Array) -> tuple[float, float]:
-    """Return the distance [m] and the rotation angle [rad] of q from a target (0 if none counts)."""
+    """Return the distance [m] and the rotation angle [rad] (0: none counts) of q from a target."""
     R, p = forward(arm.chain, q)
     distance = float(np.linalg.norm(p - target.p))
     if not target.oriented:
@@ -223,7 +231,7 @@ def solve_ik(
         Unreachable: No solution within tolerance; carries the best one and the reason.
     """
     target = _target_of(pose)
-    q_start = robot.home if start is None else check_start(robot, start)
+    q_start = check_start(robot, robot.home if start is None else start)
     solver = PoseSolver(
         arm_of(robot),
         method,
@@ -294,19 +302,20 @@ def check_start(robot: Robot, start: ArrayLike, field: str = "start") -> Array:
     return np.clip(q, robot.lower, robot.upper)
 
 
+_ANY_ROTATION = np.eye(3)
+_ANY_ROTATION.setflags(write=False)
+
+
 def _target_of(pose: Any) -> Target:
     """Read an SE3 or a position."""
-    rotation = getattr(pose, "rotation", None)
-    position = np.array(pose.translation if rotation is not None else pose, dtype=np.float64)
-    if position.shape != (3,) or not np.isfinite(position).all():
+    R_wanted = getattr(pose, "rotation", None)
+    oriented = R_wanted is not None
+    p = np.array(pose.translation if oriented else pose, dtype=np.float64)
+    R = np.array(R_wanted if oriented else _ANY_ROTATION, dtype=np.float64, order="C")
+    if p.shape != (3,) or R.shape != (3, 3) or not is_pose(R, p):
         raise InvalidRequest(
-            "pose: a pinocchio.SE3 or three finite numbers are wanted",
+            "pose: a pinocchio.SE3 with a proper rotation, or three finite numbers, are wanted",
             field="pose",
             allowed="pinocchio.SE3 or position of shape (3,)",
         )
-    if rotation is None:
-        return pose_target(position)
-    R = np.array(rotation, dtype=np.float64)
-    if not np.isfinite(R).all() or np.abs(R @ R.T - np.eye(3)).max() > 1e-3:
-        raise InvalidRequest("pose: its rotation is not a rotation matrix", field="pose.rotation")
-    return pose_target(position, R)
+    return Target(R, p, oriented, ORIENTATION_WEIGHT if oriented else 0.0)

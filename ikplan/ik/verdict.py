@@ -52,7 +52,7 @@ def _closest(
             trial[:] = seeds[attempt]
         else:
             restart_into(attempt - seeds.shape[0], 0.5, lower, upper, trial)
-        distance, angle, spent = refine(chain, target, trial, lower, upper, 100, 100, w)
+        distance, angle, spent = refine(chain, target, trial, lower, upper, int(100), int(100), w)
         evaluations += spent
         value = distance * distance + (target.weight * angle) ** 2
         if value < best:

@@ -47,6 +47,7 @@ class Arm:
         upper: Upper position limits, shape (dof,); inf for continuous joints [rad or m].
         wrist: The spherical wrist, if the arm has one.
         shoulder: The shoulder, if the arm has one, a wrist, and one joint between them.
+        bounded: Whether every joint has position limits.
     """
 
     chain: Chain
@@ -54,6 +55,7 @@ class Arm:
     upper: Array
     wrist: SphericalWrist | None
     shoulder: Shoulder | None
+    bounded: bool
 
     @property
     def dof(self) -> int:
@@ -66,7 +68,7 @@ class Arm:
         Args:
             q_start: Configuration to stay near to, shape (dof,) [rad or m].
         """
-        if np.isfinite(self.lower).all() and np.isfinite(self.upper).all():
+        if self.bounded:
             return self.lower, self.upper
         lower = np.where(np.isfinite(self.lower), self.lower, q_start - math.pi)
         upper = np.where(np.isfinite(self.upper), self.upper, q_start + math.pi)
@@ -80,7 +82,8 @@ def arm_of(robot: Robot) -> Arm:
     lower = np.array(robot.lower, dtype=np.float64)
     upper = np.array(robot.upper, dtype=np.float64)
     wrist = find_wrist(chain, lower, upper)
-    return Arm(chain, lower, upper, wrist, _find_shoulder(wrist, lower, upper))
+    bounded = bool(np.isfinite(lower).all() and np.isfinite(upper).all())
+    return Arm(chain, lower, upper, wrist, _find_shoulder(wrist, lower, upper), bounded)
 
 
 def _find_shoulder(wrist: SphericalWrist | None, lower: Array, upper: Array) -> Shoulder | None:

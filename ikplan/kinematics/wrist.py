@@ -107,13 +107,14 @@ def _wrapped(angle: float, lower: float, upper: float, near: float) -> float:
     Without a copy inside, the copy in (-pi, pi].
     """
     turn = 2.0 * math.pi
-    base = angle - turn * math.ceil((angle - math.pi) / turn)
-    best, distance = base, math.inf
-    for k in range(-2, 3):
-        copy = base + k * turn
-        if lower <= copy <= upper and abs(copy - near) < distance:
-            best, distance = copy, abs(copy - near)
-    return best
+    copy = angle + turn * math.floor((near - angle) / turn + 0.5)
+    if copy < lower:
+        copy += turn * math.ceil((lower - copy) / turn)
+    elif copy > upper:
+        copy -= turn * math.ceil((copy - upper) / turn)
+    if lower <= copy <= upper:
+        return copy
+    return angle - turn * math.ceil((angle - math.pi) / turn)
 
 
 @kernel
@@ -129,28 +130,35 @@ def wrist_angles(
         near: Wrist joint values to stay close to, shape (3,) [rad].
         out: Out: wrist joint values of both solutions, shape (2, 3) [rad].
     """
-    # M = Rz(q5) A Rz(q6) B Rz(q7)
-    M = R_arm.T @ R_target @ wrist.R_tool.T
-    A, B = wrist.A, wrist.B
+    # M = R_arm^T R_target R_tool^T = Rz(q5) A Rz(q6) B Rz(q7)
+    A, B, R_tool = wrist.A, wrist.B, wrist.R_tool
+    half, M, C = np.empty((3, 3)), np.empty((3, 3)), np.empty((3, 3))
+    for i in range(3):
+        for j in range(3):
+            half[i, j] = (
+                R_target[i, 0] * R_tool[j, 0]
+                + R_target[i, 1] * R_tool[j, 1]
+                + R_target[i, 2] * R_tool[j, 2]
+            )
+    for i in range(3):
+        for j in range(3):
+            M[i, j] = _entry(R_arm.T, half, i, j)
     # A and B turn z to a perpendicular axis, so M[2, 2] = cos(q6 - phi).
     phi = math.atan2(A[2, 1] * B[0, 2] - A[2, 0] * B[1, 2], A[2, 0] * B[0, 2] + A[2, 1] * B[1, 2])
     sine = math.hypot(M[0, 2], M[1, 2])
     opening = math.atan2(sine, M[2, 2])
     for branch in range(2):
         q6 = phi + opening if branch == 0 else phi - opening
-        c, s = math.cos(q6), math.sin(q6)
-        Rz = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
-        C = A @ Rz @ B
-        if sine < 1e-9:
-            # Axes 5 and 7 are parallel: keep q5, let q7 make up the rest.
-            q5 = near[0]
-            c, s = math.cos(q5), math.sin(q5)
-            Rz = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
-            N = (Rz @ C).T @ M
-            q7 = math.atan2(N[1, 0], N[0, 0])
-        else:
+        _times_z_times(A, q6, B, C)
+        # Where axes 5 and 7 are parallel only their sum counts: keep q5.
+        q5 = near[0]
+        if sine >= 1e-9:
             q5 = math.atan2(M[1, 2], M[0, 2]) - math.atan2(C[1, 2], C[0, 2])
-            q7 = math.atan2(-M[2, 1], M[2, 0]) - math.atan2(-C[2, 1], C[2, 0])
+        # q7 makes up what is left, and so takes back what rounding did to q5 near that place.
+        c, s = math.cos(q5), math.sin(q5)
+        Rz = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
+        N = (Rz @ C).T @ M
+        q7 = math.atan2(N[1, 0], N[0, 0])
         out[branch, 0] = _wrapped(q5, wrist.lower[0], wrist.upper[0], near[0])
         out[branch, 1] = _wrapped(q6, wrist.lower[1], wrist.upper[1], near[1])
         out[branch, 2] = _wrapped(q7, wrist.lower[2], wrist.upper[2], near[2])

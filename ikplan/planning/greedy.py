@@ -52,9 +52,10 @@ def _solve_one(problem: WaypointProblem, k: int, q_before: Array) -> tuple[Array
     if distance > tolerance.position or angle > tolerance.orientation:
         # Only an unrefined solver ends here: its best is what it is.
         raise Unreachable(
-            f"waypoint {k}: {problem.solver.method} without refinement ends {distance * 1e3:.3g} mm "
-            f"and {angle:.3g} rad away, outside the tolerance of {tolerance.position * 1e3:.3g} mm "
-            f"and {tolerance.orientation:.3g} rad; set ik.refine, a larger budget or tolerance",
+            f"waypoint {k}: {problem.solver.method} without refinement ends "
+            f"{distance * 1e3:.3g} mm and {angle:.3g} rad away, outside the tolerance of "
+            f"{tolerance.position * 1e3:.3g} mm and {tolerance.orientation:.3g} rad; "
+            "set ik.refine, or a larger budget or tolerance",
             waypoint=k,
             position_error=distance,
             orientation_error=angle if target.oriented else None,

@@ -118,6 +118,22 @@ def _wrapped(angle: float, lower: float, upper: float, near: float) -> float:
 
 
 @kernel
+def _entry(left: Array, right: Array, i: int, j: int) -> float:
+    """Entry (i, j) of the product of two matrices of shape (3, 3)."""
+    return left[i, 0] * right[0, j] + left[i, 1] * right[1, j] + left[i, 2] * right[2, j]
+
+
+@kernel
+def _times_z_times(A: Array, angle: float, B: Array, C: Array) -> None:
+    """Write C = A Rz(angle) B, each of shape (3, 3)."""
+    c, s = math.cos(angle), math.sin(angle)
+    for i in range(3):
+        x, y = c * A[i, 0] + s * A[i, 1], c * A[i, 1] - s * A[i, 0]
+        for j in range(3):
+            C[i, j] = x * B[0, j] + y * B[1, j] + A[i, 2] * B[2, j]
+
+
+@kernel
 def wrist_angles(
     wrist: SphericalWrist, R_arm: Array, R_target: Array, near: Array, out: Array
 ) -> None:

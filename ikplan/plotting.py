@@ -5,6 +5,7 @@ Drawn on a Figure object, without pyplot's global state; the same plan gives the
 
 from __future__ import annotations
 
+from contextlib import AbstractContextManager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -88,13 +89,23 @@ def plot_plan(plan: Plan, path: str | Path, *, robot: Robot | None = None) -> No
         OSError: The file cannot be written.
     """
     suffix = check_image_suffix(path)
-    with matplotlib.style.context(["default", _STYLE]):
-        figure = draw_plan(plan, robot=robot)
+    figure = draw_plan(plan, robot=robot)
+    with _style():
         figure.savefig(path, format=suffix[1:], dpi=150, metadata=_METADATA[suffix])
 
 
 def draw_plan(plan: Plan, *, robot: Robot | None = None) -> Figure:
     """Draw a plan; the arguments are those of :func:`plot_plan`."""
+    with _style():
+        return _draw(plan, robot)
+
+
+def _style() -> AbstractContextManager[None]:
+    """Our style for what is drawn inside, whatever the user's own settings are."""
+    return matplotlib.style.context(["default", _STYLE])
+
+
+def _draw(plan: Plan, robot: Robot | None) -> Figure:
     known = robot if robot is not None else _from_catalogue(plan)
     if known is not None and list(known.joint_names) != plan.joint_names:
         known = None
@@ -218,7 +229,7 @@ def _tool_path(axes: Any, plan: Plan, robot: Robot, *, tip: bool) -> None:
     axes.plot(*path[:1].T, "^", color=_COLOURS[2], ms=8, label="start")
     axes.plot(*path[-1:].T, "s", color=_COLOURS[6], ms=6, label="end")
     frame = "tip" if tip else "tool"
-    axes.set_title(f"Path of the {frame} in the base frame [m]")
+    axes.set_title(f"Path of the {frame} in the base frame [m]", loc="left")
     axes.set_xlabel("x [m]")
     axes.set_ylabel("y [m]")
     axes.set_zlabel("z [m]")

@@ -126,6 +126,35 @@ class JointPath:
             s_knots, q_knots, start, end, rest_knots=rests, knot_of_waypoint=knot_of_waypoint
         )
 
+    def with_knots(self, s: Sequence[float]) -> JointPath:
+        """Return the same path with knots at more places.
+
+        Args:
+            s: Path positions; those outside the path, or within 1e-9 of its length of a knot,
+                are left out.
+
+        Returns:
+            The path, its pieces divided.
+        """
+        slack = 1e-9 * self.length
+        nearest = [float(np.abs(self.s_knots - value).min()) for value in s]
+        inside = [v for v, d in zip(s, nearest, strict=True) if 0.0 < v < self.length and d > slack]
+        more = np.unique(np.array(inside, dtype=np.float64))
+        if not len(more):
+            return self
+        more = more[np.append(True, np.diff(more) > slack)]
+        q, m, _ = self.derivatives(more)
+        at = np.searchsorted(self.s_knots, more)
+        moved = np.arange(len(self.s_knots)) + np.searchsorted(more, self.s_knots)
+        return JointPath(
+            np.insert(self.s_knots, at, more),
+            np.insert(self.q_knots, at, q, axis=0),
+            np.insert(self.tangents_start, at, m, axis=0),
+            np.insert(self.tangents_end, at - 1, m, axis=0),
+            rest_knots=[int(moved[i]) for i in self.rest_knots],
+            knot_of_waypoint=moved[self.knot_of_waypoint],
+        )
+
     @property
     def dof(self) -> int:
         """Number of joints."""

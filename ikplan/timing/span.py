@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import contextlib
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,12 +11,12 @@ from numpy.typing import NDArray
 
 from ikplan.errors import TimingFailed
 from ikplan.timing.compiled_engine import CompiledEngine
+from ikplan.timing.constraints import PathConstraint
 from ikplan.timing.engine import Engine, EngineFailed
 from ikplan.timing.grid import Grid, curvature_grid, regridded
 from ikplan.timing.joint_path import JointPath
-from ikplan.timing.limits import JointLimits
 from ikplan.timing.problem import SpanProblem
-from ikplan.timing.rows import natural_units
+from ikplan.timing.profile import LimitProfile
 from ikplan.timing.toppra_engine import ToppraEngine
 
 __all__ = ["SpanTiming", "time_span"]
@@ -24,7 +24,7 @@ __all__ = ["SpanTiming", "time_span"]
 Array = NDArray[np.float64]
 
 # Kept below the limits, so that rounding in a sample cannot step over one.
-_MARGIN = 1e-9
+_MARGIN = 2e-9
 _PILOT_INTERVALS = 100
 _PILOT_ROUNDS = 8
 _VERIFY = 4.0
@@ -58,7 +58,8 @@ def time_span(
     path: JointPath,
     first: int,
     last: int,
-    limits: JointLimits,
+    profile: LimitProfile,
+    constraints: Sequence[PathConstraint] = (),
     engine: Engine | None = None,
     tolerance: float = 0.003,
 ) -> SpanTiming:
@@ -71,7 +72,8 @@ def time_span(
         path: The path.
         first: First knot of the span.
         last: Last knot of the span.
-        limits: Joint limits.
+        profile: Joint limits on every piece of the path.
+        constraints: Limits other than those of single joints.
         engine: The engine; None: toppra, with its compiled twin to stand in.
         tolerance: Estimated share of the duration that the grid may cost.
 
@@ -82,42 +84,45 @@ def time_span(
         TimingFailed: No rung of the ladder found a path speed.
     """
     failure: tuple[SpanProblem, int] | None = None
-    for grid, pilot in _grids(path, first, last, limits, tolerance):
-        problem = SpanProblem.build(path, grid, limits)
+    for grid, pilot in _grids(path, first, last, profile, constraints, tolerance):
+        problem = SpanProblem.build(path, grid, profile, constraints)
         engines: list[Engine] = [engine] if engine is not None else [ToppraEngine(), pilot]
         if engine is None and len(grid.pieces) > _MAX_TOPPRA_INTERVALS:
             del engines[0]
         for candidate in engines:
             try:
-                x = _solve(problem, candidate)
+                x = problem.solve(candidate)
             except EngineFailed as error:
                 failure = (problem, error.stage)
                 continue
             timing = _within_limits(problem, x, candidate)
             if engine is None and candidate is not pilot:
-                twin = _within_limits(problem, _solve(problem, pilot), pilot)
+                twin = _within_limits(problem, problem.solve(pilot), pilot)
                 if float(timing.dt.sum()) > _WORSE * float(twin.dt.sum()):
                     timing = twin
             return timing
     assert failure is not None  # every rung ended in a return or a failure
-    raise _failed(path, limits, *failure)
-
-
-def _solve(problem: SpanProblem, engine: Engine) -> Array:
-    rows, unit = natural_units(problem.rows())
-    return engine.solve(rows) * unit
+    raise _failed(*failure)
 
 
 def _grids(
-    path: JointPath, first: int, last: int, limits: JointLimits, tolerance: float
+    path: JointPath,
+    first: int,
+    last: int,
+    profile: LimitProfile,
+    constraints: Sequence[PathConstraint],
+    tolerance: float,
 ) -> Iterator[tuple[Grid, Engine]]:
     """Yield the grid that the pilot finds good enough, then finer ones."""
     pilot = CompiledEngine()
-    weight = 1.0 / np.minimum(limits.acceleration, -limits.acceleration_lower)
+    piece = slice(first, last)
+    weight = 1.0 / np.minimum(
+        profile.acceleration[piece].min(axis=0), -profile.acceleration_lower[piece].max(axis=0)
+    )
     grid = curvature_grid(path, first, last, weight, _PILOT_INTERVALS)
     # Where the pilot fails, the ladder tells whether it is for good, and where.
     with contextlib.suppress(EngineFailed):
-        grid = _refined(path, grid, limits, pilot, tolerance)
+        grid = _refined(path, grid, profile, constraints, pilot, tolerance)
     yield grid, pilot
     for _ in range(2):
         grid = regridded(grid, np.full(len(grid.pieces), 3.0))
@@ -125,20 +130,27 @@ def _grids(
 
 
 def _refined(
-    path: JointPath, grid: Grid, limits: JointLimits, pilot: Engine, tolerance: float
+    path: JointPath,
+    grid: Grid,
+    profile: LimitProfile,
+    constraints: Sequence[PathConstraint],
+    pilot: Engine,
+    tolerance: float,
 ) -> Grid:
     """Return a grid on which the pilot is near its optimum."""
     for _ in range(_PILOT_ROUNDS):
-        problem = SpanProblem.build(path, grid, limits)
-        x = _solve(problem, pilot)
+        problem = SpanProblem.build(path, grid, profile, constraints)
+        x = problem.solve(pilot)
+        x /= max(problem.slowdown(x), 1.0)
         loss, total = problem.loss(x), float(problem.times(x).sum())
         share = float(loss.sum()) / total
         if share <= tolerance:
             # Near a point where one joint turns round, a grid can be too coarse to pass at the
             # right speed and lose no time it knows of: a much finer one tells.
             fine = regridded(grid, np.full(len(loss), _VERIFY))
-            finer = SpanProblem.build(path, fine, limits)
-            best = float(finer.times(_solve(finer, pilot)).sum())
+            finer = SpanProblem.build(path, fine, profile, constraints)
+            x = finer.solve(pilot)
+            best = float(finer.times(x / max(finer.slowdown(x), 1.0)).sum())
             if total <= (1.0 + 1.5 * tolerance) * best or len(loss) * _VERIFY > _MAX_INTERVALS:
                 return grid
             grid = fine
@@ -155,25 +167,24 @@ def _refined(
 
 def _within_limits(problem: SpanProblem, x: Array, engine: Engine) -> SpanTiming:
     """Slow a solution by what it exceeds the limits, computed exactly."""
-    v_share, a_share = problem.usage(x)
-    k = max(float(v_share.max()), float(np.sqrt(a_share.max()))) * (1.0 + _MARGIN)
-    x = x / (k * k)
+    x = x / (problem.slowdown(x) * (1.0 + _MARGIN))
     dt = problem.times(x)
     return SpanTiming(
         problem, x, dt, float(problem.loss(x).sum() / dt.sum()), type(engine).__name__
     )
 
 
-def _failed(path: JointPath, limits: JointLimits, problem: SpanProblem, stage: int) -> TimingFailed:
+def _failed(problem: SpanProblem, stage: int) -> TimingFailed:
     """Describe a failure: the joint whose acceleration the path asks most of there."""
+    profile, piece = problem.profile, problem.grid.pieces[stage]
     qss = problem.qss0[stage]
-    share = np.maximum(qss / limits.acceleration, qss / limits.acceleration_lower)
-    j = int(np.argmax(share))
-    where = float(problem.grid.s[stage] / path.length)
+    share = np.maximum(qss / profile.acceleration[piece], qss / profile.acceleration_lower[piece])
+    name = profile.joint_names[int(np.argmax(share))]
+    where = float(problem.grid.s[stage] / problem.path.length)
     return TimingFailed(
-        f"no path speed found at {where:.4f} of the path, where joint "
-        f"{limits.joint_names[j]!r} needs the most of its acceleration limit",
+        f"no path speed found at {where:.4f} of the path, where joint {name!r} needs the most of "
+        "its acceleration limit",
         position=where,
-        joint=limits.joint_names[j],
+        joint=name,
         limit="acceleration",
     )

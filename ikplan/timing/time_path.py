@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import itertools
+from collections.abc import Sequence
 
 import numpy as np
 
 from ikplan.errors import InvalidRequest, TimingFailed
+from ikplan.timing.constraints import PathConstraint
 from ikplan.timing.engine import Engine
 from ikplan.timing.joint_path import JointPath
 from ikplan.timing.limits import JointLimits
+from ikplan.timing.profile import LimitProfile, SegmentLimits
 from ikplan.timing.span import time_span
 from ikplan.timing.timed_path import TimedPath
 
@@ -17,7 +20,12 @@ __all__ = ["check_inside", "time_joint_path"]
 
 
 def time_joint_path(
-    path: JointPath, limits: JointLimits, *, engine: Engine | None = None
+    path: JointPath,
+    limits: JointLimits,
+    *,
+    segments: Sequence[SegmentLimits] = (),
+    constraints: Sequence[PathConstraint] = (),
+    engine: Engine | None = None,
 ) -> TimedPath:
     """Move along a path as fast as the limits allow, from rest to rest.
 
@@ -27,7 +35,9 @@ def time_joint_path(
 
     Args:
         path: The path.
-        limits: Joint limits.
+        limits: Joint limits of the whole path.
+        segments: Joint limits of ranges of the path; the strictest holds.
+        constraints: Limits other than those of single joints: of the tool, of torques.
         engine: Chooses the path speed; None: toppra, with a compiled twin to stand in for it.
 
     Returns:
@@ -35,8 +45,9 @@ def time_joint_path(
 
     Raises:
         InvalidRequest: The limits are for another number of joints.
-        TimingFailed: The path leaves the position limits, or no path speed was found; carries the
-            place on the path, the joint and the limit.
+        TimingFailed: A torque limit forbids to stand somewhere on the path, the path leaves the
+            position limits, or no path speed was found; carries the place on the path, the joint
+            and the limit.
     """
     if path.dof != limits.dof:
         raise InvalidRequest(
@@ -45,11 +56,14 @@ def time_joint_path(
             allowed=f"{path.dof} values each",
         )
     check_inside(path, limits)
+    ranges = [(r.start, r.end) for r in segments] + [(r.start, r.end) for r in constraints]
+    path = path.with_knots([place for both in ranges for place in both])
     if path.length == 0.0:
         zero = np.zeros(1)
         return TimedPath(path, zero, np.zeros(0, dtype=np.int64), zero, zero, ())
+    profile = LimitProfile.merged(path, limits, segments)
     spans = tuple(
-        time_span(path, first, last, limits, engine)
+        time_span(path, first, last, profile, constraints, engine)
         for first, last in itertools.pairwise(path.rest_knots)
     )
     grids = [span.problem.grid for span in spans]

@@ -1,0 +1,190 @@
+"""Why a motion takes as long as it does: what binds where, and what more would bring."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ikplan.errors import InvalidRequest
+from ikplan.timing.compiled_engine import CompiledEngine
+from ikplan.timing.constraints import Label
+from ikplan.timing.problem import SpanProblem
+from ikplan.timing.profile import LimitProfile
+from ikplan.timing.timed_path import TimedPath
+
+__all__ = ["Binding", "BindingShare", "WhatIf", "binding", "what_if"]
+
+Array = NDArray[np.float64]
+Indices = NDArray[np.int64]
+
+
+@dataclass(frozen=True)
+class BindingShare:
+    """How much of the time one limit binds.
+
+    Attributes:
+        limit: "velocity", "acceleration", "torque", "tool_linear_speed", ...
+        joint: Name of the joint, None for a limit of the tool.
+        share: Share of the duration, 0 to 1.
+    """
+
+    limit: str
+    joint: str | None
+    share: float
+
+
+@dataclass(frozen=True, eq=False)
+class Binding:
+    """Which limit binds in each interval of a timing.
+
+    Attributes:
+        labels: The limits there are.
+        index: The limit nearest to its bound in each interval, shape (n,).
+        usage: How near, as a share of the speed that it allows there, shape (n,).
+        dt: Durations of the intervals [s], shape (n,).
+    """
+
+    labels: tuple[Label, ...]
+    index: Indices
+    usage: Array
+    dt: Array
+
+    def summary(self) -> list[BindingShare]:
+        """Return the limits that bind and the share of the time that each does, most first."""
+        time = np.bincount(self.index, weights=self.dt, minlength=len(self.labels))
+        total = float(time.sum())
+        order = np.argsort(-time, kind="stable")
+        return [
+            BindingShare(self.labels[i][0], self.labels[i][1], float(time[i]) / total)
+            for i in order
+            if time[i] > 0.0
+        ]
+
+    def sentence(self) -> str:
+        """Return the summary in words: "62 % of the time joint4 velocity, ..."."""
+        parts = [
+            f"{100.0 * s.share:.0f} % of the time {s.joint + ' ' if s.joint else ''}"
+            + s.limit.replace("_", " ")
+            for s in self.summary()
+            if s.share >= 0.005
+        ]
+        return ", ".join(parts)
+
+
+@dataclass(frozen=True)
+class WhatIf:
+    """What a wider limit would bring.
+
+    Attributes:
+        limit: Kind of the limit.
+        joint: Name of the joint, None for a limit of the tool.
+        factor: By what it was multiplied.
+        duration: Duration with it [s].
+        saved: What that is less than before [s].
+    """
+
+    limit: str
+    joint: str | None
+    factor: float
+    duration: float
+    saved: float
+
+
+def binding(timed: TimedPath) -> Binding:
+    """Find the limit that binds in each interval.
+
+    Args:
+        timed: The timing.
+
+    Returns:
+        The binding limits; of a path of length zero, none.
+    """
+    labels: dict[Label, int] = {}
+    index, top, dt = [], [], []
+    for span in timed.spans:
+        problem, x = span.problem, span.x
+        names = problem.profile.joint_names
+        u = np.diff(x) / (2.0 * problem.h)
+        # In the middle of an interval, away from the switches at its ends.
+        middle = 0.5 * (x[1:] + x[:-1])
+        qss = 0.5 * (problem.qss0 + problem.qss1)
+        qs = problem.qs0 + 0.125 * problem.h[:, None] * (3.0 * problem.qss0 + problem.qss1)
+        dq = qs * np.sqrt(middle)[:, None]
+        ddq = qs * u[:, None] + qss * middle[:, None]
+        up, down, a_up, a_down = problem.bounds
+        columns = [np.maximum(dq / up, dq / down), np.sqrt(np.maximum(ddq / a_up, ddq / a_down))]
+        mine: list[Label] = [(kind, n) for kind in ("velocity", "acceleration") for n in names]
+        for constraint, inside, demand in problem.demands(x):
+            column = np.zeros((len(x) - 1, demand.shape[2]))
+            column[inside] = np.sqrt(np.maximum(demand[1], 0.0))
+            columns.append(column)
+            mine += constraint.labels
+        usage = np.hstack(columns)
+        number = np.array([labels.setdefault(label, len(labels)) for label in mine])
+        best = np.argmax(usage, axis=1)
+        index.append(number[best])
+        top.append(usage[np.arange(len(best)), best])
+        dt.append(span.dt)
+    if not index:
+        return Binding((), np.zeros(0, dtype=np.int64), np.zeros(0), np.zeros(0))
+    return Binding(tuple(labels), np.concatenate(index), np.concatenate(top), np.concatenate(dt))
+
+
+def what_if(timed: TimedPath, limit: str, joint: str | None = None, factor: float = 1.1) -> WhatIf:
+    """Time a motion again with one limit changed, everywhere on the path.
+
+    The path speed is solved again on the same grid, before and after the change, and the duration
+    scaled by the ratio: what the grid costs is not mistaken for what the limit brings.
+
+    Args:
+        timed: The timing.
+        limit: Kind of the limit, as in its binding.
+        joint: Name of the joint, None for a limit of the tool.
+        factor: By what to multiply it, > 0.
+
+    Returns:
+        The new duration.
+
+    Raises:
+        InvalidRequest: There is no such limit, or the factor is not positive.
+    """
+    if not factor > 0.0 or not np.isfinite(factor):
+        raise InvalidRequest(
+            f"factor must be positive, not {factor!r}", field="factor", allowed="a positive number"
+        )
+    before = after = 0.0
+    for span in timed.spans:
+        before += _duration(span.problem)
+        after += _duration(_changed(span.problem, (limit, joint), factor))
+    ratio = after / before if before > 0.0 else 1.0
+    duration = timed.duration * ratio
+    return WhatIf(limit, joint, factor, duration, timed.duration - duration)
+
+
+def _duration(problem: SpanProblem) -> float:
+    x = problem.solve(CompiledEngine())
+    return float(problem.times(x / max(problem.slowdown(x), 1e-300)).sum())
+
+
+def _changed(problem: SpanProblem, label: Label, factor: float) -> SpanProblem:
+    limit, joint = label
+    profile: LimitProfile = problem.profile
+    constraints = problem.constraints
+    labels: list[Label] = [
+        (k, n) for k in ("velocity", "acceleration") for n in profile.joint_names
+    ]
+    for constraint in constraints:
+        labels += constraint.labels
+    if label not in labels:
+        raise InvalidRequest(
+            f"this motion has no limit {limit!r} of joint {joint!r}",
+            field="limit",
+            allowed=[f"{k} {n}" if n else k for k, n in dict.fromkeys(labels)],
+        )
+    if limit in ("velocity", "acceleration"):
+        profile = profile.scaled(limit, profile.joint_names.index(str(joint)), factor)
+    else:
+        constraints = tuple(constraint.scaled(label, factor) for constraint in constraints)
+    return SpanProblem.build(problem.path, problem.grid, profile, constraints)

@@ -1,0 +1,96 @@
+"""Limits on the motion other than those of single joints: the seam they are given through."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+__all__ = ["MARGIN", "ConstraintRows", "Label", "PathConstraint", "PathPoints"]
+
+Array = NDArray[np.float64]
+Indices = NDArray[np.int64]
+Label = tuple[str, str | None]
+
+# These limits are checked at the ends and in the middle of every interval, and not between; they
+# are kept by this share, so that nothing between exceeds them.
+MARGIN = 5e-4
+
+
+@dataclass(frozen=True, eq=False)
+class PathPoints:
+    """Points of a path.
+
+    Attributes:
+        s: Path positions, shape (m,).
+        q: Joint positions, shape (m, dof).
+        qs: dq/ds, shape (m, dof).
+        qss: d2q/ds2, shape (m, dof).
+        length: Length of the whole path.
+    """
+
+    s: Array
+    q: Array
+    qs: Array
+    qss: Array
+    length: float
+
+
+@dataclass(frozen=True, eq=False)
+class ConstraintRows:
+    """A limit at points of a path: rows a u + b x <= 1 that rest keeps, and bounds x <= x_max.
+
+    Attributes:
+        a: Coefficients of the path acceleration u, shape (m, r).
+        b: Coefficients of the squared path velocity x, shape (m, r).
+        x_max: Upper bounds of x, shape (m,).
+        demand: For indices of points, u and x, each of shape (p,): by how much u and x would have
+            to be divided to keep each limit, 1 where it is just kept, shape (p, labels).
+    """
+
+    a: Array
+    b: Array
+    x_max: Array
+    demand: Callable[[Indices, Array, Array], Array]
+
+
+class PathConstraint(Protocol):
+    """A limit on a range of a path."""
+
+    @property
+    def start(self) -> float:
+        """Where the range begins, as a path position s."""
+        ...
+
+    @property
+    def end(self) -> float:
+        """Where the range ends."""
+        ...
+
+    @property
+    def labels(self) -> tuple[Label, ...]:
+        """Kind and joint of each limit, in the order of the columns of demands."""
+        ...
+
+    def at(self, points: PathPoints) -> ConstraintRows:
+        """Write the limit at points of a path.
+
+        Args:
+            points: Points inside the range.
+
+        Raises:
+            TimingFailed: Not even rest keeps the limit somewhere.
+        """
+        ...
+
+    def scaled(self, label: Label, factor: float) -> PathConstraint:
+        """Return the constraint with one of its limits multiplied.
+
+        Args:
+            label: Which limit.
+            factor: The factor.
+        """
+        ...

@@ -1,0 +1,103 @@
+"""Joint limits that differ from place to place on a path."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ikplan.errors import InvalidRequest
+from ikplan.timing.joint_path import JointPath
+from ikplan.timing.limits import JointLimits
+
+__all__ = ["LimitProfile", "SegmentLimits"]
+
+Array = NDArray[np.float64]
+
+_RATES = ("velocity", "velocity_lower", "acceleration", "acceleration_lower")
+
+
+@dataclass(frozen=True, eq=False)
+class SegmentLimits:
+    """Joint limits of their own for a range of a path.
+
+    Attributes:
+        start: Where the range begins, as a path position s.
+        end: Where it ends.
+        limits: Velocity and acceleration limits there; positions are limited for the whole path.
+    """
+
+    start: float
+    end: float
+    limits: JointLimits
+
+    def __post_init__(self) -> None:
+        if not self.start < self.end:
+            raise InvalidRequest(
+                f"a range of limits must begin before it ends, not [{self.start}, {self.end}]",
+                field="limits.segments",
+                allowed="start < end",
+            )
+
+
+@dataclass(frozen=True, eq=False)
+class LimitProfile:
+    """Velocity and acceleration limits of every joint on every piece of a path.
+
+    Attributes:
+        velocity: Upper velocity limits, shape (k, dof).
+        velocity_lower: Lower velocity limits, shape (k, dof), negative.
+        acceleration: Upper acceleration limits, shape (k, dof).
+        acceleration_lower: Lower acceleration limits, shape (k, dof), negative.
+        joint_names: Names of the joints.
+    """
+
+    velocity: Array
+    velocity_lower: Array
+    acceleration: Array
+    acceleration_lower: Array
+    joint_names: tuple[str, ...]
+
+    @classmethod
+    def merged(
+        cls, path: JointPath, limits: JointLimits, segments: Sequence[SegmentLimits] = ()
+    ) -> LimitProfile:
+        """Give every piece the strictest of the limits that hold on it.
+
+        Args:
+            path: The path, with a knot at both ends of every range.
+            limits: Limits of the whole path.
+            segments: Limits of ranges.
+
+        Returns:
+            The profile.
+        """
+        k = len(path.s_knots) - 1
+        middle = 0.5 * (path.s_knots[:-1] + path.s_knots[1:])
+        rates = {name: np.tile(getattr(limits, name), (k, 1)) for name in _RATES}
+        for segment in segments:
+            inside = (middle > segment.start) & (middle < segment.end)
+            for name in _RATES:
+                stricter = np.maximum if name.endswith("lower") else np.minimum
+                rates[name][inside] = stricter(rates[name][inside], getattr(segment.limits, name))
+        return cls(joint_names=limits.joint_names, **rates)
+
+    def scaled(self, limit: str, joint: int, factor: float) -> LimitProfile:
+        """Return the profile with one limit of one joint multiplied.
+
+        Args:
+            limit: "velocity" or "acceleration": the upper and the lower one.
+            joint: Index of the joint.
+            factor: The factor.
+
+        Returns:
+            The changed profile.
+        """
+        changed = {}
+        for name in (limit, f"{limit}_lower"):
+            array = getattr(self, name).copy()
+            array[:, joint] *= factor
+            changed[name] = array
+        return replace(self, **changed)

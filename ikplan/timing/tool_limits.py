@@ -1,0 +1,138 @@
+"""Limits of the tool's speed and acceleration."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, fields, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ikplan.errors import InvalidRequest
+from ikplan.timing.constraints import MARGIN, ConstraintRows, Label, PathPoints
+
+__all__ = ["ToolLimits", "ToolMotion"]
+
+Array = NDArray[np.float64]
+Indices = NDArray[np.int64]
+# (q, dq, ddq), each (m, dof), to the twists of the tool and their time derivatives, (m, 6) each:
+# linear first [m/s, m/s^2], then angular [rad/s, rad/s^2], in axes that do not turn with the tool.
+ToolMotion = Callable[[Array, Array, Array], tuple[Array, Array]]
+
+# Directions in which an acceleration vector is bounded: outside the circle by 0.9 % at most.
+_DIRECTIONS = 24
+_KINDS = ("linear_speed", "angular_speed", "linear_acceleration", "angular_acceleration")
+
+
+@dataclass(frozen=True, eq=False)
+class ToolLimits:
+    """Upper bounds of the norms of the tool's velocity and acceleration.
+
+    Along a path, the twist of the tool is V sdot and its derivative V u + A x, where V and A are
+    the twist and its derivative for joint velocities q' and joint accelerations q''.
+
+    Attributes:
+        motion: The tool's velocity and acceleration for given joint motions.
+        linear_speed: [m/s], None: no limit.
+        angular_speed: [rad/s].
+        linear_acceleration: [m/s^2].
+        angular_acceleration: [rad/s^2].
+        start: Where the limits begin, as a path position s.
+        end: Where they end.
+
+    Raises:
+        InvalidRequest: A limit is not positive and finite, or there is none.
+    """
+
+    motion: ToolMotion
+    linear_speed: float | None = None
+    angular_speed: float | None = None
+    linear_acceleration: float | None = None
+    angular_acceleration: float | None = None
+    start: float = 0.0
+    end: float = np.inf
+
+    def __post_init__(self) -> None:
+        for kind in _KINDS:
+            value = getattr(self, kind)
+            if value is not None and not (np.isfinite(value) and value > 0.0):
+                raise InvalidRequest(
+                    f"the tool's {kind.replace('_', ' ')} limit must be positive and finite, "
+                    f"not {value!r}",
+                    field=f"limits.tool.{kind}",
+                    allowed="a positive number",
+                )
+        if not self.labels:
+            raise InvalidRequest(
+                "a tool limit needs one of " + ", ".join(_KINDS), field="limits.tool"
+            )
+
+    @property
+    def labels(self) -> tuple[Label, ...]:
+        """The limits that are set."""
+        names = [f.name for f in fields(self) if f.name in _KINDS]
+        return tuple((f"tool_{n}", None) for n in names if getattr(self, n) is not None)
+
+    def _limit(self, kind: str) -> float | None:
+        value = getattr(self, kind)
+        return None if value is None else float(value) * (1.0 - MARGIN)
+
+    def at(self, points: PathPoints) -> ConstraintRows:
+        """Write the limits at points of a path; see PathConstraint."""
+        V, A = self.motion(points.q, points.qs, points.qss)
+        m = len(points.s)
+        x_max = np.full(m, np.inf)
+        a, b = [np.zeros((m, 0))], [np.zeros((m, 0))]
+        for kind in _KINDS:
+            limit, part = self._limit(kind), _part(kind)
+            if limit is None:
+                continue
+            if kind.endswith("speed"):
+                norm = np.sum(V[:, part] ** 2, axis=1)
+                bound = np.full(m, np.inf)
+                np.divide(limit**2, norm, out=bound, where=norm > 0.0)
+                x_max = np.minimum(x_max, bound)
+            else:
+                rows = _disc_rows(V[:, part], A[:, part])
+                a.append(rows[0] / limit)
+                b.append(rows[1] / limit)
+
+        def demand(index: Indices, u: Array, x: Array) -> Array:
+            columns = []
+            for kind in _KINDS:
+                limit, part = self._limit(kind), _part(kind)
+                if limit is None:
+                    continue
+                v = V[index, part]
+                if kind.endswith("speed"):
+                    columns.append(np.sum(v**2, axis=1) * x / limit**2)
+                else:
+                    total = v * u[:, None] + A[index, part] * x[:, None]
+                    columns.append(np.linalg.norm(total, axis=1) / limit)
+            return np.column_stack(columns)
+
+        return ConstraintRows(np.hstack(a), np.hstack(b), x_max, demand)
+
+    def scaled(self, label: Label, factor: float) -> ToolLimits:
+        """Return the limits with one multiplied; see PathConstraint."""
+        if label not in self.labels:
+            return self
+        kind = label[0].removeprefix("tool_")
+        return replace(self, **{kind: getattr(self, kind) * factor})
+
+
+def _part(kind: str) -> slice:
+    return slice(0, 3) if kind.startswith("linear") else slice(3, 6)
+
+
+def _disc_rows(p: Array, r: Array) -> tuple[Array, Array]:
+    """Return rows that bound |p u + r x| by about 1, tangents of the disc in the plane of p, r."""
+    size = np.linalg.norm(p, axis=1)
+    e = np.zeros_like(p)
+    np.divide(p, size[:, None], out=e, where=size[:, None] > 0.0)
+    along = np.sum(r * e, axis=1)
+    across = np.linalg.norm(r - along[:, None] * e, axis=1)
+    angle = 2.0 * np.pi * np.arange(_DIRECTIONS) / _DIRECTIONS
+    a = np.outer(size, np.cos(angle))
+    b = np.outer(along, np.cos(angle)) + np.outer(across, np.sin(angle))
+    return a, b

@@ -81,7 +81,7 @@ def install(app: FastAPI) -> None:
                 routes=app.routes,
                 tags=app.openapi_tags,
             )
-            models = [*_REQUESTS, Problem, *PROBLEMS.values()]
+            models: list[type[BaseModel]] = [*_REQUESTS, Problem, *PROBLEMS.values()]
             _, extra = models_json_schema(
                 [(model, "validation") for model in models], ref_template=_REF
             )

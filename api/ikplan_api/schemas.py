@@ -105,7 +105,7 @@ _DATA: dict[type[errors.IkplanError], dict[str, Any]] = {
 
 
 def _problem(cls: type[errors.IkplanError], data: dict[str, Any]) -> type[Problem]:
-    kind: Any = Literal[cls.problem_type()]  # type: ignore[misc]
+    kind: Any = Literal[cls.problem_type()]
     model: type[Problem] = create_model(
         f"{cls.__name__}Problem",
         __base__=Problem,

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import contextlib
 import functools
+import itertools
 import json
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Sequence
 from typing import Any, NamedTuple
 
 import pinocchio as pin
@@ -88,30 +89,33 @@ def solvers_document() -> bytes:
     return json.dumps({"solvers": known}, allow_nan=False).encode()
 
 
-def warm_up() -> None:
-    """Load or compile every kernel by answering small requests of each kind."""
-    robot = catalogue_robot("iiwa14")
-    q = [float(v) for v in robot.home]
-    pose = robot.fk([v + 0.05 for v in q])
-    position = [float(v) for v in pose.translation]
-    quaternion = [float(v) for v in pin.Quaternion(pose.rotation).coeffs()]
-    targets: list[dict[str, Any]] = [
-        {"position": position},
-        {"position": position, "quaternion_xyzw": quaternion},
-    ]
-    beyond = {"position": [9.0, 0.0, 0.0], "quaternion_xyzw": quaternion}
-    requests: list[tuple[str, dict[str, Any]]] = [("fk", {"robot": "iiwa14", "q": q})]
-    requests += [
-        ("ik", {"robot": "iiwa14", **target, "ik": {"method": solver.name}})
-        for target in targets
-        for solver in solvers()
-    ]
-    requests += [
-        ("plan", {"robot": "iiwa14", "path": {"waypoints": [target]}})
-        for target in (*targets, beyond)
-    ]
-    for kind, request in requests:
+def warm_up(methods: Sequence[str] = ("ik-ba", "lm")) -> None:
+    """Load or compile the kernels by answering small requests of each kind.
+
+    Args:
+        methods: Names of the solvers to get ready.
+    """
+    for kind, request in _warming_requests(methods):
+        # One of them asks for a point out of reach: the verdict has kernels of its own.
         with contextlib.suppress(Unreachable):
             run_task(kind, json.dumps(request).encode())
     robots_document()
     solvers_document()
+
+
+def _warming_requests(methods: Sequence[str]) -> Iterator[tuple[str, dict[str, Any]]]:
+    robot = catalogue_robot("iiwa14")
+    q = [float(v) for v in robot.home]
+    pose = robot.fk([v + 0.05 for v in q])
+    point = {"position": [float(v) for v in pose.translation]}
+    full = {**point, "quaternion_xyzw": [float(v) for v in pin.Quaternion(pose.rotation).coeffs()]}
+    far = {**full, "position": [9.0, 0.0, 0.0]}
+    starts: tuple[Any, ...] = (None, q)
+    yield "fk", {"robot": robot.name, "q": q}
+    for method in methods:
+        options = {"method": method}
+        for target, start in itertools.product((point, full), starts):
+            yield "ik", {"robot": robot.name, **target, "start": start, "ik": options}
+    for target, start in itertools.product((point, full, far), (*starts, "free")):
+        path = {"waypoints": [target]}
+        yield "plan", {"robot": robot.name, "path": path, "start": start, "budget_s": 3600}

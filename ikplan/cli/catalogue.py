@@ -73,11 +73,11 @@ def solvers(options: argparse.Namespace) -> None:
             say(f"{what}: {value}")
     if solver.notes:
         say(solver.notes)
-    rows = [
+    parameters = [
         (p.name, str(p.default), p.unit or "", " | ".join(p.choices or ()), p.description)
         for p in solver.parameters
     ]
-    say("", *table(("parameter", "default", "unit", "choices", "meaning"), rows, left=5))
+    say("", *table(("parameter", "default", "unit", "choices", "meaning"), parameters, left=5))
 
 
 def schema(options: argparse.Namespace) -> None:  # noqa: ARG001 - every command takes them

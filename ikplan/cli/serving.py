@@ -6,6 +6,7 @@ import argparse
 import contextlib
 import os
 import socket
+import sys
 
 from ikplan.errors import InvalidRequest
 
@@ -32,8 +33,14 @@ def serve(options: argparse.Namespace) -> None:
     config = uvicorn.Config(APP, factory=True, host=options.host, port=options.port)
     with _listen(options.host, options.port) as listening:
         config.load()
+        sys.stderr.write(f"ikplan: listening on {_address(listening)} (manual at /docs)\n")
         with contextlib.suppress(KeyboardInterrupt):
             uvicorn.Server(config).run(sockets=[listening])
+
+
+def _address(listening: socket.socket) -> str:
+    host, port = listening.getsockname()[:2]
+    return f"http://[{host}]:{port}" if ":" in host else f"http://{host}:{port}"
 
 
 def _listen(host: str, port: int) -> socket.socket:

@@ -1,0 +1,114 @@
+"""Once over a real socket: the command that serves, the clients, the shell, the signal to stop."""
+
+import asyncio
+import json
+import re
+import signal
+import socket
+import subprocess
+import sys
+import threading
+import time
+from collections.abc import Iterator
+
+import httpx
+import pytest
+
+import ikplan
+from ikplan import AsyncClient, Client, RobotNotFound, ServiceUnavailable
+from ikplan.cli import main
+from ikplan.export import encode
+
+from .bad_requests import GOOD
+
+WAIT_S = 120.0
+
+
+@pytest.fixture(scope="module")
+def served() -> Iterator[tuple[subprocess.Popen[str], str]]:
+    """A service on a free port, as its own process; it is stopped whatever happens."""
+    arguments = ["-m", "ikplan", "serve", "--port", "0", "--workers", "1"]
+    process = subprocess.Popen([sys.executable, *arguments], stderr=subprocess.PIPE, text=True)
+    assert process.stderr is not None
+    overdue = threading.Timer(WAIT_S, process.kill)
+    overdue.start()
+    said = []
+    try:
+        for line in process.stderr:
+            said.append(line)
+            if match := re.search(r"http://127\.0\.0\.1:\d+", line):
+                break
+        else:
+            raise AssertionError("".join(said))
+        drain = threading.Thread(target=process.stderr.read)
+        drain.start()
+        yield process, match[0]
+        process.kill()
+        drain.join()
+    finally:
+        overdue.cancel()
+        process.kill()
+        process.wait()
+        process.stderr.close()
+
+
+@pytest.fixture(scope="module")
+def address(served: tuple[subprocess.Popen[str], str]) -> str:
+    _, address = served
+    assert httpx.get(f"{address}/livez").status_code == 200
+    deadline = time.monotonic() + WAIT_S
+    while httpx.get(f"{address}/readyz").status_code != 200:
+        assert time.monotonic() < deadline
+        time.sleep(0.1)
+    return address
+
+
+def test_the_clients_get_the_plan_that_python_makes(address):
+    async def twin() -> ikplan.Plan:
+        async with AsyncClient(address) as client:
+            return await client.plan(GOOD)
+
+    with Client(address) as client:
+        plans = [client.plan(GOOD), client.get_plan(client.plan(GOOD).id), asyncio.run(twin())]
+        with pytest.raises(RobotNotFound, match="iiwa14"):
+            client.plan({**GOOD, "robot": "iiwa41"})
+    local = ikplan.plan(GOOD)
+    assert {encode(plan, "npz") for plan in plans} == {encode(local, "npz")}
+
+
+def test_the_command_plans_by_the_service(address, tmp_path, capsys):
+    request, out = tmp_path / "request.json", tmp_path / "plan.csv"
+    request.write_text(json.dumps(GOOD))
+    assert main(["plan", str(request), "--server", address, "-o", str(out)]) == 0
+    assert out.read_bytes() == encode(ikplan.plan(GOOD), "csv")
+    request.write_text(json.dumps({**GOOD, "start": [0.0]}))
+    capsys.readouterr()
+    assert main(["plan", str(request), "--server", address]) == 2
+    assert capsys.readouterr().err.startswith("ikplan: invalid-request: start")
+
+
+def test_raw_bytes_do_not_disturb_the_service(address):
+    host, port = address.removeprefix("http://").split(":")
+    for noise in (b"\x00" * 100, b"POST /v1/plans HTTP/1.1\r\ncontent-length: x\r\n\r\n"):
+        with socket.create_connection((host, int(port)), timeout=5) as raw:
+            raw.sendall(noise)
+            raw.shutdown(socket.SHUT_WR)
+            while raw.recv(4096):
+                pass
+    assert httpx.get(f"{address}/livez").json() == {"status": "alive"}
+
+
+def test_a_taken_port_is_told_in_one_line(address, capsys):
+    port = address.rpartition(":")[2]
+    capsys.readouterr()
+    assert main(["serve", "--port", port]) == 2
+    (line,) = capsys.readouterr().err.splitlines()
+    assert line.startswith(f"ikplan: file-error: cannot listen on 127.0.0.1 port {port}: ")
+
+
+def test_an_interrupt_stops_the_service_cleanly(served, address):
+    process, _ = served
+    process.send_signal(signal.SIGINT)
+    assert process.wait(timeout=30) == 0
+    with Client(address) as client, pytest.raises(ServiceUnavailable, match="cannot reach"):
+        client.version()

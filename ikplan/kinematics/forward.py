@@ -192,7 +192,7 @@ def jacobian(chain: Chain, q: Array) -> Array:
 def rotation_log(R: Array, out: Array) -> float:
     """Write the rotation vector of a rotation matrix; return its angle.
 
-    Exact near the identity and near half turns.
+    Exact to rounding at every angle, near the identity and near half turns too.
 
     Args:
         R: Rotation, shape (3, 3).
@@ -205,20 +205,22 @@ def rotation_log(R: Array, out: Array) -> float:
     sine = 0.5 * math.sqrt(s0 * s0 + s1 * s1 + s2 * s2)
     cosine = 0.5 * (R[0, 0] + R[1, 1] + R[2, 2] - 1.0)
     angle = math.atan2(sine, cosine)
-    if sine > 1e-6 or cosine > 0.0:
+    if cosine > -0.5:
         # angle / sin(angle) is 1 to rounding below 1e-8.
         scale = 0.5 if sine < 1e-8 else 0.5 * angle / sine
         out[0], out[1], out[2] = scale * s0, scale * s1, scale * s2
         return angle
-    # Near a half turn (R + I) / 2 is a a^T: its largest column has the best conditioned axis.
+    # Towards a half turn the skew part fades, and the symmetric part, cos I + (1 - cos) a a^T, has
+    # the axis; its largest column is the best conditioned.
     k = 0
     for i in range(1, 3):
         if R[i, i] > R[k, k]:
             k = i
-    length = math.sqrt(max(0.5 * (R[k, k] + 1.0), 0.0))
+    versine = 1.0 - cosine
+    length = math.sqrt((R[k, k] - cosine) / versine)
     for i in range(3):
-        out[i] = angle * (0.25 * (R[i, k] + R[k, i]) / length if i != k else length)
-    # Of a and -a, the one that agrees with what is left of the skew part.
+        out[i] = angle * (0.5 * (R[i, k] + R[k, i]) / (versine * length) if i != k else length)
+    # Of a and -a, the one that agrees with what there is of the skew part.
     if s0 * out[0] + s1 * out[1] + s2 * out[2] < 0.0:
         out[0], out[1], out[2] = -out[0], -out[1], -out[2]
     return angle

@@ -172,9 +172,10 @@ def wrist_angles(
             q5 = math.atan2(M[1, 2], M[0, 2]) - math.atan2(C[1, 2], C[0, 2])
         # q7 makes up what is left, and so takes back what rounding did to q5 near that place.
         c, s = math.cos(q5), math.sin(q5)
-        Rz = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
-        N = (Rz @ C).T @ M
-        q7 = math.atan2(N[1, 0], N[0, 0])
+        m0, m1, m2 = c * M[0, 0] + s * M[1, 0], c * M[1, 0] - s * M[0, 0], M[2, 0]
+        q7 = math.atan2(
+            C[0, 1] * m0 + C[1, 1] * m1 + C[2, 1] * m2, C[0, 0] * m0 + C[1, 0] * m1 + C[2, 0] * m2
+        )
         out[branch, 0] = _wrapped(q5, wrist.lower[0], wrist.upper[0], near[0])
         out[branch, 1] = _wrapped(q6, wrist.lower[1], wrist.upper[1], near[1])
         out[branch, 2] = _wrapped(q7, wrist.lower[2], wrist.upper[2], near[2])

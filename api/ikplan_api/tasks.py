@@ -13,7 +13,7 @@ import pinocchio as pin
 
 from ikplan.documents import parse_json
 from ikplan.errors import Unreachable
-from ikplan.ik.registry import solvers
+from ikplan.ik.registry import find_solver, solvers
 from ikplan.pipeline import fk_request, plan, solve_ik_request
 from ikplan.request import FkRequest, IkRequest, PlanRequest
 from ikplan.robots import catalogue_robot, robot_names
@@ -116,6 +116,9 @@ def _warming_requests(methods: Sequence[str]) -> Iterator[tuple[str, dict[str, A
         options = {"method": method}
         for target, start in itertools.product((point, full), starts):
             yield "ik", {"robot": robot.name, **target, "start": start, "ik": options}
+        if any(p.name == "decouple" for p in find_solver(method).parameters):
+            decoupled = {"method": method, "params": {"decouple": True}}
+            yield "ik", {"robot": robot.name, **full, "ik": decoupled}
     for target, start in itertools.product((point, full, far), (*starts, "free")):
         path = {"waypoints": [target]}
         yield "plan", {"robot": robot.name, "path": path, "start": start, "budget_s": 3600}

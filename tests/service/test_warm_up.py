@@ -1,0 +1,43 @@
+"""What is warmed up at the start of the service, nobody has to wait for afterwards."""
+
+import subprocess
+import sys
+
+# In a process of its own: other tests of this one have compiled what they needed.
+SCRIPT = """
+import gc, json
+from numba.core.dispatcher import Dispatcher
+from ikplan import IkplanError
+from ikplan_api.tasks import run_task, warm_up
+
+def compiled():
+    kernels = [k for k in gc.get_objects() if isinstance(k, Dispatcher)]
+    return {(k.py_func.__qualname__, str(s)) for k in kernels for s in k.signatures}
+
+warm_up()
+before = compiled()
+assert before
+point = {"position": [0.6, 0.0, 0.4]}
+full = {**point, "quaternion_xyzw": [0.0, 1.0, 0.0, 0.0]}
+start = [0.0, 0.52, 0.0, -1.57, 0.0, 1.05, 0.0]
+for extra in (
+    {}, {"start": start}, {"start": "free"}, {"tool": {"position": [0.0, 0.0, 0.1]}},
+    {"ik": {"method": "lm"}}, {"ik": {"refine": False}}, {"ik": {"params": {"decouple": True}}},
+    {"robot": "kinova_j2s6s200"}, {"robot": "dobot_magician"}, {"robot": "tiago"},
+):
+    for waypoints in ([point, point], [full, full], [full, point]):
+        request = {"robot": "iiwa14", "path": {"waypoints": waypoints}, **extra}
+        try:
+            run_task("plan", json.dumps(request).encode())
+        except IkplanError:
+            pass
+for name, signature in sorted(compiled() - before):
+    print(name, signature)
+"""
+
+
+def test_after_the_warm_up_no_request_waits_for_a_compiler():
+    done = subprocess.run(
+        [sys.executable, "-c", SCRIPT], capture_output=True, text=True, check=True, timeout=300
+    )
+    assert done.stdout == ""

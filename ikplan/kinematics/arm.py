@@ -119,9 +119,10 @@ def _find_shoulder(wrist: SphericalWrist | None, lower: Array, upper: Array) -> 
     at = [squared(angle) for angle in (0.0, 0.5 * math.pi, math.pi)]
     b, c = 0.5 * (at[0] - at[2]), at[1] - 0.5 * (at[0] + at[2])
     stationary = math.atan2(c, b)
-    low, high = max(lower[elbow], -math.pi), min(upper[elbow], math.pi)
-    angles = [
-        a for a in (stationary, stationary - math.pi, stationary + math.pi) if low <= a <= high
-    ]
+    low, high = float(lower[elbow]), float(upper[elbow])
+    if not high - low < 2.0 * math.pi:
+        low, high = -math.pi, math.pi
+    first = stationary + math.pi * math.ceil((low - stationary) / math.pi)
+    angles = [a for a in (first, first + math.pi) if a <= high]
     reach = [math.sqrt(max(squared(a), 0.0)) for a in (low, high, *angles)]
     return Shoulder(centre, min(reach), max(reach))

@@ -166,7 +166,8 @@ class Robot:
         J_tip = pin.computeFrameJacobian(
             self.model, self._data(), configuration, self.tip_frame_id, pin.ReferenceFrame.LOCAL
         )
-        J: Array = self._tip_to_tool @ J_tip @ self.coupling
+        # The binding returns the one column of a one-joint arm as a vector.
+        J: Array = self._tip_to_tool @ J_tip.reshape(6, self.model.nv) @ self.coupling
         return J
 
     def clip(self, q: ArrayLike) -> Array:

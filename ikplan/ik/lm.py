@@ -12,13 +12,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ikplan._jit import kernel
-from ikplan.ik.refine import Workspace, nearest_on_manifold, new_workspace, refine
+from ikplan.ik.refine import Effort, Workspace, nearest_on_manifold, new_workspace, refine
 from ikplan.kinematics.chain import Chain
 from ikplan.kinematics.target import ORIENTATION_WEIGHT, Target
 
 __all__ = ["restart_into", "solve_lm", "solve_seeds"]
 
-PATIENCE = 6  # passed as int(...): numba would compile once more for each literal
+PATIENCE = 6
 
 Array = NDArray[np.float64]
 
@@ -112,7 +112,7 @@ def solve_lm(
         else:
             restart_into(attempt, shift, lower, upper, trial)
         distance, angle, spent = refine(
-            chain, target, trial, lower, upper, iterations, int(PATIENCE), w
+            chain, target, trial, lower, upper, Effort(iterations, PATIENCE), w
         )
         evaluations += spent
         if distance * distance + angle * angle < best:
@@ -125,7 +125,7 @@ def solve_lm(
     if slide and best_distance <= tolerance_position and best_angle <= tolerance_orientation:
         evaluations += nearest_on_manifold(chain, target, q, q_start, lower, upper, 20, w)
         best_distance, best_angle, spent = refine(
-            chain, target, q, lower, upper, int(4), int(PATIENCE), w
+            chain, target, q, lower, upper, Effort(4, PATIENCE), w
         )
         evaluations += spent
     return best_distance, best_angle, evaluations
@@ -171,16 +171,14 @@ def solve_seeds(
         for k in range(dof):
             q[k] = min(max(seeds[s, k], lower[k]), upper[k])
         distance, angle, spent = refine(
-            chain, target, q, lower, upper, iterations, int(PATIENCE), w
+            chain, target, q, lower, upper, Effort(iterations, PATIENCE), w
         )
         evaluations += spent
         solved = distance <= tolerance_position and angle <= tolerance_orientation
         if solved:
             nearest_turns(chain, q, q_start, lower, upper)
             evaluations += nearest_on_manifold(chain, target, q, q_start, lower, upper, 30, w)
-            distance, angle, spent = refine(
-                chain, target, q, lower, upper, int(3), int(PATIENCE), w
-            )
+            distance, angle, spent = refine(chain, target, q, lower, upper, Effort(3, PATIENCE), w)
             evaluations += spent
         elif found == 0 and distance * distance + angle * angle < best:
             best = distance * distance + angle * angle

@@ -18,9 +18,21 @@ from ikplan.kinematics.chain import Chain
 from ikplan.kinematics.forward import forward_into, jacobian_into, pose_error
 from ikplan.kinematics.target import Target
 
-__all__ = ["Workspace", "nearest_on_manifold", "new_workspace", "refine"]
+__all__ = ["Effort", "Workspace", "nearest_on_manifold", "new_workspace", "refine"]
 
 Array = NDArray[np.float64]
+
+
+class Effort(NamedTuple):
+    """How long a seed is refined.
+
+    Attributes:
+        iterations: Largest number of steps.
+        patience: Steps after which the error must have fallen to a quarter, or the seed is left.
+    """
+
+    iterations: int
+    patience: int
 
 
 class Workspace(NamedTuple):
@@ -191,8 +203,7 @@ def refine(
     q: Array,
     lower: Array,
     upper: Array,
-    iterations: int,
-    patience: int,
+    effort: Effort,
     w: Workspace,
 ) -> tuple[float, float, int]:
     """Bring a configuration onto its target, in place.
@@ -203,8 +214,7 @@ def refine(
         q: In: seed inside the limits, out: best configuration, shape (dof,) [rad or m].
         lower: Lower position limits, shape (dof,) [rad or m].
         upper: Upper position limits, shape (dof,) [rad or m].
-        iterations: Largest number of steps.
-        patience: Steps after which the error must have fallen to a quarter, or the seed is left.
+        effort: How long to try.
         w: Buffers of the chain.
 
     Returns:
@@ -215,10 +225,10 @@ def refine(
     factor = 1.0
     rejected = 0
     checkpoint = error
-    for step in range(iterations):
+    for step in range(effort.iterations):
         if error < 1e-26:
             break
-        if step % patience == patience - 1:
+        if step % effort.patience == effort.patience - 1:
             # A seed that no longer gets closer sits in a local minimum: leave it to another seed.
             if error > 0.25 * checkpoint and error > 1e-12:
                 break
@@ -323,7 +333,7 @@ def nearest_on_manifold(
         for _half in range(6):
             for j in range(dof):
                 q[j] = min(max(here[j] + scale * w.dq[j], lower[j]), upper[j])
-            distance, angle, spent = refine(chain, target, q, lower, upper, int(12), int(8), w)
+            distance, angle, spent = refine(chain, target, q, lower, upper, Effort(12, 8), w)
             evaluations += spent
             total = 0.0
             for j in range(dof):

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from ikplan._jit import kernel
 from ikplan.ik.lm import restart_into
-from ikplan.ik.refine import new_workspace, refine
+from ikplan.ik.refine import Effort, new_workspace, refine
 from ikplan.kinematics.arm import Arm
 from ikplan.kinematics.chain import Chain
 from ikplan.kinematics.target import Target
@@ -52,7 +52,7 @@ def _closest(
             trial[:] = seeds[attempt]
         else:
             restart_into(attempt - seeds.shape[0], 0.5, lower, upper, trial)
-        distance, angle, spent = refine(chain, target, trial, lower, upper, int(100), int(100), w)
+        distance, angle, spent = refine(chain, target, trial, lower, upper, Effort(100, 100), w)
         evaluations += spent
         value = distance * distance + (target.weight * angle) ** 2
         if value < best:

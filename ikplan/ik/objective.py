@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from ikplan._jit import kernel
 from ikplan.kinematics.chain import Chain
-from ikplan.kinematics.forward import forward_into
+from ikplan.kinematics.forward import Frame, moved, placed
 from ikplan.kinematics.wrist import SphericalWrist, nearest_wrist
 
 __all__ = [
@@ -26,6 +26,8 @@ __all__ = [
     "WRIST",
     "Objective",
     "evaluate",
+    "function_objective",
+    "objective_chain",
     "pose_objective",
     "wrist_objective",
 ]
@@ -47,35 +49,84 @@ ROSENBROCK = 5
 
 
 class Objective(NamedTuple):
-    """A target and how far from it a configuration is. One search at a time uses it.
+    """A target and how far from it a configuration is.
+
+    Few arrays, since numba counts the references to each in every call.
 
     Attributes:
         kind: One of the constants of this module.
-        chain: The chain searched over.
-        R_target: Rotation wanted, shape (3, 3).
-        p_target: Position wanted, shape (3,) [m].
+        coupled: Whether the serial joints are more than the joint values themselves.
         weight_position: omega_P, per metre.
         weight_orientation: omega_R, per unit of Delta R.
-        wrist: The wrist, used by kind WRIST only.
-        near: Wrist joint values to stay close to, shape (3,) [rad], used by kind WRIST only.
-        R: Work space, shape (3, 3).
-        p: Work space, shape (3,).
-        z: Work space, shape (n, 3).
-        o: Work space, shape (n, 3).
+        placements: Placements of the chain, shape (n + 1, 12), see
+            :class:`~ikplan.kinematics.chain.Chain`.
+        joints: A row a serial joint: 1 where it slides, its offset, and its coupling to the
+            joint values, shape (n, 2 + dof).
+        target: Rotation wanted, row by row, and position wanted [m], shape (12,).
+        wrist: Kind WRIST only: rotations A, B and R_tool of the wrist, row by row, its lower and
+            upper limits and the values to stay close to, shape (36,); empty for other kinds.
     """
 
     kind: int
-    chain: Chain
-    R_target: Array
-    p_target: Array
+    coupled: bool
     weight_position: float
     weight_orientation: float
-    wrist: SphericalWrist
-    near: Array
-    R: Array
-    p: Array
-    z: Array
-    o: Array
+    placements: Array
+    joints: Array
+    target: Array
+    wrist: Array
+
+
+@kernel
+def _tool_frame(objective: Objective, x: Array) -> Frame:
+    """Return the end of the chain searched over."""
+    T, joints = objective.placements, objective.joints
+    n = joints.shape[0]
+    frame = (1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0)
+    for i in range(n):
+        if objective.coupled:
+            value = joints[i, 1]
+            for k in range(x.shape[0]):
+                value += joints[i, 2 + k] * x[k]
+        else:
+            value = x[i]
+        frame = moved(placed(T, i, frame), value, joints[i, 0] != 0.0)
+    return placed(T, n, frame)
+
+
+@kernel
+def _test_function(kind: int, x: Array) -> float:
+    """Return the value of a test function."""
+    total = 0.0
+    if kind == SPHERE:
+        for k in range(x.shape[0]):
+            total += x[k] * x[k]
+        return total
+    for k in range(x.shape[0] - 1):
+        total += 100.0 * (x[k + 1] - x[k] * x[k]) ** 2 + (1.0 - x[k]) ** 2
+    return total
+
+
+@kernel
+def _wrist_inside(objective: Objective, frame: Frame) -> bool:
+    """Whether one of the two wrist solutions is inside the wrist's limits."""
+    w, g = objective.wrist, objective.target
+    flat = np.array(frame)
+    R_arm = flat[:9].copy().reshape(3, 3).T.copy()
+    no_chain = Chain(
+        objective.placements, np.zeros(0, dtype=np.bool_), False, objective.joints, objective.wrist
+    )
+    wrist = SphericalWrist(
+        no_chain,
+        w[:3],
+        w[:9].copy().reshape(3, 3),
+        w[9:18].copy().reshape(3, 3),
+        w[18:27].copy().reshape(3, 3),
+        w[27:30],
+        w[30:33],
+    )
+    R_target = g[:9].copy().reshape(3, 3)
+    return nearest_wrist(wrist, R_arm, R_target, w[33:36], np.empty(3))
 
 
 @kernel
@@ -87,49 +138,36 @@ def evaluate(objective: Objective, x: Array) -> float:
         x: Joint values searched over, shape (D,) [rad or m].
     """
     kind = objective.kind
-    if kind == SPHERE:
-        total = 0.0
-        for k in range(x.shape[0]):
-            total += x[k] * x[k]
-        return total
-    if kind == ROSENBROCK:
-        total = 0.0
-        for k in range(x.shape[0] - 1):
-            total += 100.0 * (x[k + 1] - x[k] * x[k]) ** 2 + (1.0 - x[k]) ** 2
-        return total
-    R, p = objective.R, objective.p
-    forward_into(objective.chain, x, R, p, objective.z, objective.o)
-    distance = 0.0
-    for k in range(3):
-        distance += (p[k] - objective.p_target[k]) ** 2
-    distance = math.sqrt(distance)
+    if kind >= SPHERE:
+        return _test_function(kind, x)
+    frame = _tool_frame(objective, x)
+    g = objective.target
+    d0, d1, d2 = frame[9] - g[9], frame[10] - g[10], frame[11] - g[11]
+    distance = math.sqrt(d0 * d0 + d1 * d1 + d2 * d2)
     if kind == POSITION:
         return distance
     if kind == WRIST:
-        angles = np.empty(3)
-        if not nearest_wrist(objective.wrist, R, objective.R_target, objective.near, angles):
-            distance += 1.0
-        return distance
-    rotation = 0.0
+        return distance if _wrist_inside(objective, frame) else distance + 1.0
+    square = 0.0
     for i in range(3):
-        for k in range(3):
-            rotation += (R[i, k] - objective.R_target[i, k]) ** 2
-    rotation = math.sqrt(rotation)
+        a, b, c = frame[i] - g[3 * i], frame[3 + i] - g[3 * i + 1], frame[6 + i] - g[3 * i + 2]
+        square += a * a + b * b + c * c
+    rotation = math.sqrt(square)
     if kind == ORIENTATION:
         return rotation / math.sqrt(3.0)
     return objective.weight_position * distance + objective.weight_orientation * rotation
 
 
-def _no_wrist() -> SphericalWrist:
-    empty = Chain(
-        np.zeros((1, 12)),
-        np.zeros(0, dtype=np.bool_),
-        False,
-        np.zeros((0, 0)),
-        np.zeros(0),
+@kernel
+def objective_chain(objective: Objective) -> Chain:
+    """Return the chain that an objective searches over."""
+    return Chain(
+        objective.placements,
+        objective.joints[:, 0].copy() != 0.0,
+        objective.coupled,
+        objective.joints[:, 2:].copy(),
+        objective.joints[:, 1].copy(),
     )
-    z3, z33 = np.zeros(3), np.zeros((3, 3))
-    return SphericalWrist(empty, z3, z33, z33, z33, z3, z3)
 
 
 def pose_objective(
@@ -147,24 +185,27 @@ def pose_objective(
         chain: The chain from base to tool.
         R_target: Rotation wanted in the base, shape (3, 3).
         p_target: Position wanted in the base, shape (3,) [m].
-        kind: POSITION, ORIENTATION or WEIGHTED (or a test function).
+        kind: POSITION, ORIENTATION or WEIGHTED.
         weight_position: omega_P, per metre.
         weight_orientation: omega_R, per unit of Delta R.
     """
-    n = chain.prismatic.shape[0]
+    n, dof = chain.coupling.shape
+    joints = np.empty((n, 2 + dof))
+    joints[:, 0] = chain.prismatic
+    joints[:, 1] = chain.offset
+    joints[:, 2:] = chain.coupling
+    target = np.empty(12)
+    target[:9] = np.asarray(R_target).ravel()
+    target[9:] = p_target
     return Objective(
         kind,
-        chain,
-        np.ascontiguousarray(R_target, dtype=np.float64),
-        np.ascontiguousarray(p_target, dtype=np.float64),
+        bool(chain.coupled),
         float(weight_position),
         float(weight_orientation),
-        _no_wrist(),
-        np.zeros(3),
-        np.empty((3, 3)),
-        np.empty(3),
-        np.empty((n, 3)),
-        np.empty((n, 3)),
+        chain.placements,
+        joints,
+        target,
+        np.empty(0),
     )
 
 
@@ -181,7 +222,16 @@ def wrist_objective(
         penalise: Add 1 m where neither wrist solution is inside its limits; [S] ignores them.
     """
     centre = np.asarray(p_target) + np.asarray(R_target) @ wrist.tool_to_centre
-    kind = WRIST if penalise else POSITION
-    return pose_objective(wrist.arm, R_target, centre, kind)._replace(
-        wrist=wrist, near=np.ascontiguousarray(near, dtype=np.float64)
+    objective = pose_objective(wrist.arm, R_target, centre, POSITION)
+    if not penalise:
+        return objective
+    rotations = (wrist.A.ravel(), wrist.B.ravel(), wrist.R_tool.ravel())
+    packed = np.concatenate([*rotations, wrist.lower, wrist.upper, near])
+    return objective._replace(kind=WRIST, wrist=packed)
+
+
+def function_objective(kind: int) -> Objective:
+    """Build a test function: SPHERE or ROSENBROCK, in as many dimensions as the bounds have."""
+    return Objective(
+        kind, False, 1.0, 1.0, np.zeros((1, 12)), np.zeros((0, 2)), np.zeros(12), np.empty(0)
     )

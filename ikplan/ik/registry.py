@@ -15,7 +15,7 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from ikplan.errors import InvalidRequest, near_names
 
-__all__ = ["Parameter", "Solver", "find_solver", "solvers"]
+__all__ = ["Parameter", "Preset", "Solver", "common_parameters", "find_solver", "solvers"]
 
 Scalar = bool | int | float | str
 
@@ -81,42 +81,84 @@ class Parameter(BaseModel):
         return "inf" if self.maximum is None else f"{self.maximum:g}"
 
 
-COMMON = [
-    Parameter(
-        name="objective",
-        default="auto",
-        choices=["auto", "position", "orientation", "weighted"],
-        description="What is minimised: the distance (Eq. 1 of Slim et al.), the relative "
-        "orientation error (Eq. 3), or omega_P Delta P + omega_R Delta R (Eq. 6 of Li et al.); "
-        "auto: weighted for a pose, position for a position.",
-    ),
-    Parameter(
-        name="weight_position",
-        default=1.0,
-        minimum=0.0,
-        unit="1/m",
-        description="omega_P of the weighted objective.",
-    ),
-    Parameter(
-        name="weight_orientation",
-        default=0.1,
-        minimum=0.0,
-        description="omega_R of the weighted objective, per unit of ||R - R_d||_F.",
-    ),
-    Parameter(
-        name="decouple",
-        default=False,
-        description="Search the wrist centre with the first joints only, and take the last three "
-        "joints from the spherical-wrist decoupling (Slim et al., section 4.3).",
-    ),
-    Parameter(
-        name="wrist_limits",
-        default="ignore",
-        choices=["ignore", "penalise"],
-        description="Decoupled: ignore the wrist limits in the search, as the paper does, or add "
-        "1 m to the objective where no wrist solution is inside them.",
-    ),
-]
+def common_parameters(warm: str = "cold") -> list[Parameter]:
+    """Return the parameters that every search takes.
+
+    Args:
+        warm: Default of the parameter ``warm``.
+    """
+    return [
+        Parameter(
+            name="objective",
+            default="auto",
+            choices=["auto", "position", "orientation", "weighted", "bode-cs"],
+            description="What is minimised: the distance (Eq. 1 of Slim et al.); the relative "
+            "orientation error (Eq. 3); omega_P Delta P + omega_R Delta R (Eq. 6 of Li et al.); "
+            "the same in millimetres with omega_R computed from the robot (Eqs. 8-12 of Li et "
+            "al.); auto: weighted for a pose, position for a position.",
+        ),
+        Parameter(
+            name="weight_position",
+            default=1.0,
+            minimum=0.0,
+            unit="1/m",
+            description="omega_P of the weighted objective.",
+        ),
+        Parameter(
+            name="weight_orientation",
+            default=0.1,
+            minimum=0.0,
+            description="omega_R of the weighted objective, per unit of ||R - R_d||_F.",
+        ),
+        Parameter(
+            name="decouple",
+            default=False,
+            description="Search the wrist centre with the first joints only, and take the last "
+            "three joints from the spherical-wrist decoupling (Slim et al., section 4.3).",
+        ),
+        Parameter(
+            name="wrist_limits",
+            default="ignore",
+            choices=["ignore", "penalise"],
+            description="Decoupled: ignore the wrist limits in the search, as the paper does, or "
+            "add 1 m to the objective where no wrist solution is inside them.",
+        ),
+        Parameter(
+            name="bounds",
+            default="clip",
+            choices=["clip", "reflect", "resample"],
+            description="What happens to a position outside the joint limits: set to the limit, "
+            "mirrored there, or drawn anew. No paper says it.",
+        ),
+        Parameter(
+            name="warm",
+            default=warm,
+            choices=["cold", "individual", "cloud"],
+            description="Use of the start configuration in the first population: none, as one "
+            "individual, or as the centre of a normal cloud of 10 degrees around it.",
+        ),
+    ]
+
+
+_COMMON = {p.name for p in common_parameters()}
+
+
+class Preset(BaseModel):
+    """A parametrisation of a solver, from one of the papers.
+
+    Attributes:
+        source: Where it is from.
+        values: Parameters that differ from the defaults.
+        population: N there.
+        iterations: T there.
+    """
+
+    model_config = ConfigDict(frozen=True)
+
+    source: str
+    values: dict[str, Scalar]
+    population: int
+    iterations: int
 
 
 class Solver(BaseModel):
@@ -127,7 +169,7 @@ class Solver(BaseModel):
     name: str
     title: str
     source: str = Field(description="Paper, equations and tables.")
-    family: str = Field(description='"metaheuristic" or "refinement".')
+    family: str = Field(description='"metaheuristic", "newton" or "refinement".')
     notes: str = ""
     parameters: list[Parameter]
     population: int | None = Field(description="N of the paper; null: the method has none.")
@@ -136,9 +178,18 @@ class Solver(BaseModel):
     planner_population: int | None = Field(None, description="N of the planner's own budget.")
     planner_iterations: int | None = Field(None, description="T of the planner's own budget.")
     evaluations: str = Field("", description="Evaluations for N and T.")
+    presets: dict[str, Preset] = Field(
+        default={}, description="Values of the parameter `preset`, first the default."
+    )
     module: str = Field(exclude=True)
     kernel: str = Field(exclude=True)
     params_type: str | None = Field(None, exclude=True)
+    fixed: dict[str, int] = Field({}, exclude=True)
+
+    @property
+    def searches(self) -> bool:
+        """Whether it is run by :class:`ikplan.ik.search.Searcher`."""
+        return self.params_type is not None
 
     def load(self) -> Callable[..., Any]:
         """Import and return the kernel."""
@@ -147,8 +198,7 @@ class Solver(BaseModel):
 
     def own_parameters(self) -> list[Parameter]:
         """The parameters that the kernel takes, without the common ones."""
-        common = {p.name for p in COMMON}
-        return [p for p in self.parameters if p.name not in common]
+        return [p for p in self.parameters if p.name not in _COMMON and p.name != "preset"]
 
     def check(self, params: Mapping[str, Scalar]) -> dict[str, Scalar]:
         """Return every parameter with its value, defaults filled in.
@@ -166,21 +216,30 @@ class Solver(BaseModel):
                     field=f"ik.params.{name}",
                     allowed=sorted(known),
                 )
-        return {
-            name: p.check(params[name], f"ik.params.{name}") if name in params else p.default
-            for name, p in known.items()
-        }
+        given = {name: known[name].check(v, f"ik.params.{name}") for name, v in params.items()}
+        defaults: dict[str, Scalar] = {name: p.default for name, p in known.items()}
+        if self.presets:
+            preset = str(given.get("preset", known["preset"].default))
+            defaults.update(self.presets[preset].values)
+        return {**defaults, **given}
+
+    def paper_budget(self, values: Mapping[str, Scalar]) -> tuple[int | None, int | None]:
+        """Return N and T of the paper whose parameters ``values`` are."""
+        if self.presets:
+            preset = self.presets[str(values["preset"])]
+            return preset.population, preset.iterations
+        return self.population, self.iterations
 
     def pack(self, values: Mapping[str, Scalar]) -> Any:
         """Return the kernel's parameter tuple from checked values."""
         if self.params_type is None:
             return None
         cls = getattr(importlib.import_module(self.module), self.params_type)
-        packed: list[bool | int | float] = []
+        packed: dict[str, bool | int | float] = dict(self.fixed)
         for p in self.own_parameters():
             value = values[p.name]
-            packed.append(p.choices.index(str(value)) if p.choices else value)  # type: ignore[arg-type]
-        return cls(*packed)
+            packed[p.name] = p.choices.index(str(value)) if p.choices else value  # type: ignore[assignment]
+        return cls(**packed)
 
 
 def solvers() -> list[Solver]:

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ikplan.errors import InvalidRequest
+from ikplan.ik.metaheuristics.bounds import BOUNDS
 from ikplan.ik.metaheuristics.search import Outcome, Problem
 from ikplan.ik.objective import (
     ORIENTATION,
@@ -19,6 +20,7 @@ from ikplan.ik.objective import (
     wrist_objective,
 )
 from ikplan.ik.registry import Solver
+from ikplan.ik.weights import fitness_weights
 from ikplan.kinematics.arm import Arm
 from ikplan.kinematics.forward import forward
 from ikplan.kinematics.target import Target
@@ -27,6 +29,8 @@ from ikplan.kinematics.wrist import nearest_wrist
 __all__ = ["Searcher", "generator"]
 
 Array = NDArray[np.float64]
+
+WARM = ("cold", "individual", "cloud")
 
 _SEEDS = 3
 """Members of the last population that are refined beside the best."""
@@ -57,11 +61,19 @@ class Searcher:
         self.arm = arm
         self.solver = solver
         self.values = values
-        self.population = _budget(
-            "population", population, solver.planner_population, solver.population
-        )
+        paper_population, paper_iterations = solver.paper_budget(values)
+        if solver.population is None:
+            if population is not None:
+                raise InvalidRequest(
+                    f"ik.population: {solver.name} has no population", field="ik.population"
+                )
+            self.population = 1
+        else:
+            self.population = _budget(
+                "population", population, solver.planner_population, paper_population
+            )
         self.iterations = _budget(
-            "iterations", iterations, solver.planner_iterations, solver.iterations
+            "iterations", iterations, solver.planner_iterations, paper_iterations
         )
         if self.population < solver.min_population:
             raise InvalidRequest(
@@ -95,11 +107,20 @@ class Searcher:
                 q_start[-3:],
                 penalise=self.values["wrist_limits"] == "penalise",
             )
-        if not target.oriented and name in ("orientation", "weighted"):
+        if not target.oriented and name in ("orientation", "weighted", "bode-cs"):
             raise InvalidRequest(
                 f"ik.params.objective: {name} needs a target with an orientation",
                 field="ik.params.objective",
                 allowed=["auto", "position"],
+            )
+        if target.oriented and name == "bode-cs":
+            weights = fitness_weights(self.arm)
+            return pose_objective(
+                self.arm.chain,
+                target.R,
+                target.p,
+                weight_position=weights.omega_position,
+                weight_orientation=weights.omega_rotation,
             )
         kinds = {"position": POSITION, "orientation": ORIENTATION, "weighted": WEIGHTED}
         kind = kinds.get(name, WEIGHTED if target.oriented else POSITION)
@@ -119,7 +140,7 @@ class Searcher:
         lower: Array,
         upper: Array,
         *,
-        warm: bool = True,
+        warm: bool | None = None,
         stop_value: float = 0.0,
     ) -> Outcome:
         """Search, with the next random numbers of this searcher.
@@ -129,20 +150,21 @@ class Searcher:
             q_start: Start configuration, shape (dof,) [rad or m].
             lower: Lower bounds, finite, shape (dof,) [rad or m].
             upper: Upper bounds, finite, shape (dof,) [rad or m].
-            warm: Whether individual 0 is the start configuration.
+            warm: Whether individual 0 is the start configuration; None: as the parameters say.
             stop_value: The search ends once the best value is this small.
 
         Returns:
             The outcome, over the joints searched: without the last three when decoupled.
         """
         objective = self.objective(target, q_start)
-        d = objective.chain.coupling.shape[1]
+        d = objective.joints.shape[1] - 2
         problem = Problem(
             objective,
-            np.ascontiguousarray(lower[:d]),
-            np.ascontiguousarray(upper[:d]),
-            np.ascontiguousarray(q_start[:d]),
-            warm,
+            np.array(lower[:d], dtype=np.float64),
+            np.array(upper[:d], dtype=np.float64),
+            np.array(q_start[:d], dtype=np.float64),
+            WARM.index(self.values["warm"]) if warm is None else int(warm),
+            BOUNDS.index(self.values.get("bounds", "clip")),
             self.population,
             self.iterations,
             stop_value,

@@ -94,7 +94,7 @@ class PoseSolver:
     def __post_init__(self) -> None:
         self._solver, self._values = _prepared(self.method, tuple(self.params.items()))
         self._searcher: Searcher | None = None
-        if self._solver.family == "metaheuristic":
+        if self._solver.searches:
             self._searcher = Searcher(
                 self.arm, self._solver, self._values, self.seed, self.population, self.iterations
             )

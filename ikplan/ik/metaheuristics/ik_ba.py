@@ -12,22 +12,21 @@ from typing import NamedTuple
 import numpy as np
 
 from ikplan._jit import kernel
+from ikplan.ik.metaheuristics.bounds import bound, bound_flight
+from ikplan.ik.metaheuristics.draw import signed
 from ikplan.ik.metaheuristics.search import (
+    Best,
     Outcome,
     Problem,
-    clip_into,
+    best_of,
+    consider,
     end_iteration,
     initial_population,
     new_outcome,
-    record,
 )
-from ikplan.ik.objective import evaluate
+from ikplan.ik.objective import Objective, evaluate
 
 __all__ = ["IkBaParams", "ik_ba"]
-
-VARIANTS = ("local", "both", "both_attract")
-NOISES = ("uniform", "normal")
-ACCEPTS = ("greedy", "loudness")
 
 
 class IkBaParams(NamedTuple):
@@ -45,6 +44,7 @@ class IkBaParams(NamedTuple):
         variant: 0 "local" evaluates Eq. 14 only; 1 "both" evaluates Eqs. 7 and 13 as well, as
             printed; 2 "both_attract" the same with the sign of Eq. 13 turned.
         accept: 0 "greedy" keeps every better candidate; 1 "loudness" only with probability A.
+        first_t: The t of the first iteration.
     """
 
     fmin: float
@@ -57,6 +57,7 @@ class IkBaParams(NamedTuple):
     noise: int
     variant: int
     accept: int
+    first_t: int
 
 
 @kernel
@@ -66,51 +67,54 @@ def ik_ba(problem: Problem, params: IkBaParams, rng: np.random.Generator) -> Out
     Symbols: ``X`` and ``V`` positions and velocities of the bats, ``x*`` the best position, ``q_s``
     the start configuration, ``A`` the loudness, ``r`` the pulse rate, ``eps`` the noise.
     """
-    lower, upper, q_s = problem.lower, problem.upper, problem.q_s
-    out = new_outcome(problem)
+    objective, lower, upper, q_s = problem.objective, problem.lower, problem.upper, problem.q_s
+    out = new_outcome(problem, problem.population)
     if initial_population(problem, out, rng):
         return out
+    best = best_of(out)
     X, F = out.X, out.F
     N, D = X.shape
     V = np.zeros((N, D))
     Y = X.copy()  # the bats that fly by Eqs. 7 and 13
-    candidate = np.empty(D)
     sign = 1.0 if params.variant == 1 else -1.0
-    for t in range(1, problem.iterations + 1):
+    for iteration in range(1, problem.iterations + 1):
+        t = iteration - 1 + params.first_t
         A = params.alpha**t * params.A0  # (9)
         r = params.r0 * (1.0 - math.exp(-params.gamma * t))  # (10)
         for i in range(N):
             if params.variant != 0:
                 frequency = params.fmin + (params.fmax - params.fmin) * rng.random()  # (5)
                 for k in range(D):
-                    pull = Y[i, k] - 0.5 * (out.x[k] + q_s[k])
-                    V[i, k] += sign * pull * frequency  # (13)
+                    V[i, k] += sign * (Y[i, k] - 0.5 * (best.x[k] + q_s[k])) * frequency  # (13)
                     Y[i, k] += V[i, k]  # (7)
-                    if Y[i, k] < lower[k] or Y[i, k] > upper[k]:
-                        Y[i, k] = min(max(Y[i, k], lower[k]), upper[k])
-                        V[i, k] = 0.0
-                f = evaluate(problem.objective, Y[i])
-                _consider(out, Y[i], f, A, params.accept, rng)
+                bound_flight(Y[i], V[i], lower, upper, problem.bounds, rng)
+                _heard(objective, Y[i], best, A, params.accept, rng)
             for k in range(D):
-                eps = rng.standard_normal() if params.noise == 1 else 2.0 * rng.random() - 1.0
+                eps = rng.standard_normal() if params.noise == 1 else signed(rng)
                 eps *= params.eps_scale
-                candidate[k] = r * out.x[k] + (1.0 - r) * q_s[k] + eps * A  # (14)
-            clip_into(candidate, lower, upper)
-            f = evaluate(problem.objective, candidate)
-            X[i] = candidate
-            F[i] = f
-            _consider(out, candidate, f, A, params.accept, rng)
-        if end_iteration(problem, out, t):
+                X[i, k] = r * best.x[k] + (1.0 - r) * q_s[k] + eps * A  # (14)
+            bound(X[i], lower, upper, problem.bounds, rng)
+            F[i] = _heard(objective, X[i], best, A, params.accept, rng)
+        if end_iteration(problem, out, iteration):
             break
     return out
 
 
 @kernel
-def _consider(
-    out: Outcome, x: np.ndarray, f: float, A: float, accept: int, rng: np.random.Generator
-) -> None:
-    """Count the candidate; make it the best if it is better and, under "loudness", drawn."""
-    if accept == 1 and not (f < out.f[0] and rng.random() < A):
-        out.evaluations[0] += 1
-        return
-    record(out, x, f)
+def _heard(
+    objective: Objective,
+    x: np.ndarray,
+    best: Best,
+    A: float,
+    accept: int,
+    rng: np.random.Generator,
+) -> float:
+    """Consider a candidate; under "loudness" it becomes x* only with probability A."""
+    if accept == 0:
+        return consider(objective, x, best)
+    f = evaluate(objective, x)
+    best.evaluations[0] += 1
+    if f < best.f[0] and rng.random() < A:
+        best.f[0] = f
+        best.x[:] = x
+    return f

@@ -1,8 +1,9 @@
-"""What every search shares: the problem, the outcome, bounds, the record of the best.
+"""What every search shares: the problem, the outcome, the record of the best, the population.
 
 A search is a kernel ``(problem, params, rng) -> Outcome``. It draws its random numbers from the
-``numpy.random.Generator`` passed in, angles are radians, and candidates are clipped to the bounds
-before they are evaluated.
+``numpy.random.Generator`` passed in, angles are radians, and candidates are brought inside the
+bounds before they are evaluated. Every call of the objective goes through :func:`consider`, which
+counts it.
 """
 
 from __future__ import annotations
@@ -13,11 +14,34 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ikplan._jit import kernel
+from ikplan.ik.metaheuristics.bounds import clip
 from ikplan.ik.objective import Objective, evaluate
 
-__all__ = ["Outcome", "Problem", "clip_into", "initial_population", "new_outcome", "record"]
+__all__ = [
+    "CLOUD",
+    "COLD",
+    "INDIVIDUAL",
+    "Best",
+    "Outcome",
+    "Problem",
+    "best_of",
+    "consider",
+    "draw_population",
+    "draw_within",
+    "end_iteration",
+    "initial_population",
+    "new_outcome",
+    "replace_if_better",
+]
 
 Array = NDArray[np.float64]
+Counter = NDArray[np.int64]
+
+COLD, INDIVIDUAL, CLOUD = 0, 1, 2
+"""Use of the start configuration in the first population: none, as individual 0, or as the centre
+of a normal cloud of 10 degrees around it."""
+
+CLOUD_DEVIATION = 0.17453292519943295
 
 
 class Problem(NamedTuple):
@@ -28,7 +52,8 @@ class Problem(NamedTuple):
         lower: Lower bounds, shape (D,) [rad or m].
         upper: Upper bounds, shape (D,) [rad or m].
         q_s: Start configuration, shape (D,): the previous point of the path, or home [rad or m].
-        warm: Whether individual 0 of the first population is ``q_s``.
+        warm: COLD, INDIVIDUAL or CLOUD.
+        bounds: What happens to a position outside, see :mod:`ikplan.ik.metaheuristics.bounds`.
         population: N, the number of individuals.
         iterations: T, the largest number of iterations.
         stop_value: The search ends once the best value is this small.
@@ -38,94 +63,147 @@ class Problem(NamedTuple):
     lower: Array
     upper: Array
     q_s: Array
-    warm: bool
+    warm: int
+    bounds: int
     population: int
     iterations: int
     stop_value: float
+
+
+class Best(NamedTuple):
+    """The best position so far, and what it took to find it.
+
+    Attributes:
+        x: Best position x*, shape (D,) [rad or m].
+        f: Its value f*, shape (1,).
+        evaluations: Calls of the objective so far, shape (1,); every candidate counts.
+    """
+
+    x: Array
+    f: Array
+    evaluations: Counter
 
 
 class Outcome(NamedTuple):
     """What a search found.
 
     Attributes:
-        x: Best position, shape (D,) [rad or m].
-        f: Its value, shape (1,).
-        evaluations: Calls of the objective so far, shape (1,); every candidate counts.
+        x: Best position x*, shape (D,) [rad or m].
+        f: Its value f*, shape (1,).
+        evaluations: Calls of the objective, shape (1,); every candidate counts.
         iterations: Iterations done, shape (1,).
         history: Best value after the initialisation and after each iteration, shape (T + 1,).
         history_evaluations: Evaluations at those moments, shape (T + 1,).
         X: Last population, shape (N, D).
         F: Values of the last population, shape (N,).
+        archive: MO-PSO only: the non-dominated candidates, with their two objectives in the last
+            two columns, shape (k, D + 2); k = 0 for every other search.
     """
 
     x: Array
     f: Array
-    evaluations: NDArray[np.int64]
-    iterations: NDArray[np.int64]
+    evaluations: Counter
+    iterations: Counter
     history: Array
-    history_evaluations: NDArray[np.int64]
+    history_evaluations: Counter
     X: Array
     F: Array
+    archive: Array
 
 
 @kernel
-def clip_into(x: Array, lower: Array, upper: Array) -> None:
-    """Clip a position to the bounds, in place."""
-    for k in range(x.shape[0]):
-        if x[k] < lower[k]:
-            x[k] = lower[k]
-        elif x[k] > upper[k]:
-            x[k] = upper[k]
-
-
-@kernel
-def new_outcome(problem: Problem) -> Outcome:
-    """Return an outcome with nothing found yet."""
-    N, T, D = problem.population, problem.iterations, problem.lower.shape[0]
+def new_outcome(problem: Problem, rows: int) -> Outcome:
+    """Return an outcome with nothing found yet, and ``rows`` individuals."""
+    T, D = problem.iterations, problem.lower.shape[0]
     return Outcome(
-        np.zeros(D),
+        0.5 * (problem.lower + problem.upper),
         np.full(1, np.inf),
         np.zeros(1, dtype=np.int64),
         np.zeros(1, dtype=np.int64),
         np.full(T + 1, np.inf),
         np.zeros(T + 1, dtype=np.int64),
-        np.empty((N, D)),
-        np.empty(N),
+        np.empty((rows, D)),
+        np.full(rows, np.inf),
+        np.empty((0, D + 2)),
     )
 
 
 @kernel
-def record(outcome: Outcome, x: Array, f: float) -> None:
-    """Count one evaluation, and keep the candidate if it is the best so far."""
-    outcome.evaluations[0] += 1
-    if f < outcome.f[0]:
-        outcome.f[0] = f
-        outcome.x[:] = x
+def best_of(out: Outcome) -> Best:
+    """Return the part of an outcome that :func:`consider` writes."""
+    return Best(out.x, out.f, out.evaluations)
 
 
 @kernel
-def end_iteration(problem: Problem, outcome: Outcome, t: int) -> bool:
+def consider(objective: Objective, x: Array, best: Best) -> float:
+    """Evaluate a candidate, count it, keep it if it is the best so far; return its value."""
+    f = evaluate(objective, x)
+    best.evaluations[0] += 1
+    if f < best.f[0]:
+        best.f[0] = f
+        best.x[:] = x
+    return f
+
+
+@kernel
+def replace_if_better(
+    objective: Objective, y: Array, X: Array, F: Array, i: int, best: Best
+) -> bool:
+    """Greedy selection: individual i becomes y if that is strictly better; return whether."""
+    f = consider(objective, y, best)
+    if f < F[i]:
+        X[i] = y
+        F[i] = f
+        return True
+    return False
+
+
+@kernel
+def end_iteration(problem: Problem, out: Outcome, t: int) -> bool:
     """Write the history of iteration t (0: the initialisation); return whether to stop."""
-    outcome.iterations[0] = t
-    outcome.history[t] = outcome.f[0]
-    outcome.history_evaluations[t] = outcome.evaluations[0]
-    return outcome.f[0] <= problem.stop_value
+    out.iterations[0] = t
+    out.history[t] = out.f[0]
+    out.history_evaluations[t] = out.evaluations[0]
+    return bool(out.f[0] <= problem.stop_value)
 
 
 @kernel
-def initial_population(problem: Problem, outcome: Outcome, rng: np.random.Generator) -> bool:
-    """Draw the first population uniformly within the bounds, and evaluate it.
+def draw_within(lower: Array, upper: Array, x: Array, rng: np.random.Generator) -> None:
+    """Draw a position uniformly within the bounds."""
+    for k in range(x.shape[0]):
+        x[k] = lower[k] + rng.random() * (upper[k] - lower[k])
+
+
+@kernel
+def place_start(problem: Problem, X: Array) -> None:
+    """Make the start configuration individual 0, unless the search starts cold."""
+    if problem.warm != COLD:
+        X[0] = problem.q_s
+        clip(X[0], problem.lower, problem.upper)
+
+
+@kernel
+def draw_population(problem: Problem, X: Array, rng: np.random.Generator) -> None:
+    """Draw the first population, without evaluating it."""
+    for i in range(X.shape[0]):
+        if problem.warm == CLOUD:
+            for k in range(X.shape[1]):
+                X[i, k] = problem.q_s[k] + CLOUD_DEVIATION * rng.standard_normal()
+            clip(X[i], problem.lower, problem.upper)
+        else:
+            draw_within(problem.lower, problem.upper, X[i], rng)
+    place_start(problem, X)
+
+
+@kernel
+def initial_population(problem: Problem, out: Outcome, rng: np.random.Generator) -> bool:
+    """Draw the first population and evaluate it.
 
     Returns:
         Whether the stop value is reached already.
     """
-    N, D = outcome.X.shape
-    for i in range(N):
-        for k in range(D):
-            outcome.X[i, k] = problem.lower[k] + rng.random() * (problem.upper[k] - problem.lower[k])
-        if i == 0 and problem.warm:
-            outcome.X[0] = problem.q_s
-            clip_into(outcome.X[0], problem.lower, problem.upper)
-        outcome.F[i] = evaluate(problem.objective, outcome.X[i])
-        record(outcome, outcome.X[i], outcome.F[i])
-    return end_iteration(problem, outcome, 0)
+    draw_population(problem, out.X, rng)
+    best = best_of(out)
+    for i in range(out.X.shape[0]):
+        out.F[i] = consider(problem.objective, out.X[i], best)
+    return end_iteration(problem, out, 0)

@@ -14,7 +14,7 @@ from ikplan.documents import parse
 from ikplan.ik.solve import PoseSolver, check_start, pose_distance, solve_ik
 from ikplan.kinematics.arm import arm_of
 from ikplan.path import rotation_of, targets_of
-from ikplan.planning import Clock, WaypointProblem, choose_greedily
+from ikplan.planning import Clock, WaypointProblem, choose
 from ikplan.request import FkRequest, IkRequest, PlanRequest
 from ikplan.result import FkResult, IkSolution, Plan, Stats, Trajectory, WaypointResults
 from ikplan.robots import Robot, catalogue_robot
@@ -56,7 +56,7 @@ def plan(request: Mapping[str, Any] | PlanRequest, *, robot: Robot | None = None
         solver = _pose_solver(robot, request)
         tolerance = request.path.tolerance
         problem = WaypointProblem(robot, solver, targets, q_start, start_free, tolerance, clock)
-        chosen = choose_greedily(problem)
+        chosen = choose(problem, request.ik)
     with clock.stage("planning"):
         limits = JointLimits.from_robot(
             robot, request.limits.velocity_scale, request.limits.acceleration_scale

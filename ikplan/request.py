@@ -143,9 +143,10 @@ class IkOptions(Document):
     refine: bool = Field(
         True, description="Polish the seeds to machine precision; false: the raw solver."
     )
-    elongation: Literal["greedy"] = Field(
-        "greedy",
-        description='How joint motion is kept small: "greedy" goes waypoint by waypoint.',
+    elongation: Literal["global", "greedy"] = Field(
+        "global",
+        description='How joint motion is kept small: "global" over the whole path, "greedy" '
+        "waypoint by waypoint.",
     )
 
 

@@ -10,6 +10,8 @@ from ikplan.ik.solve import PoseSolver
 from ikplan.ik.verdict import explain_miss
 from ikplan.kinematics.arm import arm_of
 from ikplan.kinematics.target import pose_target
+from ikplan.planning import Clock, WaypointProblem, choose
+from ikplan.request import IkOptions, Tolerance
 from ikplan.robots import load_robot
 from ikplan.timing import JointLimits, JointPath, sample, time_joint_path
 
@@ -33,10 +35,14 @@ def warm_up(method: str = "ik-ba") -> None:
     solver = PoseSolver(arm_of(robot), method)
     q_start = np.array(robot.home)
     pose = robot.fk(q_start + 0.01)
-    for target in (pose_target(pose.translation, pose.rotation), pose_target(pose.translation)):
-        solved = solver.solve(target, q_start)
+    targets = [pose_target(pose.translation, pose.rotation), pose_target(pose.translation)]
+    problem = WaypointProblem(
+        robot, solver, targets, q_start, False, Tolerance(), Clock(float("inf"))
+    )
+    for elongation in ("greedy", "global"):
+        chosen = choose(problem, IkOptions(method=method, elongation=elongation))
     limits = JointLimits.from_robot(robot)
-    path = JointPath.through(np.vstack([q_start, solved.q[0]]), limits)
+    path = JointPath.through(np.vstack([q_start, chosen.q]), limits)
     sample(time_joint_path(path, limits), 250.0)
     # The verdict on a target out of reach has kernels of its own.
     far = pose_target(pose.translation + np.array([9.0, 0.0, 0.0]), pose.rotation)

@@ -1,0 +1,163 @@
+"""For each waypoint a diverse set of solutions.
+
+Seeds are the solutions of the waypoint before (which follow their branch), the members of a
+metaheuristic's last population, and points spread evenly over the joint space (which find new
+branches, and new places on the self-motion manifold of a redundant arm). Each is refined, brought
+to the 2 pi copy nearest to the start, and kept unless it doubles another.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ikplan._jit import kernel
+from ikplan.ik.lm import nearest_turns, restart_into
+from ikplan.ik.refine import Effort, Workspace, new_workspace, refine
+from ikplan.kinematics.chain import Chain
+from ikplan.kinematics.target import Target
+
+__all__ = ["Candidates", "Targets", "grow_candidates", "target_at"]
+
+Array = NDArray[np.float64]
+
+
+class Targets(NamedTuple):
+    """The targets of a path as arrays.
+
+    Attributes:
+        R: Rotations wanted in the base, shape (n, 3, 3).
+        p: Positions wanted in the base, shape (n, 3) [m].
+        oriented: Whether the rotation counts, shape (n,).
+        weight: What one radian weighs against one metre, shape (n,) [m/rad].
+    """
+
+    R: Array
+    p: Array
+    oriented: NDArray[np.bool_]
+    weight: Array
+
+
+class Candidates(NamedTuple):
+    """Solutions of each waypoint.
+
+    Attributes:
+        q: Solutions, shape (n, cap, dof) [rad or m].
+        count: How many each waypoint has, shape (n,).
+        evaluations: Forward-kinematics evaluations spent, shape (1,).
+    """
+
+    q: Array
+    count: NDArray[np.int64]
+    evaluations: NDArray[np.int64]
+
+
+@kernel
+def target_at(targets: Targets, k: int) -> Target:
+    """Return target k."""
+    return Target(targets.R[k], targets.p[k], targets.oriented[k], targets.weight[k])
+
+
+@kernel
+def _keep(q: Array, spacing: float, row: Array, count: int) -> int:
+    """Add q to the solutions of a waypoint unless one is nearer than ``spacing``; the new count."""
+    if count == row.shape[0]:
+        return count
+    for i in range(count):
+        apart = 0.0
+        for k in range(q.shape[0]):
+            apart = max(apart, abs(row[i, k] - q[k]))
+        if apart < spacing:
+            return count
+    row[count] = q
+    return count + 1
+
+
+@kernel
+def grow_candidates(
+    chain: Chain,
+    targets: Targets,
+    seeds: Array,
+    q_start: Array,
+    lower: Array,
+    upper: Array,
+    cap: int,
+    first: int,
+    fresh: int,
+    shift: float,
+    tolerance: float,
+) -> Candidates:
+    """Find solutions of every waypoint.
+
+    Args:
+        chain: The chain from base to tool, with dof joint values.
+        targets: The n targets.
+        seeds: Further seeds of each waypoint, shape (n, k, dof) [rad or m].
+        q_start: Configuration to be near to, shape (dof,) [rad or m].
+        lower: Lower bounds, finite, shape (dof,) [rad or m].
+        upper: Upper bounds, finite, shape (dof,) [rad or m].
+        cap: Most solutions kept of a waypoint.
+        first: Evenly spread seeds of the first waypoint, and of one after a waypoint without any.
+        fresh: Evenly spread seeds of every other waypoint.
+        shift: Shift of the spread seeds, in [0, 1).
+        tolerance: Error that counts as solved [m and rad].
+
+    Returns:
+        The solutions; those that follow the ones before come first, in their order.
+    """
+    n, dof = targets.p.shape[0], q_start.shape[0]
+    found = Candidates(
+        np.empty((n, cap, dof)), np.zeros(n, dtype=np.int64), np.zeros(1, dtype=np.int64)
+    )
+    w: Workspace = new_workspace(chain)
+    q = np.empty(dof)
+    spread = 0
+    for k in range(n):
+        target = target_at(targets, k)
+        redundant = dof > (6 if target.oriented else 3)
+        spacing = 0.08 if redundant else 1e-4
+        before = found.count[k - 1] if k > 0 else 0
+        fresh_here = fresh if before > 0 else first
+        given = before + 1 + seeds.shape[1]
+        count = 0
+        for s in range(given + fresh_here):
+            if s < before:
+                q[:] = found.q[k - 1, s]
+            elif s == before:
+                q[:] = q_start
+            elif s < given:
+                q[:] = seeds[k, s - before - 1]
+            else:
+                restart_into(spread, shift, lower, upper, q)
+                spread += 1
+            distance, angle, spent = refine(chain, target, q, lower, upper, Effort(25, 5), w)
+            found.evaluations[0] += spent
+            if distance <= tolerance and angle <= tolerance:
+                if s >= before:
+                    nearest_turns(chain, q, q_start, lower, upper)
+                count = _keep(q, spacing, found.q[k], count)
+        found.count[k] = _add_turns(chain, found.q[k], count, lower, upper)
+    return found
+
+
+@kernel
+def _add_turns(chain: Chain, row: Array, count: int, lower: Array, upper: Array) -> int:
+    """Fill up with the 2 pi copies of single joints that the limits allow; the new count."""
+    if chain.coupled:
+        return count
+    own = count
+    turn = 2.0 * math.pi
+    for d in range(row.shape[1]):
+        if chain.prismatic[d] or upper[d] - lower[d] < turn:
+            continue
+        for i in range(own):
+            for side in range(2):
+                value = row[i, d] + (turn if side == 0 else -turn)
+                if count < row.shape[0] and lower[d] <= value <= upper[d]:
+                    row[count] = row[i]
+                    row[count, d] = value
+                    count += 1
+    return count

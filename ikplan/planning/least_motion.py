@@ -1,0 +1,125 @@
+"""The whole path at once: the sequence of configurations of least joint motion."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ikplan.kinematics.target import Target
+from ikplan.planning.candidates import Candidates, Targets, grow_candidates
+from ikplan.planning.ladder import distinct_paths
+from ikplan.planning.polish import polish
+from ikplan.planning.problem import Array, Chosen, WaypointProblem
+from ikplan.planning.single import solve_waypoint
+
+__all__ = ["choose_least_motion", "stack_targets"]
+
+_CAP = 40
+"""Candidates kept of a waypoint."""
+_FIRST = 64
+"""Evenly spread seeds of the first waypoint."""
+_FRESH = 4
+"""Evenly spread seeds of every further waypoint."""
+_PATHS = 6
+"""Paths over the ladder that are polished."""
+_EXACT = 1e-9
+"""Error that counts as none [m and rad]."""
+
+
+def choose_least_motion(problem: WaypointProblem) -> Chosen:
+    """Choose the configurations that move the joints least over the whole path.
+
+    Candidates of each waypoint, the shortest paths over their ladder that really differ, and a
+    polish of each; the shortest after the polish is taken.
+
+    Args:
+        problem: The targets.
+
+    Returns:
+        One configuration per waypoint.
+
+    Raises:
+        Unreachable: A waypoint has no solution; names every such waypoint.
+        BudgetExceeded: The time budget ran out.
+    """
+    arm = problem.solver.arm
+    lower, upper = arm.search_bounds(problem.q_start)
+    targets = stack_targets(problem.targets)
+    seeds, evaluations = _metaheuristic_seeds(problem, lower, upper)
+    candidates = grow_candidates(
+        arm.chain,
+        targets,
+        seeds,
+        problem.q_start,
+        lower,
+        upper,
+        _CAP,
+        _FIRST,
+        _FRESH,
+        (0.5 + problem.solver.seed * 0.6180339887498949) % 1.0,
+        _EXACT,
+    )
+    problem.clock.check()
+    evaluations += int(candidates.evaluations[0]) + _rescue(problem, candidates)
+    paths = distinct_paths(candidates, problem.q_start, problem.start_free, _PATHS, 0.6, 0.1)
+    best, best_length = paths[0], np.inf
+    for q in paths:
+        problem.clock.check({"q": best.tolist()})
+        length, spent = polish(
+            arm.chain,
+            targets,
+            q,
+            problem.q_start,
+            problem.start_free,
+            lower,
+            upper,
+            60,
+            1e-5,
+        )
+        evaluations += spent
+        if length < best_length:
+            best, best_length = q, length
+    return Chosen(best, evaluations)
+
+
+def stack_targets(targets: list[Target]) -> Targets:
+    """Return targets as arrays."""
+    return Targets(
+        np.array([t.R for t in targets]),
+        np.array([t.p for t in targets]),
+        np.array([t.oriented for t in targets]),
+        np.array([t.weight for t in targets]),
+    )
+
+
+def _metaheuristic_seeds(problem: WaypointProblem, lower: Array, upper: Array) -> tuple[Array, int]:
+    """The best of the last populations of the method, shape (n, k, dof), and its evaluations.
+
+    Each search starts from the best of the one before, as the papers track a path.
+    """
+    searcher = problem.solver.searcher
+    if searcher is None:
+        return np.empty((len(problem.targets), 0, problem.robot.dof)), 0
+    rows, evaluations, q_s = [], 0, problem.q_start
+    for target in problem.targets:
+        problem.clock.check()
+        seeds, spent = searcher.seeds(target, q_s, lower, upper)
+        rows.append(seeds)
+        evaluations += spent
+        q_s = np.clip(seeds[0], lower, upper)
+    return np.array(rows), evaluations
+
+
+def _rescue(problem: WaypointProblem, candidates: Candidates) -> int:
+    """Find a candidate for every waypoint without one, in place; the evaluations.
+
+    Raises:
+        Unreachable: There is none within tolerance.
+    """
+    evaluations = 0
+    for k in np.flatnonzero(candidates.count == 0):
+        problem.clock.check()
+        q_near = candidates.q[k - 1, 0] if k > 0 else problem.q_start
+        candidates.q[k, 0], spent = solve_waypoint(problem, int(k), q_near)
+        candidates.count[k] = 1
+        evaluations += spent
+    return evaluations

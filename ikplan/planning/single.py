@@ -1,0 +1,48 @@
+"""One waypoint: a solution, or a configuration within tolerance, or the verdict."""
+
+from __future__ import annotations
+
+from ikplan.errors import Unreachable
+from ikplan.ik.solve import NoSolution
+from ikplan.planning.problem import Array, WaypointProblem
+from ikplan.planning.verdict import unreachable_path
+
+__all__ = ["solve_waypoint"]
+
+
+def solve_waypoint(problem: WaypointProblem, k: int, q_before: Array) -> tuple[Array, int]:
+    """Return a configuration of waypoint k, near to ``q_before``, and the evaluations spent.
+
+    Args:
+        problem: The targets.
+        k: Index of the waypoint.
+        q_before: Configuration to be near to, shape (dof,) [rad or m].
+
+    Raises:
+        Unreachable: None is within tolerance; names every waypoint from k on that has none.
+    """
+    target = problem.targets[k]
+    tolerance = problem.tolerance
+    try:
+        solved = problem.solver.solve(target, q_before)
+    except NoSolution as verdict:
+        miss = verdict.miss
+        angle = miss.orientation_error or 0.0
+        if miss.position_error <= tolerance.position and angle <= tolerance.orientation:
+            return miss.q, verdict.evaluations
+        raise unreachable_path(problem, k, miss, q_before) from verdict
+    distance, angle = float(solved.position_error[0]), float(solved.orientation_error[0])
+    if distance > tolerance.position or angle > tolerance.orientation:
+        # Only an unrefined solver ends here: its best is what it is.
+        raise Unreachable(
+            f"waypoint {k}: {problem.solver.method} without refinement ends "
+            f"{distance * 1e3:.3g} mm and {angle:.3g} rad away, outside the tolerance of "
+            f"{tolerance.position * 1e3:.3g} mm and {tolerance.orientation:.3g} rad; "
+            "set ik.refine, or a larger budget or tolerance",
+            waypoint=k,
+            position_error=distance,
+            orientation_error=angle if target.oriented else None,
+            q=[float(v) for v in solved.q[0]],
+            reason="the solver was not refined and did not converge to the tolerance",
+        )
+    return solved.q[0], solved.evaluations

@@ -208,6 +208,42 @@ class JointPath:
             self.s_knots, self.q_knots, self.tangents_start, self.tangents_end, pieces, s
         )
 
+    def third_derivatives(self) -> Array:
+        """Return d3q/ds3 of every piece, which is constant there, shape (k, dof)."""
+        pieces = np.arange(len(self.s_knots) - 1)
+        _, _, start = self.derivatives(self.s_knots[:-1], pieces)
+        _, _, end = self.derivatives(self.s_knots[1:], pieces)
+        third: Array = (end - start) / np.diff(self.s_knots)[:, None]
+        return third
+
+    def curvature_jumps(self) -> Indices:
+        """Return the knots, rest points apart, where d2q/ds2 is not continuous."""
+        pieces = np.arange(len(self.s_knots) - 1)
+        _, _, start = self.derivatives(self.s_knots[:-1], pieces)
+        _, _, end = self.derivatives(self.s_knots[1:], pieces)
+        size = np.maximum(np.abs(start).max(initial=0.0), np.abs(end).max(initial=0.0))
+        jump = np.abs(start[1:] - end[:-1]).max(axis=1, initial=0.0) > 1e-6 * size
+        found = np.flatnonzero(jump) + 1
+        return found[~np.isin(found, self.rest_knots)]
+
+    def stopping_at(self, knots: Indices) -> JointPath:
+        """Return the same path with more rest points.
+
+        Args:
+            knots: Indices of knots.
+
+        Returns:
+            The path.
+        """
+        return JointPath(
+            self.s_knots,
+            self.q_knots,
+            self.tangents_start,
+            self.tangents_end,
+            rest_knots=[*self.rest_knots, *(int(i) for i in knots)],
+            knot_of_waypoint=self.knot_of_waypoint,
+        )
+
     def extrema(self) -> tuple[Array, Array]:
         """Return the least and greatest joint positions anywhere on the path, shape (dof,) each."""
         if len(self.s_knots) == 1:

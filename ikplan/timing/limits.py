@@ -62,6 +62,7 @@ class JointLimits:
         joint_names: Names of the joints.
         velocity_lower: Lowest velocities, shape (dof,), < 0.
         acceleration_lower: Lowest accelerations, shape (dof,), < 0.
+        jerk: Highest jerks, both ways [rad/s^3 or m/s^3], shape (dof,), > 0; None: no limit.
 
     Raises:
         InvalidRequest: An array has the wrong length, is not finite (positions apart), is not
@@ -75,6 +76,7 @@ class JointLimits:
     joint_names: tuple[str, ...]
     velocity_lower: Vector = None  # type: ignore[assignment]
     acceleration_lower: Vector = None  # type: ignore[assignment]
+    jerk: Vector | None = None
 
     def __post_init__(self) -> None:
         names = tuple(str(name) for name in self.joint_names)
@@ -84,13 +86,15 @@ class JointLimits:
                 upper = _vector(getattr(self, field), self.dof, f"limits.{field}")
                 object.__setattr__(self, f"{field}_lower", -upper)
         for field in self.__dataclass_fields__:
-            if field != "joint_names":
+            if field != "joint_names" and getattr(self, field) is not None:
                 value = _vector(getattr(self, field), self.dof, f"limits.{field}")
                 object.__setattr__(self, field, value)
         self._check_positions()
         for field in ("velocity", "acceleration"):
             self._check_rate(field, 1.0)
             self._check_rate(f"{field}_lower", -1.0)
+        if self.jerk is not None:
+            self._check_rate("jerk", 1.0)
 
     def _check_positions(self) -> None:
         # A comparison with NaN is false, so NaN is refused here as well.
@@ -128,6 +132,7 @@ class JointLimits:
         robot: LimitedRobot,
         velocity_scale: float = 1.0,
         acceleration_scale: float = 1.0,
+        jerk: ArrayLike | None = None,
     ) -> JointLimits:
         """Take the limits of a robot.
 
@@ -136,12 +141,13 @@ class JointLimits:
                 and ``joint_names``.
             velocity_scale: Share of the velocity limits to use, in (0, 1].
             acceleration_scale: Share of the acceleration limits to use, in (0, 1].
+            jerk: Jerk limits, shape (dof,) [rad/s^3 or m/s^3]; None: no limit.
 
         Returns:
             The robot's limits, scaled.
 
         Raises:
-            InvalidRequest: A scale is outside (0, 1].
+            InvalidRequest: A scale is outside (0, 1], or a jerk limit makes no sense.
         """
         scales: dict[str, Any] = {
             "velocity_scale": velocity_scale,
@@ -161,6 +167,7 @@ class JointLimits:
             acceleration=acceleration_scale
             * np.asarray(robot.acceleration_limit, dtype=np.float64),
             joint_names=tuple(robot.joint_names),
+            jerk=None if jerk is None else np.asarray(jerk, dtype=np.float64),
         )
 
     def check_positions(self, q: NDArray[np.float64], field: str) -> None:

@@ -10,10 +10,11 @@ import numpy as np
 from ikplan.errors import InvalidRequest, TimingFailed
 from ikplan.timing.constraints import PathConstraint
 from ikplan.timing.engine import Engine
+from ikplan.timing.jerk import CubicMotion, smooth_span
 from ikplan.timing.joint_path import JointPath
 from ikplan.timing.limits import JointLimits
 from ikplan.timing.profile import LimitProfile, SegmentLimits
-from ikplan.timing.span import time_span
+from ikplan.timing.span import SpanTiming, time_span
 from ikplan.timing.timed_path import TimedPath
 
 __all__ = ["check_inside", "time_joint_path"]
@@ -58,14 +59,21 @@ def time_joint_path(
     check_inside(path, limits)
     ranges = [(r.start, r.end) for r in segments] + [(r.start, r.end) for r in constraints]
     path = path.with_knots([place for both in ranges for place in both])
+    if limits.jerk is not None:
+        # A step of the curvature is a step of the acceleration, unless the motion stops there.
+        path = path.stopping_at(path.curvature_jumps())
     if path.length == 0.0:
         zero = np.zeros(1)
-        return TimedPath(path, zero, np.zeros(0, dtype=np.int64), zero, zero, ())
+        sddot = None if limits.jerk is None else zero
+        return TimedPath(path, zero, np.zeros(0, dtype=np.int64), zero, zero, (), sddot)
     profile = LimitProfile.merged(path, limits, segments)
     spans = tuple(
         time_span(path, first, last, profile, constraints, engine)
         for first, last in itertools.pairwise(path.rest_knots)
     )
+    if limits.jerk is not None:
+        motions = [smooth_span(path, span, profile, limits.jerk, constraints) for span in spans]
+        return _joined(path, motions, spans)
     grids = [span.problem.grid for span in spans]
     dt = np.concatenate([span.dt for span in spans])
     return TimedPath(
@@ -75,6 +83,24 @@ def time_joint_path(
         sdot=np.sqrt(np.concatenate([[0.0], *(span.x[1:] for span in spans)])),
         node_times=np.concatenate([[0.0], np.cumsum(dt)]),
         spans=spans,
+    )
+
+
+def _joined(
+    path: JointPath, motions: Sequence[CubicMotion], spans: tuple[SpanTiming, ...]
+) -> TimedPath:
+    """Join jerk-limited motions of spans end to end."""
+    ends = np.cumsum([float(motion.time[-1]) for motion in motions])
+    starts = np.concatenate([[0.0], ends[:-1]])
+    time = [m.time[1:] + start for m, start in zip(motions, starts, strict=True)]
+    return TimedPath(
+        path=path,
+        s=np.concatenate([[0.0], *(m.s[1:] for m in motions)]),
+        pieces=np.zeros(0, dtype=np.int64),
+        sdot=np.concatenate([[0.0], *(m.v[1:] for m in motions)]),
+        node_times=np.concatenate([[0.0], *time]),
+        spans=spans,
+        sddot=np.concatenate([[0.0], *(m.a[1:] for m in motions)]),
     )
 
 

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ikplan.timing.cubic_kernels import evaluate_cubic, times_of
 from ikplan.timing.evaluation import evaluate_timed
 from ikplan.timing.joint_path import JointPath
 from ikplan.timing.span import SpanTiming
@@ -19,15 +20,19 @@ Indices = NDArray[np.int64]
 
 @dataclass(frozen=True, eq=False)
 class TimedPath:
-    """A joint path whose parameter moves with constant acceleration between nodes.
+    """A joint path with the motion of its parameter between nodes.
+
+    The path acceleration is constant between nodes; in a jerk-limited motion, linear.
 
     Attributes:
         path: The geometric path.
-        s: Path positions of the nodes, shape (n + 1,); every knot of the path is one.
-        pieces: Piece of the path of each interval, shape (n,).
+        s: Path positions of the nodes, shape (n + 1,); without jerk limits, every knot of the
+            path is one.
+        pieces: Piece of the path of each interval, shape (n,); empty in a jerk-limited motion.
         sdot: Path velocities at the nodes [1/s of s], shape (n + 1,); zero at rest points.
         node_times: Times of the nodes [s], shape (n + 1,), strictly increasing from 0.
-        spans: How each span between rest points was timed.
+        spans: How each span between rest points was timed, jerk limits apart.
+        sddot: Path accelerations at the nodes of a jerk-limited motion, shape (n + 1,), or None.
     """
 
     path: JointPath
@@ -36,6 +41,7 @@ class TimedPath:
     sdot: Array
     node_times: Array
     spans: tuple[SpanTiming, ...]
+    sddot: Array | None = None
 
     @property
     def duration(self) -> float:
@@ -43,9 +49,21 @@ class TimedPath:
         return float(self.node_times[-1])
 
     @property
+    def jerk_limited(self) -> bool:
+        """Whether the motion keeps jerk limits; if not, accelerations jump."""
+        return self.sddot is not None
+
+    @property
+    def unlimited_duration(self) -> float:
+        """Duration that the same limits allow without those of the jerk [s]."""
+        return float(sum(span.dt.sum() for span in self.spans))
+
+    @property
     def times(self) -> Array:
         """Times of the waypoints [s], shape (n_waypoints,); equal for waypoints that coincide."""
-        return self.node_times[np.searchsorted(self.s, self.path.s_waypoints)]
+        if self.sddot is None:
+            return self.node_times[np.searchsorted(self.s, self.path.s_waypoints)]
+        return times_of(self.node_times, self.s, self.sdot, self.sddot, self.path.s_waypoints)
 
     def evaluate(self, t: ArrayLike) -> tuple[Array, Array, Array]:
         """Evaluate the motion, exact at both ends.
@@ -62,6 +80,18 @@ class TimedPath:
         if len(self.s) == 1:
             q = np.repeat(path.q_knots, len(at), axis=0)
             return q, np.zeros_like(q), np.zeros_like(q)
+        if self.sddot is not None:
+            return evaluate_cubic(
+                path.s_knots,
+                path.q_knots,
+                path.tangents_start,
+                path.tangents_end,
+                self.node_times,
+                self.s,
+                self.sdot,
+                self.sddot,
+                at,
+            )[:3]
         return evaluate_timed(
             path.s_knots,
             path.q_knots,
@@ -83,4 +113,7 @@ class TimedPath:
         Returns:
             The slower motion: velocities divided by factor, accelerations by its square.
         """
-        return replace(self, sdot=self.sdot / factor, node_times=self.node_times * factor)
+        sddot = None if self.sddot is None else self.sddot / factor**2
+        return replace(
+            self, sdot=self.sdot / factor, node_times=self.node_times * factor, sddot=sddot
+        )

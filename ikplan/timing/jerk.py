@@ -1,0 +1,197 @@
+"""Jerk-limited timing: the time-optimal path speed, smoothed over time and held back on bends."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ikplan.timing.compiled_engine import CompiledEngine
+from ikplan.timing.constraints import PathConstraint, PathPoints
+from ikplan.timing.cubic_kernels import moving_average, times_of
+from ikplan.timing.engine import EngineFailed
+from ikplan.timing.jerk_kernels import cubic_demand, spread
+from ikplan.timing.joint_path import JointPath
+from ikplan.timing.profile import LimitProfile
+from ikplan.timing.rows import StageRows, natural_units
+from ikplan.timing.span import SpanTiming
+
+__all__ = ["CubicMotion", "smooth_span"]
+
+Array = NDArray[np.float64]
+
+# Windows tried, as multiples of the time in which the jerk limit builds up the acceleration limit
+# of the slowest joint, and at most this share of the duration.
+_WINDOWS = (0.3, 0.5, 0.8, 1.2, 2.0)
+_LONGEST_WINDOW = 0.6
+_ROUNDS = 16
+# How much of a local excess is answered by slowing there at once, and when it is small enough.
+_STEP = 0.5
+_ENOUGH = 1.002
+_POINTS, _FINE_POINTS = 3, 12
+# Kept below the limits: they are measured at points of intervals, not between them.
+_MARGIN = 1e-3
+
+
+@dataclass(frozen=True, eq=False)
+class CubicMotion:
+    """A motion along a path with constant path jerk between nodes, from rest to rest.
+
+    Attributes:
+        time: Times of the nodes [s], shape (n + 1,), from 0.
+        s: Path positions, shape (n + 1,).
+        v: Path velocities, shape (n + 1,).
+        a: Path accelerations, shape (n + 1,), zero at both ends.
+    """
+
+    time: Array
+    s: Array
+    v: Array
+    a: Array
+
+    def divided(self, times: Array) -> CubicMotion:
+        """Return the same motion with more nodes, at given times."""
+        more = np.setdiff1d(times[(times > 0.0) & (times < self.time[-1])], self.time)
+        i = np.searchsorted(self.time, more, side="right") - 1
+        j = np.diff(self.a)[i] / np.diff(self.time)[i]
+        r = more - self.time[i]
+        a = self.a[i] + r * j
+        v = np.maximum(self.v[i] + r * (self.a[i] + 0.5 * r * j), 0.0)
+        s = self.s[i] + r * (self.v[i] + r * (0.5 * self.a[i] + r * j / 6.0))
+        at = i + 1
+        return CubicMotion(
+            np.insert(self.time, at, more),
+            np.maximum.accumulate(np.insert(self.s, at, s)),
+            np.insert(self.v, at, v),
+            np.insert(self.a, at, a),
+        )
+
+    def slowed(self, k: float) -> CubicMotion:
+        """Return the motion k times slower."""
+        return CubicMotion(self.time * k, self.s, self.v / k, self.a / (k * k))
+
+
+def smooth_span(
+    path: JointPath,
+    span: SpanTiming,
+    profile: LimitProfile,
+    jerk: Array,
+    constraints: Sequence[PathConstraint],
+) -> CubicMotion:
+    """Turn the timing of a span into one within jerk limits, on the same geometric path.
+
+    The path speed is smoothed by a moving average over time, which bounds the jerk of a change of
+    acceleration by its step over the window. Where the result still exceeds a limit, the path is
+    timed again with the motion slowed there and within the window about it, until nothing is
+    exceeded by much; the rest is taken from the whole. Of several windows, the best is kept. The
+    result is not the optimum: the benchmark tells the distance.
+
+    Args:
+        path: The path, with continuous curvature on the span.
+        span: Its timing without jerk limits.
+        profile: Joint limits on every piece of the path.
+        jerk: Jerk limits, shape (dof,).
+        constraints: Limits other than those of single joints.
+
+    Returns:
+        The motion, within every limit.
+    """
+    measure = _Measure(path, profile, jerk)
+    build_up = float((np.minimum(profile.acceleration, -profile.acceleration_lower) / jerk).max())
+    longest = _LONGEST_WINDOW * float(span.dt.sum())
+    windows = dict.fromkeys(min(multiple * build_up, longest) for multiple in _WINDOWS)
+    tried = [_smoothed(span, window, measure) for window in windows]
+    best = min(tried, key=lambda motion: float(motion.time[-1]))
+    best = best.divided(times_of(best.time, best.s, best.v, best.a, path.s_knots))
+    top = measure(best, _FINE_POINTS, best.s[[0, -1]])
+    best = best.slowed(float(top[0]) * (1.0 + _MARGIN))
+    return _within_constraints(path, best, constraints)
+
+
+@dataclass(frozen=True, eq=False)
+class _Measure:
+    """By what factor of time a motion would keep the limits of its joints, place by place."""
+
+    path: JointPath
+    profile: LimitProfile
+    jerk: Array
+
+    def __call__(self, motion: CubicMotion, points: int, places: Array) -> Array:
+        path, profile = self.path, self.profile
+        return cubic_demand(
+            path.s_knots,
+            path.q_knots,
+            path.tangents_start,
+            path.tangents_end,
+            path.third_derivatives(),
+            motion.time,
+            motion.s,
+            motion.v,
+            motion.a,
+            profile.velocity,
+            profile.velocity_lower,
+            profile.acceleration,
+            profile.acceleration_lower,
+            self.jerk,
+            points,
+            places,
+        )
+
+
+def _smoothed(span: SpanTiming, window: float, measure: _Measure) -> CubicMotion:
+    """Return the shortest motion found with one window."""
+    problem, s = span.problem, span.problem.grid.s
+    rows = problem.rows()
+    slower = np.ones(len(span.dt))
+    x, best = span.x, None
+    for _ in range(_ROUNDS):
+        time = np.concatenate([[0.0], np.cumsum(problem.times(x))])
+        motion = CubicMotion(*moving_average(time, s, np.sqrt(x), window))
+        demand = measure(motion, _POINTS, s)
+        top = float(demand.max())
+        if best is None or top * motion.time[-1] < best.time[-1]:
+            best = motion.slowed(top)
+        if top <= _ENOUGH:
+            break
+        slower *= np.maximum(spread(demand, time, 0.5 * window), 1.0) ** _STEP
+        try:
+            x = _slower(rows, slower, span.x)
+        except EngineFailed:
+            break
+    assert best is not None  # the first round has made one
+    return best
+
+
+def _slower(rows: StageRows, slower: Array, x_free: Array) -> Array:
+    """Return the path speed with every interval passed slower by its own factor."""
+    square = np.square(slower)
+    at_nodes = np.maximum(np.append(square, square[-1]), np.append(square[0], square))
+    tight = square[:, None]
+    capped = np.minimum(rows.x_max, x_free / at_nodes)
+    scaled, unit = natural_units(StageRows(rows.s, rows.a * tight, rows.b * tight, capped))
+    return CompiledEngine().solve(scaled) * unit
+
+
+def _within_constraints(
+    path: JointPath, motion: CubicMotion, constraints: Sequence[PathConstraint]
+) -> CubicMotion:
+    """Slow a motion by what it exceeds limits other than those of single joints."""
+    share = np.linspace(0.0, 1.0, 4)[1:]
+    dt = np.diff(motion.time)
+    j = np.divide(np.diff(motion.a), dt, out=np.zeros(len(dt)), where=dt > 0.0)
+    r = share[None] * dt[:, None]
+    s0, v0, a0 = (array[:-1, None] for array in (motion.s, motion.v, motion.a))
+    s = (s0 + r * (v0 + r * (0.5 * a0 + r * j[:, None] / 6.0))).ravel()
+    x = np.square(v0 + r * (a0 + 0.5 * r * j[:, None])).ravel()
+    u = (a0 + r * j[:, None]).ravel()
+    top = 1.0
+    for constraint in constraints:
+        inside = (s > constraint.start) & (s < constraint.end)
+        if inside.any():
+            points = PathPoints(s[inside], *path.derivatives(s[inside]), path.length)
+            index = np.arange(int(inside.sum()))
+            demand = constraint.at(points).demand(index, u[inside], x[inside])
+            top = max(top, float(demand.max()) * (1.0 + _MARGIN))
+    return motion.slowed(float(np.sqrt(top)))

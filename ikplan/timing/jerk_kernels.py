@@ -1,0 +1,110 @@
+"""How far a motion with constant path jerk between nodes uses its limits, place by place."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ikplan._jit import kernel
+from ikplan.timing.cubic_kernels import path_position
+from ikplan.timing.evaluation import _piece, interval_of
+
+__all__ = ["cubic_demand", "spread"]
+
+Array = NDArray[np.float64]
+
+
+@kernel
+def cubic_demand(
+    s_knots: Array,
+    q: Array,
+    m0: Array,
+    m1: Array,
+    third: Array,
+    time: Array,
+    s: Array,
+    v: Array,
+    a: Array,
+    velocity: Array,
+    velocity_lower: Array,
+    acceleration: Array,
+    acceleration_lower: Array,
+    jerk: Array,
+    points: int,
+    places: Array,
+) -> Array:
+    """Return by how much a motion would have to be slowed to keep its limits, place by place.
+
+    The jerk of a joint is q' j + 3 q'' v a + q''' v^3. Limits are measured at equally spaced
+    points of every interval, both ends included.
+
+    Args:
+        s_knots: Knots of the path, shape (k + 1,).
+        q: Joint positions at the knots, shape (k + 1, dof).
+        m0: Tangents at the start of each piece, shape (k, dof).
+        m1: Tangents at the end of each piece, shape (k, dof).
+        third: d3q/ds3 of every piece, shape (k, dof).
+        time: Times of the nodes [s], shape (n + 1,).
+        s: Path positions of the nodes, shape (n + 1,).
+        v: Path velocities at the nodes, shape (n + 1,).
+        a: Path accelerations at the nodes, shape (n + 1,).
+        velocity: Upper velocity limits on every piece, shape (k, dof).
+        velocity_lower: Lower velocity limits on every piece, shape (k, dof).
+        acceleration: Upper acceleration limits on every piece, shape (k, dof).
+        acceleration_lower: Lower acceleration limits on every piece, shape (k, dof).
+        jerk: Jerk limits, shape (dof,).
+        points: Number of steps between the points of an interval.
+        places: Ends of the ranges of s that are told apart, shape (p + 1,).
+
+    Returns:
+        Factors of time, 1 where a limit is just kept, shape (p,).
+    """
+    found = np.zeros(len(places) - 1)
+    for i in range(len(time) - 1):
+        dt = time[i + 1] - time[i]
+        if dt <= 0.0:
+            continue
+        for point in range(points + 1):
+            t = time[i] + dt * point / points
+            at, speed, pull, j_path = path_position(time, s, v, a, i, t)
+            k = interval_of(s_knots, at)
+            length = s_knots[k + 1] - s_knots[k]
+            fraction = min(max((at - s_knots[k]) / length, 0.0), 1.0)
+            top_v, top_a, top_j = 0.0, 0.0, 0.0
+            for j in range(q.shape[1]):
+                _, qs, qss = _piece(length, fraction, q[k, j], q[k + 1, j], m0[k, j], m1[k, j])
+                dq = qs * speed
+                ddq = qs * pull + qss * speed * speed
+                dddq = qs * j_path + 3.0 * qss * speed * pull + third[k, j] * speed**3
+                top_v = max(top_v, dq / velocity[k, j], dq / velocity_lower[k, j])
+                top_a = max(top_a, ddq / acceleration[k, j], ddq / acceleration_lower[k, j])
+                top_j = max(top_j, abs(dddq) / jerk[j])
+            place = interval_of(places, at)
+            found[place] = max(found[place], top_v, np.sqrt(top_a), np.cbrt(top_j))
+    return found
+
+
+@kernel
+def spread(values: Array, time: Array, reach: float) -> Array:
+    """Return the greatest value within a reach in time of every interval.
+
+    Args:
+        values: One value an interval, shape (n,).
+        time: Times of the ends of the intervals [s], shape (n + 1,).
+        reach: How far to look, each way [s].
+
+    Returns:
+        Shape (n,).
+    """
+    n = len(values)
+    out = values.copy()
+    for i in range(n):
+        k = i
+        while k > 0 and time[k] > time[i] - reach:
+            k -= 1
+            out[i] = max(out[i], values[k])
+        k = i
+        while k < n - 1 and time[k + 1] < time[i + 1] + reach:
+            k += 1
+            out[i] = max(out[i], values[k])
+    return out

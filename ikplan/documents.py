@@ -27,6 +27,7 @@ from pydantic import (
 from ikplan.errors import InvalidRequest, near_names
 
 __all__ = [
+    "MAX_NUMBER",
     "Document",
     "Floats",
     "Matrix",
@@ -57,8 +58,12 @@ def plain(value: Any) -> Any:
     return value
 
 
-Floats = Annotated[list[float], BeforeValidator(plain)]
-Vec3 = Annotated[list[float], BeforeValidator(plain), Field(min_length=3, max_length=3)]
+MAX_NUMBER = 1e6
+"""Largest length [m] or joint value [rad or m]: beyond it squares lose the digits that count."""
+
+Number = Annotated[float, Field(ge=-MAX_NUMBER, le=MAX_NUMBER)]
+Floats = Annotated[list[Number], BeforeValidator(plain)]
+Vec3 = Annotated[list[Number], BeforeValidator(plain), Field(min_length=3, max_length=3)]
 
 
 def _array(ndim: int, schema: dict[str, Any]) -> Any:

@@ -11,11 +11,12 @@ import pinocchio as pin
 from ikplan import __version__
 from ikplan.certificate import Claim, certify
 from ikplan.documents import parse
-from ikplan.ik.solve import PoseSolver, check_start, pose_distance, solve_ik
+from ikplan.ik.arguments import check_start
+from ikplan.ik.solve import PoseSolver, pose_distance, solve_ik
 from ikplan.kinematics.arm import arm_of
 from ikplan.path import rotation_of, targets_of
 from ikplan.planning import Clock, WaypointProblem, choose
-from ikplan.request import FkRequest, IkRequest, PlanRequest
+from ikplan.request import FkRequest, Frame, IkRequest, PlanRequest
 from ikplan.result import FkResult, IkSolution, Plan, Stats, Trajectory, WaypointResults
 from ikplan.robots import Robot, catalogue_robot
 from ikplan.timing import JointLimits, JointPath, sample, time_joint_path
@@ -29,7 +30,8 @@ def plan(request: Mapping[str, Any] | PlanRequest, *, robot: Robot | None = None
 
     Args:
         request: The request document.
-        robot: The robot, for one that is not in the catalogue; None: load it by name.
+        robot: The robot, for one that is not in the catalogue; None: load it by name. Its tool
+            stands unless the request has one.
 
     Returns:
         The plan. The same request gives the same id and the same plan.
@@ -46,10 +48,10 @@ def plan(request: Mapping[str, Any] | PlanRequest, *, robot: Robot | None = None
     warm_up(request.ik.method)
     clock = Clock(request.budget_s)
     robot = robot or catalogue_robot(request.robot)
-    robot = robot.with_tool(request.tool.position, request.tool.quaternion_xyzw)
+    robot = _with_tool(robot, request.tool)
     start_free = request.start == "free"
-    home = start_free or request.start is None
-    q_start = check_start(robot, robot.home if home else request.start)
+    asked = None if request.start == "free" else request.start
+    q_start = check_start(robot, robot.home if asked is None else asked)
 
     with clock.stage("ik"):
         targets = targets_of(request.path)
@@ -66,7 +68,9 @@ def plan(request: Mapping[str, Any] | PlanRequest, *, robot: Robot | None = None
     with clock.stage("timing"):
         timed = time_joint_path(path, limits)
         samples = sample(timed, request.sampling.rate_hz)
-        waypoint_time = timed.times[-len(chosen.q) :]
+        # A motion shorter than half a sample period is slowed to it.
+        stretch = samples.time[-1] / timed.duration if timed.duration else 1.0
+        waypoint_time = timed.times[-len(chosen.q) :] * stretch
     with clock.stage("certificate"):
         certificate = certify(
             Claim(
@@ -107,6 +111,11 @@ def plan(request: Mapping[str, Any] | PlanRequest, *, robot: Robot | None = None
     )
 
 
+def _with_tool(robot: Robot, tool: Frame) -> Robot:
+    """Return the robot with the tool of a request, if that has one."""
+    return robot if tool == Frame() else robot.with_tool(tool.position, tool.quaternion_xyzw)
+
+
 def _pose_solver(robot: Robot, request: PlanRequest) -> PoseSolver:
     ik = request.ik
     return PoseSolver(
@@ -126,7 +135,7 @@ def solve_ik_request(request: Mapping[str, Any] | IkRequest) -> IkSolution:
     """Solve the single pose of an IK request; see :func:`ikplan.solve_ik`."""
     request = parse(IkRequest, request)
     robot = catalogue_robot(request.robot)
-    robot = robot.with_tool(request.tool.position, request.tool.quaternion_xyzw)
+    robot = _with_tool(robot, request.tool)
     pose: Any = np.array(request.position)
     if request.quaternion_xyzw is not None:
         pose = pin.SE3(rotation_of(request.quaternion_xyzw), pose)
@@ -149,7 +158,7 @@ def fk_request(request: Mapping[str, Any] | FkRequest) -> FkResult:
     """Return the tool pose of the joint values of an FK request."""
     request = parse(FkRequest, request)
     robot = catalogue_robot(request.robot)
-    robot = robot.with_tool(request.tool.position, request.tool.quaternion_xyzw)
+    robot = _with_tool(robot, request.tool)
     q = np.array(request.q)
     pose = pin.SE3ToXYZQUAT(robot.fk(q))
     return FkResult(position=pose[:3], quaternion_xyzw=pose[3:])

@@ -13,13 +13,14 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ikplan.errors import InvalidRequest, Unreachable
+from ikplan.ik.arguments import check_options, check_start, check_tolerances, target_of
 from ikplan.ik.lm import solve_lm, solve_seeds
 from ikplan.ik.registry import Solver, find_solver
 from ikplan.ik.search import Searcher
 from ikplan.ik.verdict import Miss, explain_miss
 from ikplan.kinematics.arm import Arm, arm_of
 from ikplan.kinematics.forward import forward
-from ikplan.kinematics.target import ORIENTATION_WEIGHT, Target, is_pose
+from ikplan.kinematics.target import Target
 from ikplan.result import IkSolution
 
 if TYPE_CHECKING:
@@ -59,10 +60,12 @@ class NoSolution(Exception):
 
 
 @functools.lru_cache(maxsize=256)
-def _prepared(method: str, params: tuple[tuple[str, Any], ...]) -> tuple[Solver, Mapping[str, Any]]:
-    """Return a solver and its checked parameters."""
+def _prepared(
+    method: str, params: tuple[tuple[str, type, Any], ...]
+) -> tuple[Solver, Mapping[str, Any]]:
+    """Return a solver and its checked parameters; the types tell 1 from True in the cache."""
     solver = find_solver(method)
-    return solver, MappingProxyType(solver.check(dict(params)))
+    return solver, MappingProxyType(solver.check({name: value for name, _, value in params}))
 
 
 @dataclass
@@ -79,6 +82,7 @@ class PoseSolver:
         refined: Whether seeds are refined.
         tolerance_position: Distance that counts as solved [m].
         tolerance_orientation: Angle that counts as solved [rad].
+        searcher: The metaheuristic, set up for the arm; None for a method without one.
     """
 
     arm: Arm
@@ -92,10 +96,14 @@ class PoseSolver:
     tolerance_orientation: float = 1e-6
 
     def __post_init__(self) -> None:
-        self._solver, self._values = _prepared(self.method, tuple(self.params.items()))
-        self._searcher: Searcher | None = None
+        check_options(self.method, self.seed, self.population, self.iterations, self.params)
+        check_tolerances(self.tolerance_position, self.tolerance_orientation)
+        self._solver, self._values = _prepared(
+            self.method, tuple((name, type(value), value) for name, value in self.params.items())
+        )
+        self.searcher: Searcher | None = None
         if self._solver.searches:
-            self._searcher = Searcher(
+            self.searcher = Searcher(
                 self.arm, self._solver, self._values, self.seed, self.population, self.iterations
             )
         elif self.population is not None:
@@ -113,14 +121,14 @@ class PoseSolver:
         Raises:
             NoSolution: None was found within tolerance; carries the verdict.
         """
-        if self._searcher is None:
+        if self.searcher is None:
             return self._solve_by_refinement(target, q_start)
         if not self.refined:
-            return self._solve_raw(self._searcher, target, q_start)
+            return self._solve_raw(self.searcher, target, q_start)
         lower, upper = self.arm.search_bounds(q_start)
         evaluations = 0
         for _ in range(3):
-            seeds, spent = self._searcher.seeds(target, q_start, lower, upper)
+            seeds, spent = self.searcher.seeds(target, q_start, lower, upper)
             seeds = np.vstack([seeds, q_start])
             solutions, errors = np.empty_like(seeds), np.empty((seeds.shape[0], 3))
             found, refining = solve_seeds(
@@ -166,15 +174,19 @@ class PoseSolver:
             upper,
             self.tolerance_position,
             self.tolerance_orientation,
-            restarts if self._searcher is None else _RESCUE_RESTARTS,
-            iterations if self._searcher is None else 40,
+            restarts if self.searcher is None else _RESCUE_RESTARTS,
+            iterations if self.searcher is None else 40,
             self.seed,
             self.method != "lm",
             q,
         )
         if distance > self.tolerance_position or angle > self.tolerance_orientation:
             miss, spent = explain_miss(self.arm, target, q, q_start)
-            raise NoSolution(miss, evaluations + spent)
+            evaluations += spent
+            q, distance, angle = miss.q, miss.position_error, miss.orientation_error or 0.0
+            # The verdict searches longer than the solver, and may find what that did not.
+            if distance > self.tolerance_position or angle > self.tolerance_orientation:
+                raise NoSolution(miss, evaluations)
         return Solved(q[None], np.array([distance]), np.array([angle]), evaluations)
 
     def _solve_raw(self, searcher: Searcher, target: Target, q_start: Array) -> Solved:
@@ -230,7 +242,7 @@ def solve_ik(
         InvalidRequest: An argument is wrong.
         Unreachable: No solution within tolerance; carries the best one and the reason.
     """
-    target = _target_of(pose)
+    target = target_of(pose)
     q_start = check_start(robot, robot.home if start is None else start)
     solver = PoseSolver(
         arm_of(robot),
@@ -274,48 +286,3 @@ def unreachable(robot: Robot, miss: Miss, waypoint: int, subject: str) -> Unreac
         reason=miss.reason,
         limits=limits,
     )
-
-
-def check_start(robot: Robot, start: ArrayLike, field: str = "start") -> Array:
-    """Return a start configuration as an array of shape (dof,).
-
-    Raises:
-        InvalidRequest: Wrong number of joints, not finite, or outside the position limits.
-    """
-    q = np.array(start, dtype=np.float64)
-    if q.shape != (robot.dof,):
-        raise InvalidRequest(
-            f"{field}: {robot.name} has {robot.dof} joints ({', '.join(robot.joint_names)}), "
-            f"got {q.size} values",
-            field=field,
-            allowed=f"{robot.dof} numbers",
-        )
-    outside = ~((q >= robot.lower - 1e-9) & (q <= robot.upper + 1e-9))
-    if outside.any():
-        k = int(np.argmax(outside))
-        raise InvalidRequest(
-            f"{field}[{k}]: joint {robot.joint_names[k]} is at {q[k]:.6g}, outside its limits "
-            f"{robot.lower[k]:.6g} to {robot.upper[k]:.6g}",
-            field=f"{field}[{k}]",
-            allowed=[float(robot.lower[k]), float(robot.upper[k])],
-        )
-    return np.clip(q, robot.lower, robot.upper)
-
-
-_ANY_ROTATION = np.eye(3)
-_ANY_ROTATION.setflags(write=False)
-
-
-def _target_of(pose: Any) -> Target:
-    """Read an SE3 or a position."""
-    R_wanted = getattr(pose, "rotation", None)
-    oriented = R_wanted is not None
-    p = np.array(pose.translation if oriented else pose, dtype=np.float64)
-    R = np.array(R_wanted if oriented else _ANY_ROTATION, dtype=np.float64, order="C")
-    if p.shape != (3,) or R.shape != (3, 3) or not is_pose(R, p):
-        raise InvalidRequest(
-            "pose: a pinocchio.SE3 with a proper rotation, or three finite numbers, are wanted",
-            field="pose",
-            allowed="pinocchio.SE3 or position of shape (3,)",
-        )
-    return Target(R, p, oriented, ORIENTATION_WEIGHT if oriented else 0.0)

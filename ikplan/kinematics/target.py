@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from ikplan._jit import kernel
 
-__all__ = ["ORIENTATION_WEIGHT", "Target", "is_pose", "pose_target"]
+__all__ = ["ORIENTATION_WEIGHT", "Target", "pose_defect", "pose_target"]
 
 Array = NDArray[np.float64]
 
@@ -35,21 +35,28 @@ class Target(NamedTuple):
 
 
 @kernel
-def is_pose(R: Array, p: Array) -> bool:
-    """Whether R, shape (3, 3), is a rotation to 1e-3 and p, shape (3,), finite."""
+def pose_defect(R: Array, p: Array) -> float:
+    """How far R, shape (3, 3), is from a rotation; inf where it or p, shape (3,), is no pose.
+
+    Returns:
+        Largest entry of |R R^T - I|, or inf: not finite, a reflection, or farther than 1e6 m away.
+    """
+    defect = 0.0
     for i in range(3):
-        if not abs(p[i]) < np.inf:
-            return False
+        if not abs(p[i]) <= 1e6:
+            return np.inf
         for j in range(i + 1):
             dot = R[i, 0] * R[j, 0] + R[i, 1] * R[j, 1] + R[i, 2] * R[j, 2]
-            if not abs(dot - (1.0 if i == j else 0.0)) <= 1e-3:
-                return False
+            off = abs(dot - (1.0 if i == j else 0.0))
+            if not off < np.inf:
+                return np.inf
+            defect = max(defect, off)
     determinant = (
         R[0, 0] * (R[1, 1] * R[2, 2] - R[1, 2] * R[2, 1])
         - R[0, 1] * (R[1, 0] * R[2, 2] - R[1, 2] * R[2, 0])
         + R[0, 2] * (R[1, 0] * R[2, 1] - R[1, 1] * R[2, 0])
     )
-    return determinant > 0.0
+    return defect if determinant > 0.0 else np.inf
 
 
 def pose_target(

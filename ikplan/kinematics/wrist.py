@@ -120,7 +120,7 @@ def _wrapped(angle: float, lower: float, upper: float, near: float) -> float:
 @kernel
 def _entry(left: Array, right: Array, i: int, j: int) -> float:
     """Entry (i, j) of the product of two matrices of shape (3, 3)."""
-    return left[i, 0] * right[0, j] + left[i, 1] * right[1, j] + left[i, 2] * right[2, j]
+    return float(left[i, 0] * right[0, j] + left[i, 1] * right[1, j] + left[i, 2] * right[2, j])
 
 
 @kernel

@@ -28,13 +28,20 @@ def moving_average(time: Array, s: Array, sdot: Array, window: float) -> tuple[A
         window: Length of the window [s], > 0.
 
     Returns:
-        Times, path positions, velocities and accelerations of the new nodes, (2 n + 2,) each.
+        Times, path positions, velocities and accelerations of the new nodes, (m + 1,) each.
     """
-    n = len(time)
     t = np.sort(np.concatenate((time, time + window)))
-    v, a = np.empty(2 * n), np.empty(2 * n)
-    out = np.empty(2 * n)
-    for k in range(2 * n):
+    # Nodes that nearly coincide would have a jerk between them that is made of rounding.
+    closest = 1e-9 * t[-1]
+    count = 1
+    for k in range(1, len(t)):
+        if t[k] - t[count - 1] > closest:
+            t[count] = t[k]
+            count += 1
+    t[count - 1] = time[-1] + window
+    t = t[:count].copy()
+    v, a, out = np.empty(count), np.empty(count), np.empty(count)
+    for k in range(count):
         ends = np.empty(2)
         speeds = np.empty(2)
         for side in range(2):
@@ -48,7 +55,7 @@ def moving_average(time: Array, s: Array, sdot: Array, window: float) -> tuple[A
         a[k] = (speeds[0] - speeds[1]) / window
     v[0], v[-1], a[0], a[-1] = 0.0, 0.0, 0.0, 0.0
     out[0] = s[0]
-    for k in range(2 * n - 1):
+    for k in range(count - 1):
         dt = t[k + 1] - t[k]
         # The integral of a velocity that is quadratic in time, given at both ends with its slope.
         step = dt * (0.5 * (v[k] + v[k + 1]) + dt * (a[k] - a[k + 1]) / 12.0)

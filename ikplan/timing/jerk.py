@@ -23,10 +23,11 @@ __all__ = ["CubicMotion", "smooth_span"]
 Array = NDArray[np.float64]
 
 # Windows tried, as multiples of the time in which the jerk limit builds up the acceleration limit
-# of the slowest joint, and at most this share of the duration.
+# of the slowest joint, at most the duration: with that, a short move has four equal phases.
 _WINDOWS = (0.3, 0.5, 0.8, 1.2, 2.0)
-_LONGEST_WINDOW = 0.6
 _ROUNDS = 16
+# Paths with large grids are searched less: intervals times rounds.
+_EFFORT = 60_000
 # How much of a local excess is answered by slowing there at once, and when it is small enough.
 _STEP = 0.5
 _ENOUGH = 1.002
@@ -100,7 +101,7 @@ def smooth_span(
     """
     measure = _Measure(path, profile, jerk)
     build_up = float((np.minimum(profile.acceleration, -profile.acceleration_lower) / jerk).max())
-    longest = _LONGEST_WINDOW * float(span.dt.sum())
+    longest = float(span.dt.sum())
     windows = dict.fromkeys(min(multiple * build_up, longest) for multiple in _WINDOWS)
     tried = [_smoothed(span, window, measure) for window in windows]
     best = min(tried, key=lambda motion: float(motion.time[-1]))
@@ -146,7 +147,7 @@ def _smoothed(span: SpanTiming, window: float, measure: _Measure) -> CubicMotion
     rows = problem.rows()
     slower = np.ones(len(span.dt))
     x, best = span.x, None
-    for _ in range(_ROUNDS):
+    for _ in range(min(max(_EFFORT // len(slower), 6), _ROUNDS)):
         time = np.concatenate([[0.0], np.cumsum(problem.times(x))])
         motion = CubicMotion(*moving_average(time, s, np.sqrt(x), window))
         demand = measure(motion, _POINTS, s)

@@ -97,14 +97,18 @@ def spread(values: Array, time: Array, reach: float) -> Array:
         Shape (n,).
     """
     n = len(values)
-    out = values.copy()
+    out = np.empty(n)
+    # Indices of the candidates for the maximum of the window, their values falling.
+    queue = np.empty(n, np.int64)
+    head, tail, entering = 0, 0, 0
     for i in range(n):
-        k = i
-        while k > 0 and time[k] > time[i] - reach:
-            k -= 1
-            out[i] = max(out[i], values[k])
-        k = i
-        while k < n - 1 and time[k + 1] < time[i + 1] + reach:
-            k += 1
-            out[i] = max(out[i], values[k])
+        while entering < n and (entering <= i or time[entering] < time[i + 1] + reach):
+            while tail > head and values[queue[tail - 1]] <= values[entering]:
+                tail -= 1
+            queue[tail] = entering
+            tail += 1
+            entering += 1
+        while time[queue[head] + 1] <= time[i] - reach:
+            head += 1
+        out[i] = values[queue[head]]
     return out

@@ -21,6 +21,8 @@ Indices = NDArray[np.int64]
 # Waypoints closer than this share of the whole length count as one: below it, the direction
 # between them is made of rounding errors.
 _MERGE = 1e-10
+# A piece of less than this share of the length, over which the curvature changes, is a jump of it.
+_SHORT = 1e-5
 
 
 class JointPath:
@@ -217,13 +219,24 @@ class JointPath:
         return third
 
     def curvature_jumps(self) -> Indices:
-        """Return the knots, rest points apart, where d2q/ds2 is not continuous."""
+        """Return the knots, rest points apart, where d2q/ds2 jumps.
+
+        It does where the spline was bent to stay inside limits, and, for all that a motion can
+        do about it, over a piece between two waypoints that nearly coincide.
+        """
         pieces = np.arange(len(self.s_knots) - 1)
         _, _, start = self.derivatives(self.s_knots[:-1], pieces)
         _, _, end = self.derivatives(self.s_knots[1:], pieces)
-        size = np.maximum(np.abs(start).max(initial=0.0), np.abs(end).max(initial=0.0))
+        # A line has no curvature but rounding; dq/ds is about one.
+        size = max(
+            float(np.abs(start).max(initial=0.0)),
+            float(np.abs(end).max(initial=0.0)),
+            1.0 / self.length,
+        )
         jump = np.abs(start[1:] - end[:-1]).max(axis=1, initial=0.0) > 1e-6 * size
-        found = np.flatnonzero(jump) + 1
+        change = np.abs(end - start).max(axis=1, initial=0.0)
+        short = np.diff(self.s_knots) < _SHORT * self.length
+        found = np.union1d(np.flatnonzero(jump) + 1, np.flatnonzero(short & (change > 0.01 * size)))
         return found[~np.isin(found, self.rest_knots)]
 
     def stopping_at(self, knots: Indices) -> JointPath:

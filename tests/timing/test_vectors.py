@@ -1,0 +1,62 @@
+"""The hard cases of tests/vectors/timing, each with its expected outcome."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from ikplan import errors
+from ikplan.timing import JointLimits, Retimed, retime
+from tests.timing.test_timing_limits_kept import assert_keeps_limits, assert_meets_waypoints
+
+FOLDER = Path(__file__).parents[1] / "vectors" / "timing"
+VECTORS = {path.stem: json.loads(path.read_text()) for path in sorted(FOLDER.glob("*.json"))}
+GOOD = [name for name, vector in VECTORS.items() if "duration" in vector["expect"]]
+BAD = [name for name, vector in VECTORS.items() if "error" in vector["expect"]]
+
+
+def run(vector: dict[str, Any]) -> Retimed:
+    fields = vector["limits"]
+    names = tuple(f"joint{i}" for i in range(len(fields["lower"])))
+    # JSON has no NaN and no infinity: they are written as words.
+    waypoints = [[float(value) for value in row] for row in vector["waypoints"]]
+    return retime(
+        waypoints,
+        JointLimits(joint_names=names, **fields),
+        rate_hz=vector.get("rate_hz", 1000.0),
+        rest_at=vector.get("rest_at", ()),
+    )
+
+
+def test_every_vector_is_judged() -> None:
+    assert len(GOOD) >= 20
+    assert len(BAD) >= 10
+    assert len(GOOD) + len(BAD) == len(VECTORS)
+
+
+@pytest.mark.parametrize("name", GOOD)
+def test_a_hard_path_is_timed_within_limits_near_its_optimum(name: str) -> None:
+    vector = VECTORS[name]
+    result = run(vector)
+    limits = JointLimits(
+        joint_names=tuple(f"joint{i}" for i in range(len(vector["limits"]["lower"]))),
+        **vector["limits"],
+    )
+    assert_keeps_limits(result.timed, limits)
+    assert_meets_waypoints(result.timed, np.array(vector["waypoints"]))
+    best = vector["expect"]["duration"]
+    assert result.timed.duration <= best * 1.005
+    # toppra bounds accelerations at nodes only, and can be faster than limits allow by a little.
+    assert result.timed.duration >= best * (1 - 1e-3)
+
+
+@pytest.mark.parametrize("name", BAD)
+def test_a_bad_input_is_refused_by_its_field(name: str) -> None:
+    expected = VECTORS[name]["expect"]["error"]
+    with pytest.raises(getattr(errors, expected["type"])) as error:
+        run(VECTORS[name])
+    assert error.value.field == expected["field"]

@@ -9,6 +9,7 @@ from __future__ import annotations
 import importlib
 import math
 from collections.abc import Callable, Mapping
+from numbers import Real
 from typing import Any
 
 from pydantic import BaseModel, ConfigDict, Field
@@ -59,7 +60,7 @@ class Parameter(BaseModel):
                     allowed=[True, False],
                 )
             return value
-        if isinstance(value, bool | str) or not math.isfinite(value):
+        if isinstance(value, bool) or not isinstance(value, Real) or not math.isfinite(value):
             raise InvalidRequest(
                 f"{field}: must be a number, not {value!r}", field=field, allowed=allowed
             )

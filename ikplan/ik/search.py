@@ -81,6 +81,12 @@ class Searcher:
                 field="ik.population",
                 allowed=f"at least {solver.min_population}",
             )
+        if self.iterations < 1:
+            raise InvalidRequest(
+                f"ik.iterations: at least 1 is wanted, not {self.iterations}",
+                field="ik.iterations",
+                allowed="at least 1",
+            )
         if values["decouple"] and arm.wrist is None:
             raise InvalidRequest(
                 "ik.params.decouple: this arm has no spherical wrist (its last three axes do not "

@@ -53,7 +53,8 @@ class SdeParams(NamedTuple):
 def sde(problem: Problem, params: SdeParams, rng: np.random.Generator) -> Outcome:
     """Search with self-adaptive differential evolution.
 
-    Symbols: ``scale`` is the paper's F_i, ``X`` the parents, ``v`` a mutant and then the trial.
+    Symbols: ``scale`` is the paper's F_i, ``X`` the parents, ``v`` a mutant and then the trial. A
+    new factor lives on with its trial only: without selection the factors would grow without end.
     """
     out = new_outcome(problem, problem.population)
     if initial_population(problem, out, rng):
@@ -73,12 +74,13 @@ def sde(problem: Problem, params: SdeParams, rng: np.random.Generator) -> Outcom
             distinct(N, j, r, rng)
             distinct(N, j, s, rng)
             change = params.change_deviation * rng.standard_normal()
-            scale[j] = abs(scales[s[0]] + change * (scales[s[1]] - scales[s[2]]))
+            own_scale = abs(scales[s[0]] + change * (scales[s[1]] - scales[s[2]]))
             CR = params.CR_mean + params.CR_deviation * rng.standard_normal()
-            rand_1(parents, r, scale[j], v)
+            rand_1(parents, r, own_scale, v)
             crossover(parents[j], v, min(max(CR, 0.0), 1.0), rng)
             bound(v, problem.lower, problem.upper, problem.bounds, rng)
-            replace_if_better(problem.objective, v, X, F, j, best)
+            if replace_if_better(problem.objective, v, X, F, j, best):
+                scale[j] = own_scale
         if end_iteration(problem, out, t):
             break
     return out

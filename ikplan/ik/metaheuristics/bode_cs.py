@@ -31,7 +31,7 @@ from ikplan.ik.metaheuristics.search import (
     replace_if_better,
 )
 
-__all__ = ["BodeCsParams", "bode_cs"]
+__all__ = ["BodeCsParams", "bode_cs", "bode_mutant"]
 
 Array = NDArray[np.float64]
 

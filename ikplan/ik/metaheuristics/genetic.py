@@ -24,7 +24,7 @@ from ikplan.ik.metaheuristics.search import (
     new_outcome,
 )
 
-__all__ = ["GaParams", "ga"]
+__all__ = ["GaParams", "cross", "ga"]
 
 Array = NDArray[np.float64]
 
@@ -63,7 +63,7 @@ def _parent(F: Array, size: int, rng: np.random.Generator) -> int:
 
 
 @kernel
-def _cross(a: Array, b: Array, blend: float, rng: np.random.Generator) -> None:
+def cross(a: Array, b: Array, blend: float, rng: np.random.Generator) -> None:
     """Blend crossover of two children, in place."""
     for k in range(a.shape[0]):
         low, high = min(a[k], b[k]), max(a[k], b[k])
@@ -97,7 +97,7 @@ def ga(problem: Problem, params: GaParams, rng: np.random.Generator) -> Outcome:
             children[i] = X[_parent(F, params.tournament, rng)]
             children[i + 1] = X[_parent(F, params.tournament, rng)]
             if rng.random() < params.Pc:
-                _cross(children[i], children[i + 1], params.blend, rng)
+                cross(children[i], children[i + 1], params.blend, rng)
         for i in range(elites, N):
             if rng.random() < params.Pm:
                 k = int(rng.random() * D)

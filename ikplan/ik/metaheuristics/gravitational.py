@@ -25,7 +25,7 @@ from ikplan.ik.metaheuristics.search import (
     new_outcome,
 )
 
-__all__ = ["GsaParams", "gsa"]
+__all__ = ["GsaParams", "gsa", "masses_into"]
 
 Array = NDArray[np.float64]
 
@@ -47,7 +47,7 @@ class GsaParams(NamedTuple):
 
 
 @kernel
-def _masses_into(F: Array, M: Array) -> None:
+def masses_into(F: Array, M: Array) -> None:
     """Write the masses, Eqs. 11 (corrected) and 12."""
     least, worst = F.min(), F.max()
     if least == worst:
@@ -78,7 +78,7 @@ def gsa(problem: Problem, params: GsaParams, rng: np.random.Generator) -> Outcom
             F[i] = consider(problem.objective, X[i], best)
         if end_iteration(problem, out, t) or t == T:
             break
-        _masses_into(F, M)
+        masses_into(F, M)
         G = params.G0 * math.exp(-params.alpha * t / T)  # (10)
         K = max(round(N * (1.0 - (1.0 - params.K_end) * t / T)), 1)
         heaviest = ascending(F)[:K]

@@ -12,7 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ikplan._jit import kernel
-from ikplan.ik.refine import Effort, Workspace, nearest_on_manifold, new_workspace, refine
+from ikplan.ik.refine import Effort, Workspace, new_workspace, refine
+from ikplan.ik.slide import nearest_on_manifold
 from ikplan.kinematics.chain import Chain
 from ikplan.kinematics.target import ORIENTATION_WEIGHT, Target
 
@@ -123,7 +124,7 @@ def solve_lm(
             break
     nearest_turns(chain, q, q_start, lower, upper)
     if slide and best_distance <= tolerance_position and best_angle <= tolerance_orientation:
-        evaluations += nearest_on_manifold(chain, target, q, q_start, lower, upper, 20, w)
+        evaluations += nearest_on_manifold(chain, target, q, q_start, lower, upper, 60, w)
         best_distance, best_angle, spent = refine(
             chain, target, q, lower, upper, Effort(4, PATIENCE), w
         )
@@ -177,7 +178,7 @@ def solve_seeds(
         solved = distance <= tolerance_position and angle <= tolerance_orientation
         if solved:
             nearest_turns(chain, q, q_start, lower, upper)
-            evaluations += nearest_on_manifold(chain, target, q, q_start, lower, upper, 30, w)
+            evaluations += nearest_on_manifold(chain, target, q, q_start, lower, upper, 60, w)
             distance, angle, spent = refine(chain, target, q, lower, upper, Effort(3, PATIENCE), w)
             evaluations += spent
         elif found == 0 and distance * distance + angle * angle < best:

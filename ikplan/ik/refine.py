@@ -1,4 +1,4 @@
-"""Levenberg-Marquardt on SE(3) with joint limits, and the slide to the nearest solution.
+"""Levenberg-Marquardt on SE(3) with joint limits.
 
 Source of the damping: Sugihara, "Solvability-Unconcerned Inverse Kinematics by the
 Levenberg-Marquardt Method", IEEE Trans. Robotics 2011, 27(5), Eq. 31: the damping is the residual
@@ -18,7 +18,16 @@ from ikplan.kinematics.chain import Chain
 from ikplan.kinematics.forward import forward_into, jacobian_into, pose_error
 from ikplan.kinematics.target import Target
 
-__all__ = ["Effort", "Workspace", "nearest_on_manifold", "new_workspace", "refine"]
+__all__ = [
+    "Effort",
+    "Workspace",
+    "differentiate",
+    "new_workspace",
+    "normal_matrix",
+    "refine",
+    "residual",
+    "solve_rows",
+]
 
 Array = NDArray[np.float64]
 
@@ -130,7 +139,7 @@ def differentiate(chain: Chain, target: Target, w: Workspace) -> None:
 
 
 @kernel
-def _normal_matrix(w: Workspace) -> None:
+def normal_matrix(w: Workspace) -> None:
     """Write A = J J^T over the free joints, lower triangle."""
     A, Jt, free = w.A, w.Jt, w.free
     for i in range(6):
@@ -145,7 +154,7 @@ def _normal_matrix(w: Workspace) -> None:
 
 
 @kernel
-def _solve_rows(damping: float, w: Workspace) -> None:
+def solve_rows(damping: float, w: Workspace) -> None:
     """Write y = (A + damping I)^-1 y, by Cholesky."""
     A, L, y = w.A, w.L, w.y
     for i in range(6):
@@ -178,10 +187,10 @@ def _damped_step(q: Array, lower: Array, upper: Array, damping: float, w: Worksp
     for j in range(dof):
         free[j] = True
     for _ in range(dof):
-        _normal_matrix(w)
+        normal_matrix(w)
         for i in range(6):
             y[i] = w.e[i]
-        _solve_rows(damping, w)
+        solve_rows(damping, w)
         changed = False
         for j in range(dof):
             step = 0.0
@@ -255,98 +264,3 @@ def refine(
                 break
             factor = 10.0 * max(factor, 1e-3)
     return distance, angle, evaluations
-
-
-@kernel
-def nearest_on_manifold(
-    chain: Chain,
-    target: Target,
-    q: Array,
-    q_start: Array,
-    lower: Array,
-    upper: Array,
-    iterations: int,
-    w: Workspace,
-) -> int:
-    """Slide a solution along its self-motion manifold, in place, nearest to ``q_start``.
-
-    Minimises ||q - q_start||^2 subject to the target and the limits, by sequential quadratic steps
-    with projection back onto the target; a step that does not get nearer is halved.
-
-    Args:
-        chain: The chain from base to tool.
-        target: The tool pose wanted.
-        q: In: a solution, out: the nearest solution of its manifold, shape (dof,) [rad or m].
-        q_start: Configuration to be near to, shape (dof,) [rad or m].
-        lower: Lower position limits, shape (dof,) [rad or m].
-        upper: Upper position limits, shape (dof,) [rad or m].
-        iterations: Largest number of steps.
-        w: Buffers of the chain.
-
-    Returns:
-        Evaluations spent.
-    """
-    dof = q.shape[0]
-    if dof <= (6 if target.oriented else 3):
-        return 0
-    start_distance, start_angle, _ = residual(chain, target, q, w.e, w)
-    evaluations = 1
-    here = np.empty(dof)
-    best = 0.0
-    for j in range(dof):
-        best += (q[j] - q_start[j]) ** 2
-    for _ in range(iterations):
-        here[:] = q
-        differentiate(chain, target, w)
-        w.free[:] = True
-        for _inner in range(dof):
-            # dq = d - J^T (J J^T)^-1 J d over the free joints, d = q_start - q
-            _normal_matrix(w)
-            for i in range(6):
-                total = 0.0
-                for j in range(dof):
-                    if w.free[j]:
-                        total += w.Jt[j, i] * (q_start[j] - here[j])
-                w.y[i] = total
-            _solve_rows(1e-10, w)
-            changed = False
-            for j in range(dof):
-                step = 0.0
-                if w.free[j]:
-                    step = q_start[j] - here[j]
-                    for i in range(6):
-                        step -= w.Jt[j, i] * w.y[i]
-                    if (here[j] <= lower[j] and step < 0.0) or (here[j] >= upper[j] and step > 0.0):
-                        w.free[j] = False
-                        changed = True
-                w.dq[j] = step
-            if not changed:
-                break
-        length = 0.0
-        for j in range(dof):
-            length += w.dq[j] * w.dq[j]
-        length = math.sqrt(length)
-        if length < 1e-9:
-            break
-        scale = min(1.0, 0.5 / length)
-        moved = False
-        for _half in range(6):
-            for j in range(dof):
-                q[j] = min(max(here[j] + scale * w.dq[j], lower[j]), upper[j])
-            distance, angle, spent = refine(chain, target, q, lower, upper, Effort(12, 8), w)
-            evaluations += spent
-            total = 0.0
-            for j in range(dof):
-                total += (q[j] - q_start[j]) ** 2
-            exact = distance <= max(start_distance, 1e-11) and angle <= max(start_angle, 1e-11)
-            if exact and total < best:
-                moved = total < best * (1.0 - 1e-13)
-                best = total
-                break
-            q[:] = here
-            scale *= 0.5
-        if not moved:
-            break
-        residual(chain, target, q, w.e, w)
-        evaluations += 1
-    return evaluations

@@ -224,6 +224,8 @@ class JointPath:
         It does where the spline was bent to stay inside limits, and, for all that a motion can
         do about it, over a piece between two waypoints that nearly coincide.
         """
+        if self.length == 0.0:
+            return np.zeros(0, dtype=np.int64)
         pieces = np.arange(len(self.s_knots) - 1)
         _, _, start = self.derivatives(self.s_knots[:-1], pieces)
         _, _, end = self.derivatives(self.s_knots[1:], pieces)

@@ -1,0 +1,1 @@
+"""How fast it is, in calls of Pinocchio's forward kinematics: ``python -m benchmarks.speed``."""

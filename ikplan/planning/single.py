@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from ikplan.errors import Unreachable
 from ikplan.ik.solve import NoSolution
 from ikplan.planning.problem import Array, WaypointProblem
-from ikplan.planning.verdict import unreachable_path
+from ikplan.planning.verdict import unreachable_path, within_tolerance
 
 __all__ = ["solve_waypoint"]
 
@@ -26,11 +28,9 @@ def solve_waypoint(problem: WaypointProblem, k: int, q_before: Array) -> tuple[A
     try:
         solved = problem.solver.solve(target, q_before)
     except NoSolution as verdict:
-        miss = verdict.miss
-        angle = miss.orientation_error or 0.0
-        if miss.position_error <= tolerance.position and angle <= tolerance.orientation:
-            return miss.q, verdict.evaluations
-        raise unreachable_path(problem, k, miss, q_before) from verdict
+        if within_tolerance(verdict.miss, tolerance):
+            return verdict.miss.q, verdict.evaluations
+        raise unreachable_path(problem, k, verdict.miss, q_before) from verdict
     distance, angle = float(solved.position_error[0]), float(solved.orientation_error[0])
     if distance > tolerance.position or angle > tolerance.orientation:
         # Only an unrefined solver ends here: its best is what it is.
@@ -44,5 +44,21 @@ def solve_waypoint(problem: WaypointProblem, k: int, q_before: Array) -> tuple[A
             orientation_error=angle if target.oriented else None,
             q=[float(v) for v in solved.q[0]],
             reason="the solver was not refined and did not converge to the tolerance",
+        )
+    q = solved.q[0]
+    robot = problem.robot
+    outside = np.flatnonzero((q < robot.lower) | (q > robot.upper))
+    if len(outside):
+        # The decoupled search of the paper ignores the limits of the wrist.
+        names = ", ".join(robot.joint_names[j] for j in outside)
+        raise Unreachable(
+            f"waypoint {k}: {problem.solver.method} without refinement ends outside the limits of "
+            f"{names}; set ik.refine or params.wrist_limits",
+            waypoint=k,
+            position_error=distance,
+            orientation_error=angle if target.oriented else None,
+            q=[float(v) for v in q],
+            reason="the solver was not refined and left the position limits",
+            limits=[robot.joint_names[j] for j in outside],
         )
     return solved.q[0], solved.evaluations

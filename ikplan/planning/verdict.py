@@ -8,8 +8,9 @@ from ikplan.errors import Unreachable
 from ikplan.ik.solve import NoSolution, unreachable
 from ikplan.ik.verdict import Miss
 from ikplan.planning.problem import Array, WaypointProblem
+from ikplan.request import Tolerance
 
-__all__ = ["unreachable_path"]
+__all__ = ["unreachable_path", "within_tolerance"]
 
 _MOST_EXAMINED = 200
 """Waypoints after the first unreachable one that are examined as well."""
@@ -31,7 +32,8 @@ def unreachable_path(
         try:
             q_before = problem.solver.solve(problem.targets[k], q_before).q[0]
         except NoSolution as verdict:
-            misses[k] = verdict.miss
+            if not within_tolerance(verdict.miss, problem.tolerance):
+                misses[k] = verdict.miss
     unexamined = count - 1 - examined[-1] if examined else 0
     subject = f"waypoint {first} of {count} (counted from 0)"
     if len(misses) > 1:
@@ -43,6 +45,12 @@ def unreachable_path(
     error = unreachable(problem.robot, miss, first, subject)
     error.waypoints = [_row(k, m) for k, m in misses.items()]
     return error
+
+
+def within_tolerance(miss: Miss, tolerance: Tolerance) -> bool:
+    """Whether the closest configuration to a target is close enough."""
+    angle = miss.orientation_error or 0.0
+    return miss.position_error <= tolerance.position and angle <= tolerance.orientation
 
 
 def _row(k: int, miss: Miss) -> dict[str, Any]:

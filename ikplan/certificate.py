@@ -133,7 +133,7 @@ def _wanted_poses(claim: Claim) -> list[tuple[Array, Any]]:
     frame = claim.path.frame
     T_base_path = pin.XYZQUATToSE3(np.array([*frame.position, *frame.quaternion_xyzw]))
     poses = []
-    for waypoint in claim.path.waypoints:
+    for waypoint in claim.path.waypoints or ():
         quaternion = waypoint.quaternion_xyzw
         T = T_base_path * pin.XYZQUATToSE3(
             np.array([*waypoint.position, *(quaternion or (0.0, 0.0, 0.0, 1.0))])
@@ -199,7 +199,7 @@ def _least_singular_value(claim: Claim) -> tuple[float, float]:
     Examined on 128 samples spread evenly, then on every sample around the smallest of them. Rows
     are the tool's linear and angular velocity, or the linear alone where no orientation counts.
     """
-    oriented = claim.path is None or any(w.quaternion_xyzw for w in claim.path.waypoints)
+    oriented = claim.path is None or any(w.quaternion_xyzw for w in claim.path.waypoints or ())
     rows = slice(0, 6 if oriented and claim.robot.dof >= 6 else 3)
     count = len(claim.time)
     stride = max(1, count // 128)

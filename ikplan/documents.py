@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping, Sequence
-from typing import Annotated, Any, NoReturn, TypeVar
+from typing import Annotated, Any, NoReturn, TypeVar, get_args
 
 import numpy as np
 from numpy.typing import NDArray
@@ -91,39 +91,36 @@ Matrix = _array(2, {"type": "array", "items": _NUMBERS})
 """A float64 array of shape (n, m) in Python, a list of rows in JSON."""
 
 
-def _path_of(loc: Sequence[int | str]) -> str:
-    """Write a pydantic location as a user would: ``path.waypoints[3].position``."""
+def _resolve(model: type[BaseModel], loc: Sequence[int | str]) -> tuple[str, list[Any]]:
+    """Return a pydantic location as a user writes it, and the models that may stand there.
+
+    ``path.waypoints[3].position``: without the tags that pydantic adds for unions and functions.
+    """
     text = ""
+    current: list[Any] = [model]
     for part in loc:
         if isinstance(part, int):
             text += f"[{part}]"
-        elif not any(c in part for c in "[(-"):  # the tags pydantic adds for unions and functions
+        elif len(current) > 1 and any(part in _tags(m) for m in current):
+            current = [m for m in current if part in _tags(m)]
+        elif not any(c in part for c in "[(-"):
             text += f".{part}" if text else part
-    return text
+            fields = [m.model_fields[part] for m in current if part in m.model_fields]
+            current = [m for field in fields for m in _models_in(field.annotation)]
+    return text, current
 
 
-def _fields_at(model: type[BaseModel], loc: Sequence[int | str]) -> list[str]:
-    """Names of the fields of the model that ``loc`` leads to."""
-    current: Any = model
-    for part in loc:
-        if isinstance(part, int) or not hasattr(current, "model_fields"):
-            continue
-        field = current.model_fields.get(part)
-        if field is None:
-            continue
-        current = _model_in(field.annotation)
-    return sorted(getattr(current, "model_fields", {}))
+def _tags(model: Any) -> Sequence[Any]:
+    """The values of ``type`` that tell a model from the others of its union."""
+    field = model.model_fields.get("type")
+    return get_args(field.annotation) if field else ()
 
 
-def _model_in(annotation: Any) -> Any:
-    """The first model found inside an annotation such as ``list[Waypoint] | None``."""
+def _models_in(annotation: Any) -> list[Any]:
+    """Every model inside an annotation such as ``list[Waypoint] | None``."""
     if hasattr(annotation, "model_fields"):
-        return annotation
-    for argument in getattr(annotation, "__args__", ()):
-        found = _model_in(argument)
-        if found is not None:
-            return found
-    return None
+        return [annotation]
+    return [m for argument in get_args(annotation) for m in _models_in(argument)]
 
 
 _LENGTHS = {
@@ -137,10 +134,11 @@ _LENGTHS = {
 def _describe(model: type[BaseModel], error: Mapping[str, Any]) -> tuple[str, str, Any]:
     """Return field path, sentence and what is allowed for one pydantic error."""
     loc: tuple[int | str, ...] = tuple(error["loc"])
-    field = _path_of(loc)
+    field, _ = _resolve(model, loc)
     kind, context = error["type"], error.get("ctx", {})
     if kind == "extra_forbidden":
-        fields = _fields_at(model, loc[:-1])
+        _, models = _resolve(model, loc[:-1])
+        fields = sorted({name for m in models for name in m.model_fields})
         near = near_names(str(loc[-1]), fields)
         hint = f"; did you mean {near[0]!r}?" if near else f"; known fields: {', '.join(fields)}"
         return field, f"unknown field{hint}", fields
@@ -150,6 +148,13 @@ def _describe(model: type[BaseModel], error: Mapping[str, Any]) -> tuple[str, st
         return field, "NaN and infinities are not numbers a robot can follow", "a finite number"
     if kind == "literal_error":
         return field, f"must be {context['expected']}", context["expected"]
+    if kind == "union_tag_invalid":
+        tags = [tag.strip("' ") for tag in context["expected_tags"].split(",")]
+        near = near_names(str(context["tag"]), tags)
+        hint = f"; did you mean {near[0]!r}?" if near else f"; known: {', '.join(tags)}"
+        return f"{field}.type", f"unknown type {context['tag']!r}{hint}", tags
+    if kind == "union_tag_not_found":
+        return f"{field}.type", "this field is required", None
     if kind == "value_error":
         return field, str(context.get("error", error["msg"])), None
     if kind in _LENGTHS:

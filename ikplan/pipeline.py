@@ -14,7 +14,7 @@ from ikplan.documents import parse
 from ikplan.ik.arguments import check_start
 from ikplan.ik.solve import PoseSolver, pose_distance, solve_ik
 from ikplan.kinematics.arm import arm_of
-from ikplan.path import rotation_of, targets_of
+from ikplan.path import refuse_unsupported, rotation_of, targets_of
 from ikplan.planning import Clock, WaypointProblem, choose
 from ikplan.request import FkRequest, Frame, IkRequest, PlanRequest
 from ikplan.result import FkResult, IkSolution, Plan, Stats, Trajectory, WaypointResults
@@ -45,6 +45,7 @@ def plan(request: Mapping[str, Any] | PlanRequest, *, robot: Robot | None = None
         CertificateViolated: The finished plan broke a promise: a bug.
     """
     request = parse(PlanRequest, request)
+    refuse_unsupported(request.path)
     warm_up(request.ik.method)
     clock = Clock(request.budget_s)
     robot = robot or catalogue_robot(request.robot)

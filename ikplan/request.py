@@ -11,9 +11,11 @@ import json
 import math
 from typing import Annotated, Any, Literal
 
-from pydantic import BeforeValidator, Discriminator, Field, PlainValidator, Tag, field_validator
+from pydantic import Discriminator, Field, PlainValidator, Tag, field_validator
 
-from ikplan.documents import Document, Floats, Vec3, plain
+from ikplan.documents import Document, Floats, Vec3
+from ikplan.path_request import PathRequest
+from ikplan.poses import Frame, Quaternion, Tolerance, Waypoint, unit_quaternion
 
 __all__ = [
     "FkRequest",
@@ -28,10 +30,7 @@ __all__ = [
     "Waypoint",
 ]
 
-MAX_WAYPOINTS = 10_000
 MAX_RATE_HZ = 10_000.0
-
-Quaternion = Annotated[list[float], BeforeValidator(plain), Field(min_length=4, max_length=4)]
 
 
 def _start_tag(value: Any) -> str:
@@ -67,62 +66,6 @@ def _scalar(value: Any) -> bool | int | float | str:
 
 
 Scalar = Annotated[bool | int | float | str, PlainValidator(_scalar)]
-
-
-def _unit(quaternion: list[float] | None) -> list[float] | None:
-    """Normalise a quaternion whose norm is within 1e-3 of 1; refuse any other."""
-    if quaternion is None:
-        return None
-    norm = math.sqrt(sum(c * c for c in quaternion))
-    if not abs(norm - 1.0) <= 1e-3:
-        raise ValueError(f"a unit quaternion (x, y, z, w) is wanted; this one has norm {norm:.6g}")
-    # A quaternion that is unit to rounding is kept as it is, so that the id does not change.
-    return quaternion if abs(norm - 1.0) < 1e-15 else [c / norm for c in quaternion]
-
-
-class Frame(Document):
-    """A frame given by its origin and orientation in another frame."""
-
-    position: Vec3 = Field([0.0, 0.0, 0.0], description="Origin [m].")
-    quaternion_xyzw: Quaternion = Field(
-        [0.0, 0.0, 0.0, 1.0], description="Orientation, unit quaternion (x, y, z, w)."
-    )
-
-    _check = field_validator("quaternion_xyzw")(_unit)
-
-
-class Waypoint(Document):
-    """A pose of the tool, in the path frame."""
-
-    position: Vec3 = Field(description="Tool position [m].")
-    quaternion_xyzw: Quaternion | None = Field(
-        None,
-        description="Tool orientation, unit quaternion (x, y, z, w); absent: any orientation.",
-    )
-
-    _check = field_validator("quaternion_xyzw")(_unit)
-
-
-class Tolerance(Document):
-    """How far from a waypoint or the path the tool may be."""
-
-    position: float = Field(1e-4, gt=0, le=1, description="Position tolerance [m].")
-    orientation: float = Field(1e-3, gt=0, le=3.2, description="Orientation tolerance [rad].")
-
-
-class PathRequest(Document):
-    """The path of the tool."""
-
-    frame: Frame = Field(default_factory=Frame, description="The path frame, in the robot's base.")
-    waypoints: list[Waypoint] = Field(
-        min_length=1, max_length=MAX_WAYPOINTS, description="Poses of the tool, in order."
-    )
-    interpolation: Literal["joint"] = Field(
-        "joint", description='"joint": a joint spline from the start through the waypoints.'
-    )
-    tolerance: Tolerance = Field(
-        default_factory=Tolerance, description="Deviation allowed from the waypoints."
-    )
 
 
 class IkOptions(Document):
@@ -227,7 +170,7 @@ class IkRequest(Document):
     ik: IkOptions = Field(default_factory=IkOptions)
     tolerance: Tolerance = Field(default_factory=lambda: Tolerance(position=1e-6, orientation=1e-6))
 
-    _check = field_validator("quaternion_xyzw")(_unit)
+    _check = field_validator("quaternion_xyzw")(unit_quaternion)
 
 
 def json_schema() -> dict[str, Any]:

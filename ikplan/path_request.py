@@ -1,0 +1,174 @@
+"""The path of a request: waypoints or segments, and what must hold along them."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Literal
+
+from pydantic import BeforeValidator, Discriminator, Field, Tag, model_validator
+
+from ikplan.curve_request import (
+    CircleSegment,
+    HelixSegment,
+    RoseSegment,
+    SawtoothSegment,
+    SinusoidSegment,
+    TrapezoidSegment,
+)
+from ikplan.documents import Document, plain
+from ikplan.poses import Frame, Tolerance, Waypoint
+from ikplan.segment_request import ArcSegment, JointSegment, LineSegment, SplineSegment
+
+__all__ = [
+    "AxisFreedom",
+    "OrientationFree",
+    "PathRequest",
+    "PathTolerance",
+    "Segment",
+    "ToleranceBox",
+]
+
+MAX_WAYPOINTS = 10_000
+MAX_SEGMENTS = 10_000
+
+Segment = Annotated[
+    LineSegment
+    | ArcSegment
+    | SplineSegment
+    | JointSegment
+    | CircleSegment
+    | HelixSegment
+    | RoseSegment
+    | SinusoidSegment
+    | SawtoothSegment
+    | TrapezoidSegment,
+    Field(discriminator="type"),
+]
+
+_Widths = Annotated[
+    list[Annotated[float, Field(ge=0, le=1)]],
+    BeforeValidator(plain),
+    Field(min_length=3, max_length=3),
+]
+_Angles = Annotated[
+    list[Annotated[float, Field(ge=0, le=3.2)]],
+    BeforeValidator(plain),
+    Field(min_length=3, max_length=3),
+]
+
+
+class ToleranceBox(Document):
+    """A box around each target within which the tool may be wherever the joints move least.
+
+    ``position`` and ``orientation`` of the tolerance say how exactly the box is kept.
+    """
+
+    position: _Widths = Field(
+        [0.0, 0.0, 0.0], description="Half widths along x, y and z of the frame [m]."
+    )
+    orientation: _Angles = Field(
+        [0.0, 0.0, 0.0],
+        description="Half widths of the rotation vector from the target's orientation to the "
+        "tool's, about x, y and z of the frame [rad].",
+    )
+    frame: Literal["tool", "path"] = Field(
+        "tool", description='Whose axes: "tool": of the tool at the target; "path": of the path.'
+    )
+
+
+class PathTolerance(Tolerance):
+    """How far from the waypoints, and from the path between them, the tool may be."""
+
+    box: ToleranceBox | None = Field(
+        None, description="A box of freedom around each target; null: none."
+    )
+
+
+class AxisFreedom(Document):
+    """Orientations that are as good as the one asked for."""
+
+    about: Literal["tool_x", "tool_y", "tool_z"] = Field(
+        description="Axis of the tool about which it may turn freely."
+    )
+    cone: float | None = Field(
+        None,
+        gt=0,
+        le=3.141592653589793,
+        description="Half angle of the cone around its direction asked for in which that axis may "
+        "point [rad]; null: it points there within the orientation tolerance.",
+    )
+
+
+def _free_tag(value: Any) -> str:
+    return "[name]" if isinstance(value, str) else "[axis]"
+
+
+# Tagged, so that a fault is told of the form the user wrote and not of both.
+OrientationFree = Annotated[
+    Annotated[Literal["all"], Tag("[name]")] | Annotated[AxisFreedom, Tag("[axis]")],
+    Discriminator(_free_tag),
+]
+
+
+class PathRequest(Document):
+    """The path of the tool: exactly one of ``waypoints`` and ``segments``."""
+
+    frame: Frame = Field(default_factory=Frame, description="The path frame, in the robot's base.")
+    waypoints: list[Waypoint] | None = Field(
+        None,
+        min_length=1,
+        max_length=MAX_WAYPOINTS,
+        description="Poses of the tool, in order; or segments instead.",
+    )
+    segments: list[Segment] | None = Field(
+        None,
+        min_length=1,
+        max_length=MAX_SEGMENTS,
+        description="Typed segments, each beginning where the one before ended; or waypoints "
+        "instead.",
+    )
+    interpolation: Literal["joint", "line", "spline"] = Field(
+        "joint",
+        description='How waypoints are joined. "joint": a joint spline from the start through '
+        'them; "line": the tool follows straight lines, its orientation the shortest arc; '
+        '"spline": the tool follows a C2 curve. Between waypoints that do not both have an '
+        "orientation it is free.",
+    )
+    begin: Waypoint | None = Field(
+        None,
+        description="Pose at which the first segment begins; null: the tool's pose at the start. "
+        'Wanted where a line or an arc is first and the start is "free" or the approach "joint".',
+    )
+    approach: Literal["path", "joint"] = Field(
+        "path",
+        description='How the path is reached from the start. "path": in the manner of the path, '
+        'for segments by a line; "joint": by a joint motion.',
+    )
+    blend: float = Field(
+        0.0,
+        ge=0,
+        le=10,
+        description="Radius of the ball around each corner within which it is rounded [m], where "
+        "its segment does not say otherwise; 0: exact corners, where the motion stops. Corners "
+        "that turn back, or at which the tool turns on the spot, stay exact.",
+    )
+    orientation_free: OrientationFree | None = Field(
+        None,
+        description='Freedom of orientation: null: none; "all": only positions count; or about '
+        "an axis of the tool, within a cone or not.",
+    )
+    tolerance: PathTolerance = Field(
+        default_factory=PathTolerance, description="Deviation allowed from the path."
+    )
+
+    @model_validator(mode="after")
+    def _one_form(self) -> PathRequest:
+        if bool(self.waypoints) == bool(self.segments):
+            given = "both" if self.waypoints else "neither"
+            raise ValueError(f"exactly one of waypoints and segments is wanted; got {given}")
+        if self.segments and self.interpolation != "joint":
+            raise ValueError("interpolation is for waypoints; segments say what they are")
+        if self.waypoints and self.begin is not None:
+            raise ValueError("begin is for segments; waypoints begin at the first of them")
+        if self.waypoints and self.blend > 0.0 and self.interpolation != "line":
+            raise ValueError('blend is for lines; the waypoints have no corners: "line" is wanted')
+        return self

@@ -1,0 +1,164 @@
+"""The segments of a path: lines, arcs, splines and joint motions.
+
+A segment begins where the one before ended; the first at the start of the path. Poses are of the
+tool frame in the path frame, in metres and radians. The named curves are in
+:mod:`ikplan.curve_request`.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Annotated, Any, Literal
+
+from pydantic import Discriminator, Field, Tag, field_validator, model_validator
+
+from ikplan.documents import Document, Floats, Vec3
+from ikplan.poses import Quaternion, Waypoint, unit_quaternion
+
+__all__ = [
+    "ArcSegment",
+    "EndOrientation",
+    "JointSegment",
+    "LineSegment",
+    "OrientationRule",
+    "SplineSegment",
+    "ToolSegment",
+]
+
+MAX_SPLINE_POSES = 10_000
+
+
+def direction(vector: list[float] | None) -> list[float] | None:
+    """Refuse an axis too short to have a direction.
+
+    Raises:
+        ValueError: The vector is shorter than 1e-9.
+    """
+    if vector is not None and not math.hypot(*vector) >= 1e-9:
+        raise ValueError("an axis needs a length")
+    return vector
+
+
+class EndOrientation(Document):
+    """The orientation to be reached at the end of a curve."""
+
+    quaternion_xyzw: Quaternion = Field(
+        description="Tool orientation at the end, unit quaternion (x, y, z, w); the tool turns to "
+        "it along the shortest arc, evenly over the length."
+    )
+
+    _check = field_validator("quaternion_xyzw")(unit_quaternion)
+
+
+def _orientation_tag(value: Any) -> str:
+    return "[rule]" if isinstance(value, str) else "[end]"
+
+
+# Tagged, so that a fault is told of the form the user wrote and not of both.
+OrientationRule = Annotated[
+    Annotated[Literal["constant", "follow", "free"], Tag("[rule]")]
+    | Annotated[EndOrientation, Tag("[end]")],
+    Discriminator(_orientation_tag),
+]
+
+
+class ToolSegment(Document):
+    """What every segment led by the tool has."""
+
+    blend: float | None = Field(
+        None,
+        ge=0,
+        le=10,
+        description="Radius of the ball around the corner at the end of the segment within which "
+        "the corner is rounded [m]; 0: exact, the motion stops there; null: that of the path.",
+    )
+
+
+class LineSegment(ToolSegment):
+    """A straight line of the tool; with the same position, a turn on the spot."""
+
+    type: Literal["line"] = Field(description="A straight line.")
+    to: Waypoint = Field(description="Pose at the end; without orientation: free on the way.")
+    turn_axis: Vec3 | None = Field(
+        None,
+        description="The tool turns about the one of the two possible axes that is nearer to this "
+        "one, in the path frame (right-hand rule); null: along the shortest arc. Needed where the "
+        "orientations are 180 degrees apart.",
+    )
+
+    _axis = field_validator("turn_axis")(direction)
+
+
+class ArcSegment(ToolSegment):
+    """A circular arc, through ``via`` to ``to``, or about ``centre`` by ``angle``."""
+
+    type: Literal["arc"] = Field(description="A circular arc.")
+    via: Vec3 | None = Field(None, description="A point the arc passes on its way to `to` [m].")
+    to: Waypoint | None = Field(
+        None, description="Pose at the end, with `via`; without orientation: free on the way."
+    )
+    centre: Vec3 | None = Field(
+        None, description="A point of the axis that the arc turns about, with `angle` [m]."
+    )
+    angle: float | None = Field(
+        None, ge=-200.0, le=200.0, description="Angle turned about the axis, signed [rad]."
+    )
+    axis: Vec3 = Field(
+        [0.0, 0.0, 1.0], description="Direction of the axis through `centre`, in the path frame."
+    )
+    orientation: OrientationRule = Field(
+        "constant",
+        description='With `centre`: "constant", "follow" (the tool turns with the arc), "free", or '
+        "the orientation at the end.",
+    )
+    turn_axis: Vec3 | None = Field(
+        None, description="As for a line: settles about which axis the tool turns."
+    )
+
+    _axes = field_validator("axis", "turn_axis")(direction)
+
+    @model_validator(mode="after")
+    def _one_form(self) -> ArcSegment:
+        through = [self.via is not None, self.to is not None]
+        about = [self.centre is not None, self.angle is not None]
+        if not ((all(through) and not any(about)) or (all(about) and not any(through))):
+            raise ValueError("an arc is given by via and to, or by centre and angle")
+        if self.via is not None and (self.axis, self.orientation) != ([0.0, 0.0, 1.0], "constant"):
+            raise ValueError("axis and orientation belong to an arc given by centre and angle")
+        if self.angle is not None and abs(self.angle) < 1e-12:
+            raise ValueError("an arc needs an angle other than 0")
+        return self
+
+
+class SplineSegment(ToolSegment):
+    """A curve of continuous curvature through poses (C2: a cubic spline over the chord length).
+
+    The orientation is led through every run of poses that have one, and free elsewhere. Where a
+    position is repeated the curve ends and a new one begins.
+    """
+
+    type: Literal["spline"] = Field(description="A C2 curve through poses.")
+    through: list[Waypoint] = Field(
+        min_length=1,
+        max_length=MAX_SPLINE_POSES,
+        description="Poses passed, in order, after the end of the segment before.",
+    )
+
+
+class JointSegment(Document):
+    """A joint motion; the tool's path is what follows from it.
+
+    Neighbouring joint segments are one joint spline through their ends.
+    """
+
+    type: Literal["joint"] = Field(description="A joint motion.")
+    q: Floats | None = Field(
+        None, min_length=1, description="Joint values at the end, shape (dof,) [rad or m]."
+    )
+    to: Waypoint | None = Field(None, description="Or the pose of the tool at the end.")
+
+    @model_validator(mode="after")
+    def _one_target(self) -> JointSegment:
+        if (self.q is None) == (self.to is None):
+            raise ValueError("a joint motion is to q or to a pose: exactly one of q and to")
+        return self

@@ -96,9 +96,9 @@ class IkOptions(Document):
 class LimitOptions(Document):
     """Limits of the motion, on top of the robot's own."""
 
-    velocity_scale: float = Field(1.0, gt=0, le=1, description="Share of the velocity limits.")
+    velocity_scale: float = Field(1.0, ge=1e-4, le=1, description="Share of the velocity limits.")
     acceleration_scale: float = Field(
-        1.0, gt=0, le=1, description="Share of the acceleration limits."
+        1.0, ge=1e-4, le=1, description="Share of the acceleration limits."
     )
 
 

@@ -11,11 +11,12 @@ from numpy.typing import NDArray
 from ikplan.errors import InvalidRequest
 from ikplan.timing.timed_path import TimedPath
 
-__all__ = ["MAX_RATE_HZ", "Samples", "check_rate", "sample"]
+__all__ = ["MAX_RATE_HZ", "MAX_SAMPLES", "Samples", "check_rate", "sample"]
 
 Array = NDArray[np.float64]
 
 MAX_RATE_HZ = 10_000.0
+MAX_SAMPLES = 250_000
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,9 +69,17 @@ def sample(timed: TimedPath, rate_hz: float) -> Samples:
         The samples.
 
     Raises:
-        InvalidRequest: The rate is out of range.
+        InvalidRequest: The rate is out of range, or the motion too long for it.
     """
     check_rate(rate_hz)
+    if not timed.duration * rate_hz <= MAX_SAMPLES:
+        raise InvalidRequest(
+            f"a motion of {timed.duration:.4g} s at {rate_hz:g} Hz has more than {MAX_SAMPLES} "
+            f"samples; a rate of at most {MAX_SAMPLES / timed.duration:.3g} Hz would do, or a "
+            "faster motion",
+            field="sampling.rate_hz",
+            allowed=f"at most {MAX_SAMPLES} samples",
+        )
     if 0.0 < timed.duration < 0.5 / rate_hz:
         timed = timed.slowed(0.5 / rate_hz / timed.duration)
     duration = timed.duration

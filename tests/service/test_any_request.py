@@ -1,5 +1,6 @@
 """Whatever is thrown at the service, it answers a document or a problem, never a 500."""
 
+import copy
 import json
 from urllib.parse import quote
 
@@ -106,7 +107,7 @@ fk_requests = st.fixed_dictionaries(
 @st.composite
 def mutated(draw, documents: st.SearchStrategy[dict]) -> dict:
     """A document with, often, one place replaced, removed or added to."""
-    document = draw(documents)
+    document = copy.deepcopy(draw(documents))  # sampled values are shared
     if draw(st.booleans()):
         return document
     place: dict | list = document

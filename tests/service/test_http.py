@@ -84,6 +84,8 @@ def test_version_and_health(http):
         ("GET", "/v1/plans/a/b", 404),
         ("GET", "/v1/robots/..%2F..%2Fetc%2Fpasswd", 404),
         ("GET", "/redoc", 404),
+        ("GET", "/v1/robots/", 404),
+        ("POST", "/v1/plans/", 404),
         ("GET", "/v1/plans", 405),
         ("DELETE", "/v1/robots", 405),
         ("PUT", "/livez", 405),

@@ -6,7 +6,7 @@ from ikplan.timing.joint_path import JointPath
 from ikplan.timing.limits import JointLimits, LimitedRobot
 from ikplan.timing.profile import SegmentLimits
 from ikplan.timing.retime import Retimed, retime
-from ikplan.timing.sampling import Samples, sample
+from ikplan.timing.sampling import Samples, knots, sample
 from ikplan.timing.time_path import time_joint_path
 from ikplan.timing.timed_path import TimedPath
 from ikplan.timing.tool_limits import ToolLimits, ToolMotion
@@ -31,6 +31,7 @@ __all__ = [
     "TorqueLimits",
     "WhatIf",
     "binding",
+    "knots",
     "retime",
     "sample",
     "time_joint_path",

@@ -10,8 +10,10 @@ from numpy.typing import NDArray
 from ikplan.errors import InvalidRequest
 from ikplan.timing.compiled_engine import CompiledEngine
 from ikplan.timing.constraints import Label
+from ikplan.timing.jerk import smooth_span
 from ikplan.timing.problem import SpanProblem
 from ikplan.timing.profile import LimitProfile
+from ikplan.timing.span import SpanTiming
 from ikplan.timing.timed_path import TimedPath
 
 __all__ = ["Binding", "BindingShare", "WhatIf", "binding", "what_if"]
@@ -103,33 +105,75 @@ def binding(timed: TimedPath) -> Binding:
     """
     labels: dict[Label, int] = {}
     index, top, dt = [], [], []
-    for span in timed.spans:
-        problem, x = span.problem, span.x
-        names = problem.profile.joint_names
-        u = np.diff(x) / (2.0 * problem.h)
-        # In the middle of an interval, away from the switches at its ends.
-        middle = 0.5 * (x[1:] + x[:-1])
-        qss = 0.5 * (problem.qss0 + problem.qss1)
-        qs = problem.qs0 + 0.125 * problem.h[:, None] * (3.0 * problem.qss0 + problem.qss1)
-        dq = qs * np.sqrt(middle)[:, None]
-        ddq = qs * u[:, None] + qss * middle[:, None]
-        up, down, a_up, a_down = problem.bounds
-        columns = [np.maximum(dq / up, dq / down), np.sqrt(np.maximum(ddq / a_up, ddq / a_down))]
-        mine: list[Label] = [(kind, n) for kind in ("velocity", "acceleration") for n in names]
-        for constraint, inside, demand in problem.demands(x):
-            column = np.zeros((len(x) - 1, demand.shape[2]))
-            column[inside] = np.sqrt(np.maximum(demand[1], 0.0))
-            columns.append(column)
-            mine += constraint.labels
-        usage = np.hstack(columns)
-        number = np.array([labels.setdefault(label, len(labels)) for label in mine])
+    parts = [_jerk_usage(timed)] if timed.jerk_limited else [_usage(s) for s in timed.spans]
+    for mine, usage, durations in parts:
+        number = np.array([labels.setdefault(label, len(labels)) for label in mine], dtype=np.int64)
+        if not len(durations):
+            continue
         best = np.argmax(usage, axis=1)
         index.append(number[best])
         top.append(usage[np.arange(len(best)), best])
-        dt.append(span.dt)
+        dt.append(durations)
     if not index:
         return Binding((), np.zeros(0, dtype=np.int64), np.zeros(0), np.zeros(0))
     return Binding(tuple(labels), np.concatenate(index), np.concatenate(top), np.concatenate(dt))
+
+
+def _usage(span: SpanTiming) -> tuple[list[Label], Array, Array]:
+    """Return limits, how near each is in the middle of every interval, and the durations."""
+    problem, x = span.problem, span.x
+    u = np.diff(x) / (2.0 * problem.h)
+    # In the middle of an interval, away from the switches at its ends.
+    middle = 0.5 * (x[1:] + x[:-1])
+    qss = 0.5 * (problem.qss0 + problem.qss1)
+    qs = problem.qs0 + 0.125 * problem.h[:, None] * (3.0 * problem.qss0 + problem.qss1)
+    dq = qs * np.sqrt(middle)[:, None]
+    ddq = qs * u[:, None] + qss * middle[:, None]
+    up, down, a_up, a_down = problem.bounds
+    columns = [np.maximum(dq / up, dq / down), np.sqrt(np.maximum(ddq / a_up, ddq / a_down))]
+    labels = _joint_labels(problem.profile)
+    for constraint, inside, demand in problem.demands(x):
+        column = np.zeros((len(x) - 1, demand.shape[2]))
+        column[inside] = np.sqrt(np.maximum(demand[1], 0.0))
+        columns.append(column)
+        labels += constraint.labels
+    return labels, np.hstack(columns), span.dt
+
+
+def _jerk_usage(timed: TimedPath) -> tuple[list[Label], Array, Array]:
+    """Return the same of a jerk-limited motion, constraints other than of joints left out."""
+    if timed.jerk is None or timed.sddot is None or not timed.spans:
+        return [], np.zeros((0, 0)), np.zeros(0)
+    profile, path = timed.spans[0].problem.profile, timed.path
+    dt = np.diff(timed.node_times)
+    middle = timed.node_times[:-1] + 0.5 * dt
+    _, dq, ddq = timed.evaluate(middle)
+    # The acceleration is smooth inside an interval, but for knots of the path.
+    _, _, before = timed.evaluate(middle - 0.01 * dt)
+    _, _, after = timed.evaluate(middle + 0.01 * dt)
+    dddq = (after - before) / np.maximum(0.02 * dt, 1e-300)[:, None]
+    piece = np.clip(
+        np.searchsorted(path.s_knots, 0.5 * (timed.s[1:] + timed.s[:-1]), side="right") - 1,
+        0,
+        len(path.s_knots) - 2,
+    )
+    usage = np.hstack(
+        [
+            np.maximum(dq / profile.velocity[piece], dq / profile.velocity_lower[piece]),
+            np.sqrt(
+                np.maximum(
+                    ddq / profile.acceleration[piece], ddq / profile.acceleration_lower[piece]
+                )
+            ),
+            np.cbrt(np.abs(dddq) / timed.jerk),
+        ]
+    )
+    jerk: list[Label] = [("jerk", name) for name in profile.joint_names]
+    return _joint_labels(profile) + jerk, usage, dt
+
+
+def _joint_labels(profile: LimitProfile) -> list[Label]:
+    return [(kind, name) for kind in ("velocity", "acceleration") for name in profile.joint_names]
 
 
 def what_if(timed: TimedPath, limit: str, joint: str | None = None, factor: float = 1.1) -> WhatIf:
@@ -155,17 +199,33 @@ def what_if(timed: TimedPath, limit: str, joint: str | None = None, factor: floa
             f"factor must be positive, not {factor!r}", field="factor", allowed="a positive number"
         )
     before = after = 0.0
+    jerk = timed.jerk
+    if (limit, joint) in [("jerk", name) for name in _names(timed)] and jerk is not None:
+        jerk = jerk.copy()
+        jerk[_names(timed).index(str(joint))] *= factor
     for span in timed.spans:
-        before += _duration(span.problem)
-        after += _duration(_changed(span.problem, (limit, joint), factor))
+        changed = span.problem if limit == "jerk" and jerk is not timed.jerk else None
+        changed = changed or _changed(span.problem, (limit, joint), factor)
+        before += _duration(span.problem, timed.jerk)
+        after += _duration(changed, jerk)
     ratio = after / before if before > 0.0 else 1.0
     duration = timed.duration * ratio
     return WhatIf(limit, joint, factor, duration, timed.duration - duration)
 
 
-def _duration(problem: SpanProblem) -> float:
+def _names(timed: TimedPath) -> tuple[str, ...]:
+    return timed.spans[0].problem.profile.joint_names if timed.spans else ()
+
+
+def _duration(problem: SpanProblem, jerk: Array | None) -> float:
     x = problem.solve(CompiledEngine())
-    return float(problem.times(x / max(problem.slowdown(x), 1e-300)).sum())
+    x = x / max(problem.slowdown(x), 1e-300)
+    dt = problem.times(x)
+    if jerk is None:
+        return float(dt.sum())
+    span = SpanTiming(problem, x, dt, 0.0, "CompiledEngine")
+    motion = smooth_span(problem.path, span, problem.profile, jerk, problem.constraints)
+    return float(motion.time[-1])
 
 
 def _changed(problem: SpanProblem, label: Label, factor: float) -> SpanProblem:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,6 +14,7 @@ from ikplan.timing.cubic_kernels import moving_average, times_of
 from ikplan.timing.engine import EngineFailed
 from ikplan.timing.jerk_kernels import cubic_demand, spread
 from ikplan.timing.joint_path import JointPath
+from ikplan.timing.problem import SpanProblem
 from ikplan.timing.profile import LimitProfile
 from ikplan.timing.rows import StageRows, natural_units
 from ikplan.timing.span import SpanTiming
@@ -25,6 +26,9 @@ Array = NDArray[np.float64]
 # Windows tried, as multiples of the time in which the jerk limit builds up the acceleration limit
 # of the slowest joint, at most the duration: with that, a short move has four equal phases.
 _WINDOWS = (0.3, 0.5, 0.8, 1.2, 2.0)
+# Shares of the acceleration that the jerk limit lets a swing reach, where that is less than the
+# acceleration limit: the time-optimal speed to be smoothed is then found for these.
+_SOFTNESS = (1.0, 0.5)
 _ROUNDS = 16
 # Paths with large grids are searched less: intervals times rounds.
 _EFFORT = 60_000
@@ -100,11 +104,24 @@ def smooth_span(
         The motion, within every limit.
     """
     measure = _Measure(path, profile, jerk)
-    build_up = float((np.minimum(profile.acceleration, -profile.acceleration_lower) / jerk).max())
-    longest = float(span.dt.sum())
-    windows = dict.fromkeys(min(multiple * build_up, longest) for multiple in _WINDOWS)
-    tried = [_smoothed(span, window, measure) for window in windows]
-    best = min(tried, key=lambda motion: float(motion.time[-1]))
+    best = _best_window(span.problem, span.x, measure)
+    for share in _SOFTNESS:
+        # What a swing of the whole duration could build up of acceleration, and less.
+        reached = 0.25 * share * jerk * best.time[-1]
+        weaker = replace(
+            profile,
+            acceleration=np.minimum(profile.acceleration, reached),
+            acceleration_lower=np.maximum(profile.acceleration_lower, -reached),
+        )
+        if np.array_equal(weaker.acceleration, profile.acceleration):
+            continue
+        soft = SpanProblem.build(path, span.problem.grid, weaker, constraints)
+        try:
+            x = soft.solve(CompiledEngine())
+        except EngineFailed:
+            continue
+        motion = _best_window(soft, x / max(soft.slowdown(x), 1e-300), measure)
+        best = min(best, motion, key=lambda m: float(m.time[-1]))
     best = best.divided(times_of(best.time, best.s, best.v, best.a, path.s_knots))
     top = measure(best, _FINE_POINTS, best.s[[0, -1]])
     best = best.slowed(float(top[0]) * (1.0 + _MARGIN))
@@ -141,12 +158,24 @@ class _Measure:
         )
 
 
-def _smoothed(span: SpanTiming, window: float, measure: _Measure) -> CubicMotion:
+def _best_window(problem: SpanProblem, x: Array, measure: _Measure) -> CubicMotion:
+    """Return the shortest motion found with any window."""
+    duration = float(problem.times(x).sum())
+    profile = problem.profile
+    limit = np.minimum(profile.acceleration, -profile.acceleration_lower)
+    build_up = float((limit / measure.jerk).max())
+    windows = dict.fromkeys(min(multiple * build_up, duration) for multiple in _WINDOWS)
+    if duration < 2.0 * max(windows):
+        windows[duration] = None
+    tried = [_smoothed(problem, x, window, measure) for window in windows]
+    return min(tried, key=lambda motion: float(motion.time[-1]))
+
+
+def _smoothed(problem: SpanProblem, x_free: Array, window: float, measure: _Measure) -> CubicMotion:
     """Return the shortest motion found with one window."""
-    problem, s = span.problem, span.problem.grid.s
-    rows = problem.rows()
-    slower = np.ones(len(span.dt))
-    x, best = span.x, None
+    s, rows = problem.grid.s, problem.rows()
+    slower = np.ones(len(problem.h))
+    x, best = x_free, None
     for _ in range(min(max(_EFFORT // len(slower), 6), _ROUNDS)):
         time = np.concatenate([[0.0], np.cumsum(problem.times(x))])
         motion = CubicMotion(*moving_average(time, s, np.sqrt(x), window))
@@ -158,7 +187,7 @@ def _smoothed(span: SpanTiming, window: float, measure: _Measure) -> CubicMotion
             break
         slower *= np.maximum(spread(demand, time, 0.5 * window), 1.0) ** _STEP
         try:
-            x = _slower(rows, slower, span.x)
+            x = _slower(rows, slower, x_free)
         except EngineFailed:
             break
     assert best is not None  # the first round has made one

@@ -9,8 +9,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ikplan.errors import InvalidRequest
+from ikplan.timing.constraints import PathConstraint
 from ikplan.timing.joint_path import JointPath
 from ikplan.timing.limits import JointLimits
+from ikplan.timing.profile import SegmentLimits
 from ikplan.timing.sampling import Samples, check_rate, sample
 from ikplan.timing.time_path import time_joint_path
 from ikplan.timing.timed_path import TimedPath
@@ -59,6 +61,8 @@ def retime(
     *,
     rate_hz: float = 250.0,
     rest_at: Sequence[int] = (),
+    segments: Sequence[SegmentLimits] = (),
+    constraints: Sequence[PathConstraint] = (),
 ) -> Retimed:
     """Lay a joint spline through waypoints and move along it as fast as the limits allow.
 
@@ -67,6 +71,8 @@ def retime(
         limits: Joint limits.
         rate_hz: Samples per second [Hz].
         rest_at: Indices of waypoints where the motion stops and the path may have a corner.
+        segments: Joint limits of ranges of the path; the strictest holds.
+        constraints: Limits other than those of single joints: of the tool, of torques.
 
     Returns:
         The trajectory, from rest to rest.
@@ -87,5 +93,5 @@ def retime(
         ) from error
     limits.check_positions(q, "joint_waypoints")
     path = JointPath.through(q, limits, rest_at=rest_at)
-    timed = time_joint_path(path, limits)
+    timed = time_joint_path(path, limits, segments=segments, constraints=constraints)
     return Retimed(timed, sample(timed, rate_hz))

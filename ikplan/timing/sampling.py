@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from ikplan.errors import InvalidRequest
 from ikplan.timing.timed_path import TimedPath
 
-__all__ = ["MAX_RATE_HZ", "MAX_SAMPLES", "Samples", "check_rate", "sample"]
+__all__ = ["MAX_RATE_HZ", "MAX_SAMPLES", "Samples", "check_rate", "knots", "sample"]
 
 Array = NDArray[np.float64]
 
@@ -92,3 +92,20 @@ def sample(timed: TimedPath, rate_hz: float) -> Samples:
     q[-1] = timed.path.q_knots[-1]
     dq[-1] = 0.0
     return Samples(time, q, dq, ddq)
+
+
+def knots(timed: TimedPath) -> Samples:
+    """Return the motion at its nodes, and nothing between.
+
+    Between nodes the path acceleration is constant; in a jerk-limited motion, linear.
+
+    Args:
+        timed: The motion.
+
+    Returns:
+        Samples at the times of the nodes, the last one exact and at rest.
+    """
+    q, dq, ddq = timed.evaluate(timed.node_times)
+    q[-1] = timed.path.q_knots[-1]
+    dq[-1] = 0.0
+    return Samples(timed.node_times, q, dq, ddq)

@@ -6,6 +6,7 @@ import itertools
 from collections.abc import Sequence
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ikplan.errors import InvalidRequest, TimingFailed
 from ikplan.timing.constraints import PathConstraint
@@ -65,7 +66,9 @@ def time_joint_path(
     if path.length == 0.0:
         zero = np.zeros(1)
         sddot = None if limits.jerk is None else zero
-        return TimedPath(path, zero, np.zeros(0, dtype=np.int64), zero, zero, (), sddot)
+        return TimedPath(
+            path, zero, np.zeros(0, dtype=np.int64), zero, zero, (), sddot, limits.jerk
+        )
     profile = LimitProfile.merged(path, limits, segments)
     spans = tuple(
         time_span(path, first, last, profile, constraints, engine)
@@ -73,7 +76,7 @@ def time_joint_path(
     )
     if limits.jerk is not None:
         motions = [smooth_span(path, span, profile, limits.jerk, constraints) for span in spans]
-        return _joined(path, motions, spans)
+        return _joined(path, motions, spans, limits.jerk)
     grids = [span.problem.grid for span in spans]
     dt = np.concatenate([span.dt for span in spans])
     return TimedPath(
@@ -87,7 +90,10 @@ def time_joint_path(
 
 
 def _joined(
-    path: JointPath, motions: Sequence[CubicMotion], spans: tuple[SpanTiming, ...]
+    path: JointPath,
+    motions: Sequence[CubicMotion],
+    spans: tuple[SpanTiming, ...],
+    jerk: NDArray[np.float64],
 ) -> TimedPath:
     """Join jerk-limited motions of spans end to end."""
     ends = np.cumsum([float(motion.time[-1]) for motion in motions])
@@ -101,6 +107,7 @@ def _joined(
         node_times=np.concatenate([[0.0], *time]),
         spans=spans,
         sddot=np.concatenate([[0.0], *(m.a[1:] for m in motions)]),
+        jerk=jerk,
     )
 
 

@@ -33,6 +33,7 @@ class TimedPath:
         node_times: Times of the nodes [s], shape (n + 1,), strictly increasing from 0.
         spans: How each span between rest points was timed, jerk limits apart.
         sddot: Path accelerations at the nodes of a jerk-limited motion, shape (n + 1,), or None.
+        jerk: The jerk limits it keeps, shape (dof,) [rad/s^3 or m/s^3], or None.
     """
 
     path: JointPath
@@ -42,6 +43,7 @@ class TimedPath:
     node_times: Array
     spans: tuple[SpanTiming, ...]
     sddot: Array | None = None
+    jerk: Array | None = None
 
     @property
     def duration(self) -> float:

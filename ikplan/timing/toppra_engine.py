@@ -36,6 +36,18 @@ class _Span:
         return self.length
 
 
+class _Ready(np.ndarray[Any, np.dtype[np.float64]]):
+    """Coefficients that need no product with a constraint matrix.
+
+    toppra multiplies them by its matrix F, here the identity; on grids of some hundred nodes that
+    product wakes the threads of the linear algebra library, which takes longer than the timing.
+    """
+
+    def dot(self, *_: Any) -> Any:
+        """Return the coefficients as they are."""
+        return np.asarray(self)
+
+
 @functools.cache
 def _solver() -> Any:
     """Return a factory of toppra's solver for given rows (its import is slow)."""
@@ -56,10 +68,10 @@ def _solver() -> Any:
         def compute_constraint_params(self, *_: Any) -> tuple[Any, ...]:
             rows = self.rows
             m = rows.a.shape[1]
-            a, b = (np.vstack([c, c[-1:]]) for c in (rows.a, rows.b))
+            a, b = (np.vstack([c, c[-1:]]).view(_Ready) for c in (rows.a, rows.b))
             highest = np.minimum(rows.x_max, _HIGHEST)
             x_bound = np.column_stack([np.zeros(len(rows.s)), highest])
-            return a, b, np.zeros_like(a), np.eye(m), np.ones(m), None, x_bound
+            return a, b, np.zeros_like(a), np.empty((m, 0)), np.ones(m), None, x_bound
 
     def solver(rows: StageRows) -> Any:
         span = _Span(float(rows.s[-1]))

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from ikplan.errors import InvalidRequest
-from ikplan.timing import JointLimits, retime
+from ikplan.timing import JointLimits, knots, retime
 
 ROBOT = SimpleNamespace(
     lower=np.array([-1.0, -2.0]),
@@ -116,3 +116,12 @@ def test_a_scale_outside_its_range_is_refused(name: str, scale: float) -> None:
     with pytest.raises(InvalidRequest) as error:
         JointLimits.from_robot(ROBOT, **{name: scale})
     assert error.value.field == f"limits.{name}"
+
+
+def test_knots_alone_are_the_motion_at_its_nodes() -> None:
+    timed = retime(WAYPOINTS, LIMITS).timed
+    nodes = knots(timed)
+    assert np.array_equal(nodes.time, timed.node_times)
+    assert np.isin(timed.times, nodes.time).all()
+    assert np.array_equal(nodes.q[-1], WAYPOINTS[-1])
+    assert (nodes.dq[[0, -1]] == 0.0).all()

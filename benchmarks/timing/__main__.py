@@ -108,6 +108,37 @@ def study(cases: list[Case], compare_up_to: int) -> None:
         print(f"  duration over it, least       {100 * gaps[-1][0]:.3f} %  {gaps[-1][1:]}")
 
 
+def jerk_study(cases: list[Case], multiple: float) -> None:
+    """Time cases under jerk limits, a multiple of the acceleration limits, and print the price."""
+    prices, seconds, worst_jerk, worst = [], [], 0.0, -1.0
+    for _, waypoints, free in cases:
+        most = multiple * np.minimum(free.acceleration, -free.acceleration_lower)
+        limits = JointLimits(
+            free.lower,
+            free.upper,
+            free.velocity,
+            free.acceleration,
+            free.joint_names,
+            free.velocity_lower,
+            free.acceleration_lower,
+            most,
+        )
+        start = time.perf_counter()
+        timed = time_joint_path(JointPath.through(waypoints, limits), limits)
+        seconds.append(time.perf_counter() - start)
+        worst = max(worst, excess(timed, free))
+        if timed.duration > 0.0:
+            t = np.arange(0.0, timed.duration, 1e-3)
+            jerk = np.abs(np.diff(timed.evaluate(t)[2], axis=0)) * 1e3 / most
+            worst_jerk = max(worst_jerk, float(jerk.max(initial=0.0)))
+            prices.append(timed.duration / timed.unlimited_duration - 1.0)
+    print(f"  jerk limit {multiple:g} x acceleration limit a second")
+    print(f"    greatest jerk at 1 kHz        {worst_jerk:.4f} x limit (finite differences)")
+    print(f"    greatest excess, other limits {worst:.2e}")
+    print(f"    longer than without, median   {100 * statistics.median(prices):.1f} %")
+    print(f"    seconds, median, worst        {statistics.median(seconds):.3f} {max(seconds):.3f}")
+
+
 def median_time(call: Callable[[], object], repeats: int, loops: int) -> float:
     """Return the median over repeats of the mean time of a call [s]."""
     times = []
@@ -159,6 +190,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--robots", type=int, default=500, help="paths over six robots")
     parser.add_argument("--wild", type=int, default=2000, help="paths of every kind")
+    parser.add_argument("--jerk", type=int, default=60, help="paths timed under jerk limits")
     parser.add_argument(
         "--compare-up-to", type=int, default=3000, help="largest grid compared with toppra"
     )
@@ -171,6 +203,10 @@ def main() -> None:
     if options.wild:
         print("random paths of every kind, 2 to 500 waypoints, 1 to 12 joints")
         study(wild_cases(options.wild), options.compare_up_to)
+    if options.jerk:
+        print("the first of the paths over six robots, under jerk limits")
+        for multiple in (5.0, 20.0, 100.0):
+            jerk_study(robot_cases(options.jerk), multiple)
 
 
 if __name__ == "__main__":

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ikplan.documents import MAX_NUMBER
 from ikplan.errors import InvalidRequest
-from ikplan.kinematics.target import ORIENTATION_WEIGHT, Target, pose_defect
+from ikplan.kinematics.target import ORIENTATION_WEIGHT, Target, no_freedom, pose_defect
 
 if TYPE_CHECKING:
     from ikplan.robots import Robot
@@ -92,6 +92,7 @@ def check_start(robot: Robot, start: ArrayLike, field: str = "start") -> Array:
     return np.clip(q, robot.lower, robot.upper)
 
 
+_NO_FREEDOM = no_freedom()
 _ANY_ROTATION = np.eye(3)
 _ANY_ROTATION.setflags(write=False)
 
@@ -118,7 +119,7 @@ def target_of(pose: Any) -> Target:
         # The nearest rotation: an error of the matrix would count as an error of the solution.
         U, _, Vt = np.linalg.svd(R)
         R = np.ascontiguousarray(U @ Vt)
-    return Target(R, p, oriented, ORIENTATION_WEIGHT if oriented else 0.0)
+    return Target(R, p, oriented, ORIENTATION_WEIGHT if oriented else 0.0, _NO_FREEDOM)
 
 
 def _no_pose() -> InvalidRequest:

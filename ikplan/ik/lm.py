@@ -15,7 +15,7 @@ from ikplan._jit import kernel
 from ikplan.ik.refine import Effort, Workspace, new_workspace, refine
 from ikplan.ik.slide import nearest_on_manifold
 from ikplan.kinematics.chain import Chain
-from ikplan.kinematics.target import ORIENTATION_WEIGHT, Target
+from ikplan.kinematics.target import ORIENTATION_WEIGHT, Freedom, Target
 
 __all__ = ["restart_into", "solve_lm", "solve_seeds"]
 
@@ -60,6 +60,12 @@ def solve_lm(
     R_target: Array,
     p_target: Array,
     oriented: bool,
+    axis: int,
+    cone: float,
+    boxed: bool,
+    box: Array,
+    in_tool: bool,
+    R_box: Array,
     q_start: Array,
     lower: Array,
     upper: Array,
@@ -85,6 +91,12 @@ def solve_lm(
         R_target: Rotation wanted, shape (3, 3).
         p_target: Position wanted, shape (3,) [m].
         oriented: Whether the rotation counts.
+        axis: Of the target's freedom.
+        cone: Of the target's freedom.
+        boxed: Of the target's freedom.
+        box: Of the target's freedom.
+        in_tool: Of the target's freedom.
+        R_box: Of the target's freedom.
         q_start: First seed, shape (dof,) [rad or m].
         lower: Lower bounds, finite, shape (dof,) [rad or m].
         upper: Upper bounds, finite, shape (dof,) [rad or m].
@@ -100,7 +112,9 @@ def solve_lm(
         Distance [m] and rotation angle [rad] from the target, and evaluations spent.
     """
     chain = Chain(placements, prismatic, coupled, coupling, offset)
-    target = Target(R_target, p_target, oriented, ORIENTATION_WEIGHT if oriented else 0.0)
+    freedom = Freedom(axis, cone, boxed, box, in_tool, R_box)
+    weight = ORIENTATION_WEIGHT if oriented else 0.0
+    target = Target(R_target, p_target, oriented, weight, freedom)
     w: Workspace = new_workspace(chain)
     trial = np.empty(q.shape[0])
     shift = (0.5 + seed * 0.6180339887498949) % 1.0

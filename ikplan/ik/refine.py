@@ -14,6 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ikplan._jit import kernel
+from ikplan.ik.freedom import box_error, free_rows, lean_error
+from ikplan.ik.workspace import Workspace, new_workspace
 from ikplan.kinematics.chain import Chain
 from ikplan.kinematics.forward import forward_into, jacobian_into, pose_error
 from ikplan.kinematics.target import Target
@@ -27,6 +29,7 @@ __all__ = [
     "refine",
     "residual",
     "solve_rows",
+    "target_error",
 ]
 
 Array = NDArray[np.float64]
@@ -44,67 +47,6 @@ class Effort(NamedTuple):
     patience: int
 
 
-class Workspace(NamedTuple):
-    """Buffers of a solve.
-
-    Attributes:
-        R: Rotation of the tool, shape (3, 3).
-        p: Position of the tool, shape (3,).
-        z: Joint axes, shape (n, 3).
-        o: Joint origins, shape (n, 3).
-        E: Rotation from the tool to the target, shape (3, 3).
-        turn: Its rotation vector, shape (3,).
-        e: Error of the current configuration, shape (6,).
-        e_trial: Error of the trial, shape (6,).
-        Jt: Transposed Jacobian, shape (dof, 6).
-        A: Normal matrix, shape (6, 6).
-        L: Its Cholesky factor, shape (6, 6).
-        y: Right-hand side and solution, shape (6,).
-        dq: Step, shape (dof,).
-        free: Which joints move, shape (dof,).
-        trial: Trial configuration, shape (dof,).
-    """
-
-    R: Array
-    p: Array
-    z: Array
-    o: Array
-    E: Array
-    turn: Array
-    e: Array
-    e_trial: Array
-    Jt: Array
-    A: Array
-    L: Array
-    y: Array
-    dq: Array
-    free: NDArray[np.bool_]
-    trial: Array
-
-
-@kernel
-def new_workspace(chain: Chain) -> Workspace:
-    """Return the buffers for a chain."""
-    n, dof = chain.coupling.shape
-    return Workspace(
-        np.empty((3, 3)),
-        np.empty(3),
-        np.empty((n, 3)),
-        np.empty((n, 3)),
-        np.empty((3, 3)),
-        np.empty(3),
-        np.zeros(6),
-        np.zeros(6),
-        np.empty((dof, 6)),
-        np.empty((6, 6)),
-        np.empty((6, 6)),
-        np.empty(6),
-        np.empty(dof),
-        np.empty(dof, dtype=np.bool_),
-        np.empty(dof),
-    )
-
-
 @kernel
 def residual(
     chain: Chain, target: Target, q: Array, e: Array, w: Workspace
@@ -116,6 +58,10 @@ def residual(
     """
     forward_into(chain, q, w.R, w.p, w.z, w.o)
     distance, angle = pose_error(w.R, w.p, target.R, target.p, w.E, e, w.turn)
+    if target.freedom.axis >= 0:
+        angle = lean_error(target, e, w)
+    if target.freedom.boxed:
+        distance, angle = box_error(target, angle, e, w)
     weight = target.weight
     for i in range(3, 6):
         e[i] *= weight
@@ -129,9 +75,19 @@ def differentiate(chain: Chain, target: Target, w: Workspace) -> None:
     """Write the transposed Jacobian of the weighted error at the last :func:`residual`."""
     jacobian_into(chain, w.R, w.p, w.z, w.o, w.Jt)
     weight, Jt = target.weight, w.Jt
+    if target.freedom.axis >= 0 or target.freedom.boxed:
+        free_rows(target, w)
     for j in range(Jt.shape[0]):
         for i in range(3, 6):
             Jt[j, i] *= weight
+
+
+@kernel
+def target_error(chain: Chain, target: Target, q: Array) -> tuple[float, float]:
+    """Return the distance [m] and the rotation angle [rad] of q, shape (dof,), from a target."""
+    w = new_workspace(chain)
+    distance, angle, _ = residual(chain, target, q, w.e, w)
+    return distance, angle
 
 
 # The rows are always six, so that the compiler unrolls the loops; where no orientation counts, its

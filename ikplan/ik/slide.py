@@ -23,7 +23,7 @@ from ikplan.ik.refine import (
     solve_rows,
 )
 from ikplan.kinematics.chain import Chain
-from ikplan.kinematics.target import Target
+from ikplan.kinematics.target import Target, constraint_rows
 
 __all__ = ["nearest_on_manifold"]
 
@@ -137,7 +137,7 @@ def nearest_on_manifold(
         Evaluations spent.
     """
     dof = q.shape[0]
-    if dof <= (6 if target.oriented else 3):
+    if dof <= constraint_rows(target):
         return 0
     first_distance, first_angle, _ = residual(chain, target, q, w.e, w)
     evaluations = 1

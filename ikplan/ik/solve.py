@@ -15,11 +15,11 @@ from numpy.typing import ArrayLike, NDArray
 from ikplan.errors import InvalidRequest, Unreachable
 from ikplan.ik.arguments import check_options, check_start, check_tolerances, target_of
 from ikplan.ik.lm import solve_lm, solve_seeds
+from ikplan.ik.refine import target_error
 from ikplan.ik.registry import Solver, find_solver
 from ikplan.ik.search import Searcher
 from ikplan.ik.verdict import Miss, explain_miss
 from ikplan.kinematics.arm import Arm, arm_of
-from ikplan.kinematics.forward import forward
 from ikplan.kinematics.target import Target
 from ikplan.result import IkSolution
 
@@ -169,6 +169,7 @@ class PoseSolver:
             target.R,
             target.p,
             target.oriented,
+            *target.freedom,  # type: ignore[arg-type]
             q_start,
             lower,
             upper,
@@ -197,13 +198,12 @@ class PoseSolver:
 
 
 def pose_distance(arm: Arm, target: Target, q: Array) -> tuple[float, float]:
-    """Return the distance [m] and the rotation angle [rad] (0: none counts) of q from a target."""
-    R, p = forward(arm.chain, q)
-    distance = float(np.linalg.norm(p - target.p))
-    if not target.oriented:
-        return distance, 0.0
-    chord = float(np.linalg.norm(R - target.R))
-    return distance, 2.0 * math.asin(min(1.0, chord / (2.0 * math.sqrt(2.0))))
+    """Return the distance [m] and the rotation angle [rad] (0: none counts) of q from a target.
+
+    What the target leaves free counts as nothing.
+    """
+    distance, angle = target_error(arm.chain, target, np.ascontiguousarray(q))
+    return float(distance), float(angle)
 
 
 def solve_ik(

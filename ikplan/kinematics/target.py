@@ -9,13 +9,41 @@ from numpy.typing import NDArray
 
 from ikplan._jit import kernel
 
-__all__ = ["ORIENTATION_WEIGHT", "Target", "pose_defect", "pose_target"]
+__all__ = [
+    "ORIENTATION_WEIGHT",
+    "Freedom",
+    "Target",
+    "constraint_rows",
+    "no_freedom",
+    "pose_defect",
+    "pose_target",
+]
 
 Array = NDArray[np.float64]
 
 ORIENTATION_WEIGHT = 0.3
 """What one radian weighs against one metre while a solution is looked for: about the lever of a
 wrist; measured to take the fewest steps over the catalogue's arms [m/rad]."""
+
+
+class Freedom(NamedTuple):
+    """What need not hold at a target.
+
+    Attributes:
+        axis: Tool axis (0 x, 1 y, 2 z) about which the tool may turn; -1: none.
+        cone: How far that axis may lean [rad].
+        boxed: Whether the pose may be anywhere within a box around the target.
+        box: Half widths of the box, shape (6,): position [m], then rotation vector [rad].
+        in_tool: Whether the box is along the target's own axes; otherwise along ``R_box``.
+        R_box: Axes of the box in the base, shape (3, 3).
+    """
+
+    axis: int
+    cone: float
+    boxed: bool
+    box: Array
+    in_tool: bool
+    R_box: Array
 
 
 class Target(NamedTuple):
@@ -26,12 +54,19 @@ class Target(NamedTuple):
         p: Position of the tool in the base, shape (3,) [m].
         oriented: Whether the orientation counts.
         weight: What one radian of rotation weighs against one metre of distance [m/rad].
+        freedom: What need not hold.
     """
 
     R: Array
     p: Array
     oriented: bool
     weight: float
+    freedom: Freedom
+
+
+def no_freedom() -> Freedom:
+    """Return the freedom of a target that must be met exactly."""
+    return Freedom(-1, 0.0, False, np.zeros(6), True, np.eye(3))
 
 
 @kernel
@@ -60,10 +95,32 @@ def pose_defect(R: Array, p: Array) -> float:
 
 
 def pose_target(
-    position: Array, rotation: Array | None = None, weight: float = ORIENTATION_WEIGHT
+    position: Array,
+    rotation: Array | None = None,
+    weight: float = ORIENTATION_WEIGHT,
+    freedom: Freedom | None = None,
 ) -> Target:
     """Return the target of a position, shape (3,) [m], and a rotation, shape (3, 3), if any."""
     p = np.ascontiguousarray(position, dtype=np.float64)
+    freedom = freedom or no_freedom()
     if rotation is None:
-        return Target(np.eye(3), p, False, 0.0)
-    return Target(np.ascontiguousarray(rotation, dtype=np.float64), p, True, weight)
+        return Target(np.eye(3), p, False, 0.0, freedom)
+    return Target(np.ascontiguousarray(rotation, dtype=np.float64), p, True, weight, freedom)
+
+
+@kernel
+def constraint_rows(target: Target) -> int:
+    """Return how many of the tool's six degrees of freedom a target fixes everywhere."""
+    freedom = target.freedom
+    if freedom.boxed:
+        rows = 0
+        for i in range(6 if target.oriented and freedom.axis < 0 else 3):
+            if freedom.box[i] == 0.0:
+                rows += 1
+    else:
+        rows = 3
+        if target.oriented and freedom.axis < 0:
+            rows = 6
+    if target.oriented and freedom.axis >= 0 and freedom.cone == 0.0:
+        rows += 2
+    return rows

@@ -18,7 +18,7 @@ from ikplan._jit import kernel
 from ikplan.ik.lm import nearest_turns, restart_into
 from ikplan.ik.refine import Effort, Workspace, new_workspace, refine
 from ikplan.kinematics.chain import Chain
-from ikplan.kinematics.target import Target
+from ikplan.kinematics.target import Freedom, Target, constraint_rows
 
 __all__ = ["Candidates", "Targets", "grow_candidates", "target_at"]
 
@@ -33,12 +33,14 @@ class Targets(NamedTuple):
         p: Positions wanted in the base, shape (n, 3) [m].
         oriented: Whether the rotation counts, shape (n,).
         weight: What one radian weighs against one metre, shape (n,) [m/rad].
+        freedom: What need not hold at any of them.
     """
 
     R: Array
     p: Array
     oriented: NDArray[np.bool_]
     weight: Array
+    freedom: Freedom
 
 
 class Candidates(NamedTuple):
@@ -46,19 +48,21 @@ class Candidates(NamedTuple):
 
     Attributes:
         q: Solutions, shape (n, cap, dof) [rad or m].
-        count: How many each waypoint has, shape (n,).
+        counts: How many each waypoint has, shape (n,).
         evaluations: Forward-kinematics evaluations spent, shape (1,).
     """
 
     q: Array
-    count: NDArray[np.int64]
+    counts: NDArray[np.int64]
     evaluations: NDArray[np.int64]
 
 
 @kernel
 def target_at(targets: Targets, k: int) -> Target:
     """Return target k."""
-    return Target(targets.R[k], targets.p[k], targets.oriented[k], targets.weight[k])
+    return Target(
+        targets.R[k], targets.p[k], targets.oriented[k], targets.weight[k], targets.freedom
+    )
 
 
 @kernel
@@ -117,9 +121,9 @@ def grow_candidates(
     spread = 0
     for k in range(n):
         target = target_at(targets, k)
-        redundant = dof > (6 if target.oriented else 3)
+        redundant = dof > constraint_rows(target)
         spacing = 0.08 if redundant else 1e-4
-        before = found.count[k - 1] if k > 0 else 0
+        before = found.counts[k - 1] if k > 0 else 0
         fresh_here = fresh if before > 0 else first
         given = before + 1 + seeds.shape[1]
         count = 0
@@ -139,7 +143,7 @@ def grow_candidates(
                 if s >= before:
                     nearest_turns(chain, q, q_start, lower, upper)
                 count = _keep(q, spacing, found.q[k], count)
-        found.count[k] = _add_turns(chain, found.q[k], count, lower, upper)
+        found.counts[k] = _add_turns(chain, found.q[k], count, lower, upper)
     return found
 
 

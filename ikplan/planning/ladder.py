@@ -38,11 +38,11 @@ def _climb(candidates: Candidates, q_start: Array, start_free: bool) -> tuple[Ar
     n, cap, _ = candidates.q.shape
     cost = np.full((n, cap), np.inf)
     parent = np.zeros((n, cap), dtype=np.int64)
-    for j in range(candidates.count[0]):
+    for j in range(candidates.counts[0]):
         cost[0, j] = 0.0 if start_free else _distance(candidates.q[0, j], q_start)
     for k in range(1, n):
-        for j in range(candidates.count[k]):
-            for i in range(candidates.count[k - 1]):
+        for j in range(candidates.counts[k]):
+            for i in range(candidates.counts[k - 1]):
                 if cost[k - 1, i] < cost[k, j]:
                     total = cost[k - 1, i] + _distance(candidates.q[k, j], candidates.q[k - 1, i])
                     if total < cost[k, j]:
@@ -57,12 +57,12 @@ def _descend(candidates: Candidates) -> tuple[Array, Indices]:
     n, cap, _ = candidates.q.shape
     cost = np.full((n, cap), np.inf)
     child = np.zeros((n, cap), dtype=np.int64)
-    for j in range(candidates.count[n - 1]):
+    for j in range(candidates.counts[n - 1]):
         cost[n - 1, j] = 0.0
     for back in range(n - 1):
         k = n - 2 - back
-        for j in range(candidates.count[k]):
-            for i in range(candidates.count[k + 1]):
+        for j in range(candidates.counts[k]):
+            for i in range(candidates.counts[k + 1]):
                 if cost[k + 1, i] < cost[k, j]:
                     total = cost[k + 1, i] + _distance(candidates.q[k, j], candidates.q[k + 1, i])
                     if total < cost[k, j]:

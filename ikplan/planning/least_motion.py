@@ -82,12 +82,13 @@ def choose_least_motion(problem: WaypointProblem) -> Chosen:
 
 
 def stack_targets(targets: list[Target]) -> Targets:
-    """Return targets as arrays."""
+    """Return targets, which share their freedom, as arrays."""
     return Targets(
         np.array([t.R for t in targets]),
         np.array([t.p for t in targets]),
         np.array([t.oriented for t in targets]),
         np.array([t.weight for t in targets]),
+        targets[0].freedom,
     )
 
 
@@ -116,10 +117,10 @@ def _rescue(problem: WaypointProblem, candidates: Candidates) -> int:
         Unreachable: There is none within tolerance.
     """
     evaluations = 0
-    for k in np.flatnonzero(candidates.count == 0):
+    for k in np.flatnonzero(candidates.counts == 0):
         problem.clock.check()
         q_near = candidates.q[k - 1, 0] if k > 0 else problem.q_start
         candidates.q[k, 0], spent = solve_waypoint(problem, int(k), q_near)
-        candidates.count[k] = 1
+        candidates.counts[k] = 1
         evaluations += spent
     return evaluations

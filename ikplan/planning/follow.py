@@ -1,0 +1,320 @@
+"""Joint stations along a tool path, dense enough that the spline through them stays on it.
+
+First the arm is led along the path in steps that are halved wherever they do not hold (see
+:mod:`ikplan.planning.track`), from each start there is; then the self-motion of a redundant arm is
+used to shorten the joint motion; then stations are added wherever the joint spline between them
+leaves the path, and nowhere else.
+"""
+
+from __future__ import annotations
+
+import itertools
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ikplan.kinematics.arm import Arm
+from ikplan.kinematics.forward import forward_batch
+from ikplan.kinematics.target import ORIENTATION_WEIGHT, Freedom, constraint_rows
+from ikplan.planning.candidates import Targets, target_at
+from ikplan.planning.clock import Clock
+from ikplan.planning.polish import motion_length, polish
+from ikplan.planning.track import errors_at, first_break, onto_targets, track
+from ikplan.request import Tolerance
+from ikplan.timing import JointLimits, JointPath
+
+__all__ = ["Followed", "Follower", "Guide", "Lost", "targets_at"]
+
+Array = NDArray[np.float64]
+
+_EXACT = 1e-9
+_FIRST_STEP = 0.04
+"""Spacing of the first stations [m, or m-equivalent of a rotation]."""
+_FINEST = 2.0**-13
+"""Smallest step, as a share of the path's length."""
+_DEVIATION_SHARE = 0.5
+"""Share of the tolerance that the joint spline may use up."""
+_MOST_STATIONS = 20_000
+_INSIDE = np.array([0.2, 0.5, 0.8])
+"""Where between two stations the deviation is measured, as shares of the step."""
+
+
+class Guide(Protocol):
+    """A tool path in the base frame, as the follower needs it."""
+
+    @property
+    def length(self) -> float:
+        """Length [m; rotations count for about their lever]."""
+
+    @property
+    def corners(self) -> Array:
+        """Path positions where the direction jumps and the motion stops, shape (c,)."""
+
+    @property
+    def waypoint_s(self) -> Array:
+        """Path positions of the waypoints asked for, shape (n,)."""
+
+    def poses(self, s: Array) -> tuple[Array, Array]:
+        """Rotations, shape (m, 3, 3), and positions, shape (m, 3) [m], at path positions."""
+
+    def oriented(self, s: Array) -> NDArray[np.bool_]:
+        """Where an orientation is asked for, shape (m,)."""
+
+
+@dataclass(frozen=True)
+class Followed:
+    """Stations of a path that was followed to its end.
+
+    Attributes:
+        s: Path positions, shape (m,).
+        q: Configurations, shape (m, dof) [rad or m].
+        rest: Indices of the stations where the motion stops.
+        waypoint: Indices of the stations of the waypoints, shape (n,).
+        length: Sum of the joint distances, the move to the first station included.
+        evaluations: Forward-kinematics evaluations spent.
+    """
+
+    s: Array
+    q: Array
+    rest: list[int]
+    waypoint: NDArray[np.int64]
+    length: float
+    evaluations: int
+
+
+class Lost(Exception):
+    """The arm could not be led farther along the path.
+
+    Attributes:
+        s: Path position of the last station reached.
+        q: Its configuration, shape (dof,) [rad or m].
+        evaluations: Forward-kinematics evaluations spent.
+    """
+
+    def __init__(self, s: float, q: Array, evaluations: int) -> None:
+        super().__init__(f"lost the path at {s:.6g}")
+        self.s = s
+        self.q = q
+        self.evaluations = evaluations
+
+
+def targets_at(guide: Guide, freedom: Freedom, s: Array) -> Targets:
+    """Return the targets of path positions, shape (m,)."""
+    R, p = guide.poses(s)
+    oriented = guide.oriented(s)
+    return Targets(
+        np.ascontiguousarray(R),
+        np.ascontiguousarray(p),
+        oriented,
+        np.where(oriented, ORIENTATION_WEIGHT, 0.0),
+        freedom,
+    )
+
+
+@dataclass(frozen=True)
+class Follower:
+    """Leads an arm along tool paths.
+
+    Attributes:
+        arm: The arm.
+        limits: Its position limits.
+        freedom: What need not hold along the path.
+        tolerance: How far from the path the tool may be.
+        clock: The time budget.
+    """
+
+    arm: Arm
+    limits: JointLimits
+    freedom: Freedom
+    tolerance: Tolerance
+    clock: Clock
+
+    def follow(self, guide: Guide, starts: Array, costs: Array) -> Followed:
+        """Lead the arm along a tool path.
+
+        Args:
+            guide: The path.
+            starts: Configurations at the path's first pose, shape (c, dof), c >= 1 [rad or m].
+            costs: Joint motion already spent to get to each, shape (c,).
+
+        Returns:
+            The stations of the way with the least joint motion.
+
+        Raises:
+            Lost: From no start can the path be followed to its end; of the one that got farthest.
+            BudgetExceeded: The time budget ran out.
+        """
+        ways, evaluations = self._ways(guide, starts, costs)
+        length, s, q = ways[0]
+        if self._redundant(guide):
+            for way_length, s_way, q_way in ways[:3]:
+                self.clock.check()
+                q_short, spent = self._shorten(guide, s_way, q_way)
+                evaluations += spent
+                spared = _length(q_way) - _length(q_short)
+                if way_length - spared < length:
+                    length, s, q = way_length - spared, s_way, q_short
+        s, q, rest, spent = self._densify(guide, s, q)
+        waypoint = np.searchsorted(s, guide.waypoint_s - 1e-12 * max(guide.length, 1.0))
+        return Followed(s, q, rest, waypoint, length, evaluations + spent)
+
+    def _bounds(self, q: Array) -> tuple[Array, Array]:
+        return self.arm.search_bounds(q)
+
+    def _redundant(self, guide: Guide) -> bool:
+        targets = targets_at(guide, self.freedom, np.array([0.5 * guide.length]))
+        return self.arm.dof > constraint_rows(target_at(targets, 0))
+
+    def _ways(
+        self, guide: Guide, starts: Array, costs: Array
+    ) -> tuple[list[tuple[float, Array, Array]], int]:
+        """Length, stations and configurations from each start, shortest first; evaluations."""
+        ways: list[tuple[float, Array, Array]] = []
+        farthest: Lost | None = None
+        evaluations = 0
+        for q_start, cost in zip(starts, costs, strict=True):
+            self.clock.check()
+            try:
+                s, q, spent = self._lead(guide, q_start)
+            except Lost as lost:
+                evaluations += lost.evaluations
+                if farthest is None or lost.s > farthest.s:
+                    farthest = lost
+                continue
+            evaluations += spent
+            ways.append((float(cost) + _length(q), s, q))
+        if ways:
+            return sorted(ways, key=lambda way: way[0]), evaluations
+        if farthest is None:
+            raise ValueError("no start was given")
+        farthest.evaluations = evaluations
+        raise farthest
+
+    def _lead(self, guide: Guide, q_start: Array) -> tuple[Array, Array, int]:
+        """Return stations and configurations from one start to the end of the path."""
+        lower, upper = self._bounds(q_start)
+        s = _first_stations(guide)
+        q = np.empty((len(s), self.arm.dof))
+        q[0] = q_start
+        targets = targets_at(guide, self.freedom, s)
+        redundant = self._redundant(guide)
+        reached, evaluations = 0, 0
+        while True:
+            reached, spent = track(
+                self.arm.chain, targets, s, q, reached, lower, upper, _EXACT, redundant
+            )
+            evaluations += spent
+            if reached == len(s) - 1:
+                return s, q, evaluations
+            step = s[reached + 2] - s[reached]
+            if step < _FINEST * guide.length or len(s) > _MOST_STATIONS:
+                raise Lost(float(s[reached]), q[reached].copy(), evaluations)
+            self.clock.check()
+            halves = 0.5 * (s[reached : reached + 2] + s[reached + 1 : reached + 3])
+            s = np.sort(np.concatenate([s, halves]))
+            q = np.vstack([q[: reached + 1], np.empty((len(s) - reached - 1, q.shape[1]))])
+            targets = targets_at(guide, self.freedom, s)
+
+    def _shorten(self, guide: Guide, s: Array, q: Array) -> tuple[Array, int]:
+        """Shorten the way by the arm's self-motion, as long as it stays one way."""
+        lower, upper = self._bounds(q[0])
+        shorter = np.ascontiguousarray(q[1:])
+        _, evaluations = polish(
+            self.arm.chain,
+            targets_at(guide, self.freedom, s[1:]),
+            shorter,
+            q[0],
+            False,
+            lower,
+            upper,
+            30,
+            1e-4,
+        )
+        shorter = np.vstack([q[:1], shorter])
+        targets = targets_at(guide, self.freedom, s)
+        broken, spent = first_break(self.arm.chain, targets, shorter, lower, upper, _EXACT)
+        whole = broken == len(s) - 1
+        return (shorter if whole else q), evaluations + spent
+
+    def _densify(self, guide: Guide, s: Array, q: Array) -> tuple[Array, Array, list[int], int]:
+        """Add stations until the joint spline through them stays on the path."""
+        lower, upper = self._bounds(q[0])
+        evaluations = 0
+        while True:
+            self.clock.check()
+            rest = _rest_stations(guide, s)
+            path = JointPath.through(q, self.limits, rest_at=rest)
+            off = self._interval_deviation(guide, s, path)
+            evaluations += len(_INSIDE) * (len(s) - 1)
+            wide = np.flatnonzero(off > _DEVIATION_SHARE)
+            if len(wide) == 0 or len(s) > _MOST_STATIONS:
+                return s, q, rest, evaluations
+            middle = 0.5 * (s[wide] + s[wide + 1])
+            knots = path.s_waypoints
+            q_middle = np.clip(path(0.5 * (knots[wide] + knots[wide + 1])), lower, upper)
+            left, spent = onto_targets(
+                self.arm.chain, targets_at(guide, self.freedom, middle), q_middle, lower, upper
+            )
+            evaluations += spent
+            bad = np.flatnonzero(left > _EXACT)
+            if len(bad):
+                raise Lost(float(s[wide[bad[0]]]), q[wide[bad[0]]].copy(), evaluations)
+            order = np.argsort(np.concatenate([s, middle]), kind="stable")
+            s = np.concatenate([s, middle])[order]
+            q = np.ascontiguousarray(np.vstack([q, q_middle])[order])
+
+    def _interval_deviation(self, guide: Guide, s: Array, path: JointPath) -> Array:
+        """Largest share of the tolerance used between each two stations, shape (m - 1,)."""
+        knots = path.s_waypoints
+        sigma = (knots[:-1, None] + np.diff(knots)[:, None] * _INSIDE).ravel()
+        near = (s[:-1, None] + np.diff(s)[:, None] * _INSIDE).ravel()
+        q = np.ascontiguousarray(path(sigma))
+        _, p = forward_batch(self.arm.chain, q)
+        low, high = np.repeat(s[:-1], len(_INSIDE)), np.repeat(s[1:], len(_INSIDE))
+        near = _nearest_places(guide, near, p, low, high)
+        distance, angle = errors_at(self.arm.chain, targets_at(guide, self.freedom, near), q)
+        tolerance = self.tolerance
+        off = np.maximum(distance / tolerance.position, angle / tolerance.orientation)
+        return np.asarray(off.reshape(-1, len(_INSIDE)).max(axis=1))
+
+
+def _length(q: Array) -> float:
+    """Sum of the joint distances along stations, shape (m, dof)."""
+    return motion_length(q, q[0], True)
+
+
+def _first_stations(guide: Guide) -> Array:
+    """Stations that include every corner and waypoint, an even number of steps between them."""
+    marks = np.unique(np.concatenate([[0.0], guide.corners, guide.waypoint_s, [guide.length]]))
+    marks = marks[np.concatenate([[True], np.diff(marks) > 1e-12 * max(guide.length, 1.0)])]
+    parts = [marks[:1]]
+    for a, b in itertools.pairwise(marks):
+        steps = 2 * max(2, int(np.ceil((b - a) / (2.0 * _FIRST_STEP))))
+        parts.append(np.linspace(a, b, steps + 1)[1:])
+    return np.concatenate(parts)
+
+
+def _rest_stations(guide: Guide, s: Array) -> list[int]:
+    """Indices of the stations at the corners."""
+    return [int(k) for k in np.searchsorted(s, guide.corners - 1e-12 * max(guide.length, 1.0))]
+
+
+def _nearest_places(guide: Guide, near: Array, p: Array, low: Array, high: Array) -> Array:
+    """Places on the path nearest to tool positions, to second order: one step along the tangent.
+
+    Args:
+        guide: The path.
+        near: Path positions to begin from, shape (m,).
+        p: Tool positions, shape (m, 3) [m].
+        low: Smallest path position of each, shape (m,).
+        high: Largest path position of each, shape (m,).
+    """
+    h = 1e-4 * guide.length
+    ahead, behind = np.minimum(near + h, guide.length), np.maximum(near - h, 0.0)
+    tangent = (guide.poses(ahead)[1] - guide.poses(behind)[1]) / (ahead - behind)[:, None]
+    speed = np.linalg.norm(tangent, axis=1)
+    along = np.einsum("ij,ij->i", p - guide.poses(near)[1], tangent)
+    step = np.where(speed > 1e-6, along / np.maximum(speed**2, 1e-12), 0.0)
+    return np.clip(near + step, low, high)

@@ -58,5 +58,5 @@ class Waypoint(Document):
 class Tolerance(Document):
     """How far from a waypoint or the path the tool may be."""
 
-    position: float = Field(1e-4, gt=0, le=1, description="Position tolerance [m].")
-    orientation: float = Field(1e-3, gt=0, le=3.2, description="Orientation tolerance [rad].")
+    position: float = Field(1e-4, ge=1e-8, le=1, description="Position tolerance [m].")
+    orientation: float = Field(1e-3, ge=1e-8, le=3.2, description="Orientation tolerance [rad].")

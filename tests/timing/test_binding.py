@@ -11,7 +11,8 @@ from ikplan.timing.compiled_engine import CompiledEngine
 from ikplan.timing.engine import EngineFailed
 from ikplan.timing.rows import StageRows
 from ikplan.timing.toppra_engine import ToppraEngine
-from tests.timing.test_timing_limits_kept import assert_keeps_limits, make_limits
+
+from .cases import assert_keeps_limits, make_limits
 
 NAMES = ("a", "b")
 LINE = JointLimits([-99, -99], [99, 99], [1.0, 5.0], [2.0, 50.0], NAMES)  # type: ignore[arg-type]

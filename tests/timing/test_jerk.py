@@ -20,7 +20,8 @@ from ikplan.timing import (
     what_if,
 )
 from ikplan.timing.models import tool_motion
-from tests.timing.test_timing_limits_kept import (
+
+from .cases import (
     CASES,
     DOF,
     assert_keeps_limits,

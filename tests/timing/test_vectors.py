@@ -11,7 +11,8 @@ import pytest
 
 from ikplan import errors
 from ikplan.timing import JointLimits, Retimed, retime
-from tests.timing.test_timing_limits_kept import assert_keeps_limits, assert_meets_waypoints
+
+from .cases import assert_keeps_limits, assert_meets_waypoints
 
 FOLDER = Path(__file__).parents[1] / "vectors" / "timing"
 VECTORS = {path.stem: json.loads(path.read_text()) for path in sorted(FOLDER.glob("*.json"))}

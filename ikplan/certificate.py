@@ -6,7 +6,6 @@ No kernel, path or timing code of the planner is used.
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from typing import Any
 
@@ -15,6 +14,7 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from ikplan.errors import CertificateViolated
+from ikplan.least_elongation import elongation_lower_bound
 from ikplan.request import PathRequest
 from ikplan.result import Certificate, LimitPlace
 from ikplan.robots import Robot
@@ -65,12 +65,15 @@ def certify(claim: Claim) -> Certificate:
         CertificateViolated: A promise is broken; carries the certificate and which.
     """
     robot = claim.robot
+    _check_numbers(claim)
     violations = _continuity(claim)
     poses = _wanted_poses(claim)
-    position_error, orientation_error = _waypoint_errors(claim, poses)
+    errors = _waypoint_errors(claim, poses)
+    position_error = max((distance for distance, _ in errors), default=None)
+    orientation_error = max((turn for _, turn in errors if turn is not None), default=None)
     if claim.path is not None:
         tolerance = claim.path.tolerance
-        if position_error > tolerance.position:
+        if (position_error or 0.0) > tolerance.position:
             violations.append(f"a waypoint is missed by {position_error:.3g} m")
         if (orientation_error or 0.0) > tolerance.orientation:
             violations.append(f"a waypoint is missed by {orientation_error:.3g} rad")
@@ -94,6 +97,9 @@ def certify(claim: Claim) -> Certificate:
             )
     elongation = _elongations(claim)
     singular_value, singular_time = _least_singular_value(claim)
+    shortest = float(elongation.sum())
+    if claim.path is not None:
+        shortest = elongation_lower_bound(robot, claim.q_start, poses, errors)
     certificate = Certificate(
         valid=not violations,
         max_position_error=position_error,
@@ -109,7 +115,7 @@ def certify(claim: Claim) -> Certificate:
         min_singular_value=singular_value,
         min_singular_value_time=singular_time,
         elongation_sum=float(elongation.sum()),
-        elongation_lower_bound=_elongation_lower_bound(claim, poses),
+        elongation_lower_bound=shortest,
     )
     if violations:
         raise CertificateViolated(
@@ -142,15 +148,19 @@ def _wanted_poses(claim: Claim) -> list[tuple[Array, Any]]:
     return poses
 
 
-def _waypoint_errors(claim: Claim, poses: list[tuple[Array, Any]]) -> tuple[float, float | None]:
-    """Largest distance [m] and rotation [rad] of the waypoints from what was asked for."""
-    distances, angles = [0.0], []
+def _waypoint_errors(
+    claim: Claim, poses: list[tuple[Array, Any]]
+) -> list[tuple[float, float | None]]:
+    """Distance [m] and rotation (None: any) [rad] of each waypoint from what was asked for."""
+    errors: list[tuple[float, float | None]] = []
     for q, (position, rotation) in zip(claim.waypoint_q, poses, strict=bool(poses)):
         T_base_tool = claim.robot.fk(q)
-        distances.append(float(np.linalg.norm(T_base_tool.translation - position)))
+        distance = float(np.linalg.norm(T_base_tool.translation - position))
+        turn = None
         if rotation is not None:
-            angles.append(float(np.linalg.norm(pin.log3(T_base_tool.rotation.T @ rotation))))
-    return max(distances), max(angles) if angles else None
+            turn = float(np.linalg.norm(pin.log3(T_base_tool.rotation.T @ rotation)))
+        errors.append((distance, turn))
+    return errors
 
 
 def _worst(claim: Claim, ratios: Array, counted: Any = None) -> tuple[float, LimitPlace]:
@@ -162,6 +172,23 @@ def _worst(claim: Claim, ratios: Array, counted: Any = None) -> tuple[float, Lim
     return float(ratios[row, joint]), place
 
 
+def _check_numbers(claim: Claim) -> None:
+    """Refuse what is not finite before it slips through every comparison.
+
+    Raises:
+        CertificateViolated: Names the arrays.
+    """
+    names = ("waypoint_q", "waypoint_time", "time", "q", "dq", "ddq")
+    bad = [name for name in names if not np.isfinite(getattr(claim, name)).all()]
+    if bad:
+        violation = f"not every number is finite in {', '.join(bad)}"
+        raise CertificateViolated(
+            f"the finished trajectory broke a promise: {violation}",
+            certificate={},
+            violations=[violation],
+        )
+
+
 def _continuity(claim: Claim) -> list[str]:
     """What is wrong with the samples as one motion: ends, order of time, jumps.
 
@@ -169,7 +196,7 @@ def _continuity(claim: Claim) -> list[str]:
     where its velocity would bring it: a sample or a waypoint farther off is a hidden jump.
     """
     wrong = []
-    steps = np.diff(claim.time)
+    steps, end = np.diff(claim.time), claim.time[-1]
     if claim.time[0] != 0.0 or (steps <= 0.0).any():
         wrong.append("sample times do not increase strictly from 0")
     if claim.dq[0].any() or claim.dq[-1].any():
@@ -185,11 +212,17 @@ def _continuity(claim: Claim) -> list[str]:
         wrong.append("velocities jump between samples")
     if (np.abs(np.diff(claim.q, axis=0) - claim.dq[:-1] * dt) > 0.5 * a * dt**2 + rounding).any():
         wrong.append("positions jump between samples")
-    at = np.clip(np.searchsorted(claim.time, claim.waypoint_time, side="right") - 1, 0, None)
-    since = (claim.waypoint_time - claim.time[at])[:, None]
-    reached = np.abs(claim.waypoint_q - claim.q[at] - claim.dq[at] * since)
-    if (reached > 0.5 * a * since**2 + rounding).any() or (since < 0.0).any():
-        wrong.append("a waypoint is not passed at its time")
+    passed = claim.waypoint_time
+    if (np.diff(passed) < 0.0).any() or passed[0] < 0.0 or abs(passed[-1] - end) > 1e-9 * end:
+        wrong.append("waypoint times do not increase to the end of the motion")
+    # Seen from the sample before and from the sample after.
+    at = np.clip(np.searchsorted(claim.time, passed, side="right") - 1, 0, None)
+    for k in (at, np.minimum(at + 1, len(claim.time) - 1)):
+        away = (passed - claim.time[k])[:, None]
+        reached = np.abs(claim.waypoint_q - claim.q[k] - claim.dq[k] * away)
+        if (reached > 0.5 * a * away**2 + rounding).any():
+            wrong.append("a waypoint is not passed at its time")
+            break
     return wrong
 
 
@@ -215,55 +248,3 @@ def _least_singular_value(claim: Claim) -> tuple[float, float]:
     found = values(fine)
     k = int(np.argmin(found))
     return float(found[k]), float(claim.time[fine[k]])
-
-
-def _elongation_lower_bound(claim: Claim, poses: list[tuple[Array, Any]]) -> float:
-    """A joint motion that no plan through the waypoints can undercut [rad or m].
-
-    Joint i moves the tool by at most r_i per radian, r_i the length of the arm from its axis to
-    the tool, and turns it by at most one radian. So by Cauchy-Schwarz a joint step of length e
-    moves the tool by at most sqrt(sum r_i^2) e and turns it by at most sqrt(n) e.
-    """
-    robot = claim.robot
-    if not poses:
-        return float(_elongations(claim).sum())
-    reach = _joint_reach(robot)
-    per_step_linear = math.sqrt(float((reach**2).sum()))
-    turning = robot.coupling[~np.array([_slides(robot, k) for k in range(robot.model.nv)])]
-    per_step_angular = float(np.linalg.norm(turning, 2) * math.sqrt(max(len(turning), 1)))
-    begin = robot.fk(claim.q_start) if claim.q_start is not None else None
-    before = poses[0] if begin is None else (begin.translation, begin.rotation)
-    total = 0.0
-    for pose in poses:
-        step = float(np.linalg.norm(pose[0] - before[0])) / per_step_linear
-        if pose[1] is not None and before[1] is not None:
-            angle = float(np.linalg.norm(pin.log3(before[1].T @ pose[1])))
-            step = max(step, angle / per_step_angular)
-        total += step
-        before = pose
-    return total
-
-
-def _slides(robot: Robot, joint: int) -> bool:
-    """Whether serial joint ``joint`` is prismatic."""
-    return "P" in robot.model.joints[joint + 1].shortname().removeprefix("JointModel")[:2]
-
-
-def _joint_reach(robot: Robot) -> Array:
-    """Largest tool motion per unit of each joint value, shape (dof,) [m/rad, or 1 for sliding]."""
-    model = robot.model
-    T_tip_tool = model.frames[robot.tip_frame_id].placement * robot.T_tip_tool
-    links = [
-        float(np.linalg.norm(model.jointPlacements[j].translation)) for j in range(2, model.njoints)
-    ]
-    links.append(float(np.linalg.norm(T_tip_tool.translation)))
-    slide = [
-        max(abs(float(model.lowerPositionLimit[j])), abs(float(model.upperPositionLimit[j])))
-        if _slides(robot, j)
-        else 0.0
-        for j in range(model.nv)
-    ]
-    reach = np.zeros(model.nv)
-    for j in range(model.nv):
-        reach[j] = 1.0 if _slides(robot, j) else sum(links[j:]) + sum(slide[j + 1 :])
-    return np.asarray(np.abs(robot.coupling).T @ reach)

@@ -40,7 +40,9 @@ class Certificate(_Result):
     """What an independent check by Pinocchio measured on the finished samples."""
 
     valid: bool = Field(description="Every promise is kept; a plan without it is never returned.")
-    max_position_error: float = Field(description="Largest distance at a waypoint [m].")
+    max_position_error: float | None = Field(
+        description="Largest distance at a waypoint [m]; null: the waypoints are joint values."
+    )
     max_orientation_error: float | None = Field(
         description="Largest rotation at a waypoint [rad]; null: no waypoint gives an orientation."
     )
@@ -68,7 +70,8 @@ class Certificate(_Result):
         description="Sum over the waypoints of the joint distance from the one before [rad or m]."
     )
     elongation_lower_bound: float = Field(
-        description="No joint motion through these waypoints can be shorter [rad or m]."
+        description="No joint motion that passes the waypoints as exactly can be shorter "
+        "[rad or m]."
     )
 
 

@@ -14,8 +14,9 @@ __all__ = ["certificate_rows"]
 def certificate_rows(plan: Plan) -> list[tuple[str, str]]:
     """Return the certificate as rows of a name and a value with its unit."""
     c = plan.certificate
-    at_waypoints = _both(c.max_position_error, c.max_orientation_error)
-    rows = [("error at waypoints", at_waypoints)]
+    rows = []
+    if c.max_position_error is not None:
+        rows.append(("error at waypoints", _both(c.max_position_error, c.max_orientation_error)))
     if c.max_path_deviation is not None:
         between = _both(c.max_path_deviation, c.max_orientation_deviation)
         rows.append(("deviation from the path", between))

@@ -156,9 +156,7 @@ def cost() -> None:
     limits = JointLimits.from_robot(robot)
     turn = np.linspace(0.0, 4.0 * np.pi, 20)[:, None]
     q = 0.3 * np.sin(turn + np.arange(7)) + 0.05 * turn * np.array([0, 0.1, 0.5, 0.1, 0.2, 0, 1])
-    model, data = pin.buildSampleModelManipulator(), None
-    data = model.createData()
-    neutral = pin.neutral(model)
+    model, data, home = robot.model, robot.model.createData(), robot.configuration(robot.home)
     path = JointPath.through(q, limits)
     timed = time_joint_path(path, limits)
     n = len(timed.s)
@@ -173,9 +171,7 @@ def cost() -> None:
     best = dict.fromkeys(jobs, np.inf)
     fk = np.inf
     for _ in range(5):
-        fk = min(
-            fk, median_time(lambda: pin.framesForwardKinematics(model, data, neutral), 5, 2000)
-        )
+        fk = min(fk, median_time(lambda: pin.framesForwardKinematics(model, data, home), 5, 2000))
         for name, job in jobs.items():
             best[name] = min(best[name], median_time(job, 5, 3))
     print(f"  one framesForwardKinematics   {fk * 1e6:.2f} us;  grid of {n} nodes")

@@ -40,9 +40,14 @@ class Clock:
         finally:
             self.seconds[name] = self.seconds.get(name, 0.0) + time.perf_counter() - begin
 
+    @property
+    def left(self) -> float:
+        """Time left of the budget [s]."""
+        return self.budget_s - (time.perf_counter() - self._begin)
+
     def check(self, best: Mapping[str, Any] | None = None) -> None:
         """Raise BudgetExceeded, with the best so far, when the budget has run out."""
-        if time.perf_counter() - self._begin > self.budget_s:
+        if self.left < 0.0:
             raise BudgetExceeded(
                 f"the budget of {self.budget_s:g} s ran out in the stage {self._stage!r}; "
                 "a larger budget_s, fewer waypoints or a faster ik.method would help",

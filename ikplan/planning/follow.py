@@ -25,7 +25,7 @@ from ikplan.planning.track import errors_at, first_break, onto_targets, track
 from ikplan.request import Tolerance
 from ikplan.timing import JointLimits, JointPath
 
-__all__ = ["Followed", "Follower", "Guide", "Lost", "targets_at"]
+__all__ = ["Followed", "Follower", "Guide", "Lost"]
 
 Array = NDArray[np.float64]
 
@@ -59,7 +59,7 @@ class Guide(Protocol):
     def poses(self, s: Array) -> tuple[Array, Array]:
         """Rotations, shape (m, 3, 3), and positions, shape (m, 3) [m], at path positions."""
 
-    def oriented(self, s: Array) -> NDArray[np.bool_]:
+    def orientation_mask(self, s: Array) -> NDArray[np.bool_]:
         """Where an orientation is asked for, shape (m,)."""
 
 
@@ -100,19 +100,6 @@ class Lost(Exception):
         self.evaluations = evaluations
 
 
-def targets_at(guide: Guide, freedom: Freedom, s: Array) -> Targets:
-    """Return the targets of path positions, shape (m,)."""
-    R, p = guide.poses(s)
-    oriented = guide.oriented(s)
-    return Targets(
-        np.ascontiguousarray(R),
-        np.ascontiguousarray(p),
-        oriented,
-        np.where(oriented, ORIENTATION_WEIGHT, 0.0),
-        freedom,
-    )
-
-
 @dataclass(frozen=True)
 class Follower:
     """Leads an arm along tool paths.
@@ -121,6 +108,7 @@ class Follower:
         arm: The arm.
         limits: Its position limits.
         freedom: What need not hold along the path.
+        oriented: Whether orientations count at all.
         tolerance: How far from the path the tool may be.
         clock: The time budget.
     """
@@ -128,6 +116,7 @@ class Follower:
     arm: Arm
     limits: JointLimits
     freedom: Freedom
+    oriented: bool
     tolerance: Tolerance
     clock: Clock
 
@@ -160,11 +149,23 @@ class Follower:
         waypoint = np.searchsorted(s, guide.waypoint_s - 1e-12 * max(guide.length, 1.0))
         return Followed(s, q, rest, waypoint, length, evaluations + spent)
 
+    def targets_at(self, guide: Guide, s: Array) -> Targets:
+        """Return the targets of path positions, shape (m,)."""
+        R, p = guide.poses(s)
+        mask = guide.orientation_mask(s) & self.oriented
+        return Targets(
+            np.ascontiguousarray(R),
+            np.ascontiguousarray(p),
+            mask,
+            np.where(mask, ORIENTATION_WEIGHT, 0.0),
+            self.freedom,
+        )
+
     def _bounds(self, q: Array) -> tuple[Array, Array]:
         return self.arm.search_bounds(q)
 
     def _redundant(self, guide: Guide) -> bool:
-        targets = targets_at(guide, self.freedom, np.array([0.5 * guide.length]))
+        targets = self.targets_at(guide, np.array([0.5 * guide.length]))
         return self.arm.dof > constraint_rows(target_at(targets, 0))
 
     def _ways(
@@ -198,7 +199,7 @@ class Follower:
         s = _first_stations(guide)
         q = np.empty((len(s), self.arm.dof))
         q[0] = q_start
-        targets = targets_at(guide, self.freedom, s)
+        targets = self.targets_at(guide, s)
         redundant = self._redundant(guide)
         reached, evaluations = 0, 0
         while True:
@@ -215,7 +216,7 @@ class Follower:
             halves = 0.5 * (s[reached : reached + 2] + s[reached + 1 : reached + 3])
             s = np.sort(np.concatenate([s, halves]))
             q = np.vstack([q[: reached + 1], np.empty((len(s) - reached - 1, q.shape[1]))])
-            targets = targets_at(guide, self.freedom, s)
+            targets = self.targets_at(guide, s)
 
     def _shorten(self, guide: Guide, s: Array, q: Array) -> tuple[Array, int]:
         """Shorten the way by the arm's self-motion, as long as it stays one way."""
@@ -223,7 +224,7 @@ class Follower:
         shorter = np.ascontiguousarray(q[1:])
         _, evaluations = polish(
             self.arm.chain,
-            targets_at(guide, self.freedom, s[1:]),
+            self.targets_at(guide, s[1:]),
             shorter,
             q[0],
             False,
@@ -233,7 +234,7 @@ class Follower:
             1e-4,
         )
         shorter = np.vstack([q[:1], shorter])
-        targets = targets_at(guide, self.freedom, s)
+        targets = self.targets_at(guide, s)
         broken, spent = first_break(self.arm.chain, targets, shorter, lower, upper, _EXACT)
         whole = broken == len(s) - 1
         return (shorter if whole else q), evaluations + spent
@@ -255,7 +256,7 @@ class Follower:
             knots = path.s_waypoints
             q_middle = np.clip(path(0.5 * (knots[wide] + knots[wide + 1])), lower, upper)
             left, spent = onto_targets(
-                self.arm.chain, targets_at(guide, self.freedom, middle), q_middle, lower, upper
+                self.arm.chain, self.targets_at(guide, middle), q_middle, lower, upper
             )
             evaluations += spent
             bad = np.flatnonzero(left > _EXACT)
@@ -274,7 +275,7 @@ class Follower:
         _, p = forward_batch(self.arm.chain, q)
         low, high = np.repeat(s[:-1], len(_INSIDE)), np.repeat(s[1:], len(_INSIDE))
         near = _nearest_places(guide, near, p, low, high)
-        distance, angle = errors_at(self.arm.chain, targets_at(guide, self.freedom, near), q)
+        distance, angle = errors_at(self.arm.chain, self.targets_at(guide, near), q)
         tolerance = self.tolerance
         off = np.maximum(distance / tolerance.position, angle / tolerance.orientation)
         return np.asarray(off.reshape(-1, len(_INSIDE)).max(axis=1))

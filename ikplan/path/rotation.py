@@ -98,7 +98,8 @@ def exp(rotvec: Array) -> Array:
     angle = np.linalg.norm(rotvec, axis=-1)[..., None, None]
     a = np.sinc(angle / np.pi)
     b = 0.5 * np.sinc(0.5 * angle / np.pi) ** 2
-    return np.eye(3) + a * K + b * (K @ K)
+    rotation: Array = np.eye(3) + a * K + b * (K @ K)
+    return rotation
 
 
 def log(R: Array) -> Array:
@@ -110,12 +111,13 @@ def log(R: Array) -> Array:
     sine = np.linalg.norm(q[..., :3], axis=-1)
     angle = 2.0 * np.arctan2(sine, q[..., 3])
     factor = np.where(sine > 0.0, angle / np.where(sine > 0.0, sine, 1.0), 2.0)
-    return factor[..., None] * q[..., :3]
+    rotvec: Array = factor[..., None] * q[..., :3]
+    return rotvec
 
 
 def angle_between(A: Array, B: Array) -> Array:
     """Return the angle of the rotation from A to B, shape (...) [rad]."""
-    return np.linalg.norm(log(np.swapaxes(A, -1, -2) @ B), axis=-1)
+    return np.asarray(np.linalg.norm(log(np.swapaxes(A, -1, -2) @ B), axis=-1))
 
 
 def right_jacobian(rotvec: Array) -> Array:
@@ -127,7 +129,8 @@ def right_jacobian(rotvec: Array) -> Array:
     b = 0.5 * np.sinc(0.5 * angle / np.pi) ** 2
     series = 1.0 / 6.0 - square / 120.0 + square**2 / 5040.0
     c = np.where(angle < _SMALL, series, (safe - np.sin(safe)) / safe**3)
-    return np.eye(3) - b * K + c * (K @ K)
+    jacobian: Array = np.eye(3) - b * K + c * (K @ K)
+    return jacobian
 
 
 def right_jacobian_inverse(rotvec: Array) -> Array:
@@ -138,4 +141,6 @@ def right_jacobian_inverse(rotvec: Array) -> Array:
     square = angle * angle
     series = 1.0 / 12.0 + square / 720.0 + square**2 / 30240.0
     closed = 1.0 / safe**2 - 0.5 / (safe * np.tan(0.5 * safe))
-    return np.eye(3) + 0.5 * K + np.where(angle < _SMALL, series, closed) * (K @ K)
+    factor = np.where(angle < _SMALL, series, closed)
+    inverse: Array = np.eye(3) + 0.5 * K + factor * (K @ K)
+    return inverse

@@ -1,0 +1,43 @@
+"""The parts that a tool path is assembled from."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from ikplan.path.piece import Piece, Pose
+
+__all__ = ["Item", "Mark"]
+
+
+@dataclass(frozen=True)
+class Mark:
+    """A waypoint on an item.
+
+    Attributes:
+        s: Its length from the item's begin [m].
+        row: Its row among the waypoints of the request.
+        name: What the request calls it.
+        pose: The pose asked for.
+    """
+
+    s: float
+    row: int
+    name: str
+    pose: Pose
+
+
+@dataclass
+class Item:
+    """A piece with what belongs to it.
+
+    Attributes:
+        piece: The piece.
+        marks: The waypoints on it, those at its end included.
+        field: Field of the request that it comes from.
+        blend: Radius of the corner at its end [m]; None: that of the path.
+    """
+
+    piece: Piece
+    marks: list[Mark] = field(default_factory=list)
+    field: str = ""
+    blend: float | None = None

@@ -1,0 +1,117 @@
+"""Splines through poses, as items of a path."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ikplan.errors import InvalidRequest
+from ikplan.path.arc_length import ArcLength
+from ikplan.path.curved import CurvedPiece
+from ikplan.path.geodesic import AMBIGUOUS, refuse_half_turn, shortest_turn
+from ikplan.path.items import Item, Mark
+from ikplan.path.piece import Pose
+from ikplan.path.rotation import quaternion_of
+from ikplan.path.shapes import CubicShape
+from ikplan.path.steady import line
+from ikplan.path.turning import SplineTurning, SteadyTurning, Turning
+
+__all__ = ["spline_items"]
+
+Array = NDArray[np.float64]
+
+_SAME = 1e-9
+"""Positions this near to one another are one place [m]."""
+_LEAST_NORM = 0.4
+"""Below this the spline of the quaternions leaves the sphere too far to be brought back."""
+
+
+def spline_items(poses: Sequence[Pose], names: Sequence[str], rows: Sequence[int]) -> list[Item]:
+    """Return the items of a C2 curve through poses.
+
+    Args:
+        poses: The begin and the poses passed, two or more.
+        names: What the request calls them.
+        rows: Row of each pose but the first among the waypoints.
+
+    Raises:
+        InvalidRequest: Two neighbouring orientations are 180 degrees apart, or the orientations
+            turn too fast to be led through.
+    """
+    asked = zip(rows, names[1:], poses[1:], strict=True)
+    marks = [Mark(0.0, row, name, pose) for row, name, pose in asked]
+    steps = [np.linalg.norm(b.p - a.p) > _SAME for a, b in pairwise(poses)]
+    items: list[Item] = []
+    first = 0
+    for k, moves in enumerate([*steps, False]):
+        if moves:
+            continue
+        if k > first:
+            items += _run(poses[first : k + 1], names[first : k + 1], marks[first:k])
+        if k < len(steps):
+            items.append(_on_the_spot(poses[k : k + 2], names[k : k + 2], marks[k]))
+        first = k + 1
+    return items
+
+
+def _on_the_spot(poses: Sequence[Pose], names: Sequence[str], mark: Mark) -> Item:
+    turn = None
+    if poses[0].R is not None and poses[1].R is not None:
+        turn = shortest_turn(poses[0].R, poses[1].R, (names[0], names[1]), field=names[1])
+    piece = line(poses[0].p, poses[1].p, poses[0].R if turn is not None else None, turn)
+    return Item(piece, [replace(mark, s=piece.length)], names[1], 0.0)
+
+
+def _run(poses: Sequence[Pose], names: Sequence[str], marks: Sequence[Mark]) -> list[Item]:
+    """One curve through distinct positions, cut where the orientation begins or ends to count."""
+    oriented = np.array([pose.R is not None for pose in poses])
+    for k in np.flatnonzero(oriented[1:] & oriented[:-1]).tolist():
+        _check_turn(poses[k], poses[k + 1], (names[k], names[k + 1]))
+    if len(poses) == 2:
+        turn = None
+        if oriented.all():
+            R0, R1 = poses[0].R, poses[1].R
+            assert R0 is not None
+            assert R1 is not None
+            turn = shortest_turn(R0, R1, (names[0], names[1]), field=names[1])
+        straight = line(poses[0].p, poses[1].p, None if turn is None else poses[0].R, turn)
+        return [Item(straight, [replace(marks[0], s=straight.length)], names[1], 0.0)]
+    curve = ArcLength(CubicShape(np.array([pose.p for pose in poses])))
+    s = np.array([curve.at_break(k) for k in range(len(poses))])
+    counts = oriented[1:] & oriented[:-1]
+    cuts = [0, *(np.flatnonzero(np.diff(counts)) + 1).tolist(), len(poses) - 1]
+    items = []
+    for a, b in pairwise(cuts):
+        turning = _turning(poses[a : b + 1], s[a : b + 1], names[a : b + 1]) if counts[a] else None
+        piece = CurvedPiece(curve, float(s[a]), float(s[b] - s[a]), turning)
+        inside = [replace(marks[k - 1], s=float(s[k] - s[a])) for k in range(a + 1, b + 1)]
+        items.append(Item(piece, inside, names[b], 0.0))
+    return items
+
+
+def _check_turn(a: Pose, b: Pose, names: tuple[str, str]) -> None:
+    assert a.R is not None
+    assert b.R is not None
+    # The real part of the quaternion from a to b is the cosine of half the angle.
+    if quaternion_of(a.R.T @ b.R)[3] < np.sin(0.5 * AMBIGUOUS):
+        refuse_half_turn(names, names[1])
+
+
+def _turning(poses: Sequence[Pose], s: Array, names: Sequence[str]) -> Turning:
+    R = np.array([pose.R for pose in poses])
+    if len(poses) == 2:
+        turn = shortest_turn(R[0], R[1], (names[0], names[1]), field=names[1])
+        return SteadyTurning(float(s[0]), R[0], turn / (s[1] - s[0]))
+    turning = SplineTurning(s, quaternion_of(R))
+    if turning.least_norm < _LEAST_NORM:
+        raise InvalidRequest(
+            f"{names[0]} to {names[-1]}: the orientations turn too far from pose to pose to be "
+            "led through smoothly; put more poses between them, or use lines",
+            field=names[-1],
+            allowed="smaller turns from pose to pose",
+        )
+    return turning

@@ -1,0 +1,175 @@
+"""A continuous tool path in the robot's base."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ikplan.path.piece import Motion, Piece
+from ikplan.path.steady import SteadyPiece, SteadyStack, stack_steady, steady_motion
+
+__all__ = ["Corner", "PathWaypoint", "ToolPath"]
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class PathWaypoint:
+    """A pose asked for, on a tool path.
+
+    Attributes:
+        index: Its row among the waypoints of the request.
+        name: Where the request asks for it, such as ``path.waypoints[3]``.
+        s: Path length at which it is passed, or passed nearest [m].
+        R: Rotation asked for in the base, shape (3, 3); None: free.
+        p: Position asked for in the base, shape (3,) [m].
+        exact: Whether the path passes it; false at a blended corner.
+    """
+
+    index: int
+    name: str
+    s: float
+    R: Array | None
+    p: Array
+    exact: bool = True
+
+
+@dataclass(frozen=True)
+class Corner:
+    """A place where the path changes its direction or its angular rate.
+
+    Attributes:
+        s: Path length of it; of a blended corner, where the path is nearest to it [m].
+        name: What of the request ends there.
+        waypoint: Row of the waypoint there; None: none.
+        blend: Radius within which it is rounded [m]; 0: exact.
+        deviation: Distance of the path from the corner [m].
+        rotation: Rotation of the path, where it is nearest, from the corner's [rad].
+        stops: Whether the motion must stop there.
+    """
+
+    s: float
+    name: str
+    waypoint: int | None
+    blend: float
+    deviation: float
+    rotation: float
+    stops: bool
+
+
+@dataclass(frozen=True)
+class ToolPath:
+    """Pieces joined end to end, parametrised by path length s from 0 to ``length``.
+
+    s is the arc length of the tool's position in metres; a turn on the spot counts TURN_LENGTH
+    for each radian.
+
+    Attributes:
+        pieces: The pieces in order, at least one; of length 0 only if it is the only one.
+        waypoints: The poses asked for that are on this path, in order.
+        corner_list: Every corner, rounded or exact, in order.
+    """
+
+    pieces: tuple[Piece, ...]
+    waypoints: tuple[PathWaypoint, ...] = ()
+    corner_list: tuple[Corner, ...] = ()
+
+    @cached_property
+    def begins(self) -> Array:
+        """Path length at which each piece begins, and the whole length, shape (n + 1,) [m]."""
+        return np.concatenate([[0.0], np.cumsum([piece.length for piece in self.pieces])])
+
+    @property
+    def length(self) -> float:
+        """Length of the path [m]."""
+        return float(self.begins[-1])
+
+    @cached_property
+    def corners(self) -> Array:
+        """Path lengths at which the motion must stop, without the ends, shape (k,) [m]."""
+        return np.array([c.s for c in self.corner_list if c.stops and 0.0 < c.s < self.length])
+
+    @cached_property
+    def waypoint_s(self) -> Array:
+        """Path length of each waypoint, shape (n,) [m]."""
+        return np.array([waypoint.s for waypoint in self.waypoints])
+
+    @cached_property
+    def _oriented(self) -> NDArray[np.bool_]:
+        return np.array([piece.oriented for piece in self.pieces])
+
+    @cached_property
+    def any_oriented(self) -> bool:
+        """Whether an orientation is asked for on any piece."""
+        return bool(self._oriented.any())
+
+    @cached_property
+    def _steady(self) -> tuple[SteadyStack, NDArray[np.int64]]:
+        """The steady pieces as one stack, and the row of each piece in it, -1 for the others."""
+        steady = [piece for piece in self.pieces if isinstance(piece, SteadyPiece)]
+        rows = np.full(len(self.pieces), -1)
+        rows[[isinstance(piece, SteadyPiece) for piece in self.pieces]] = np.arange(len(steady))
+        return stack_steady(steady), rows
+
+    def pose(self, s: float) -> tuple[Array, Array]:
+        """Return rotation (3, 3) and position (3,) [m] of the tool at path length s.
+
+        The rotation is the identity where the orientation is free.
+        """
+        R, p = self.poses(np.array([s]))
+        return R[0], p[0]
+
+    def poses(self, s: Array) -> tuple[Array, Array]:
+        """Return rotations (m, 3, 3) and positions (m, 3) [m] at path lengths s, shape (m,)."""
+        motion = self.motion(s)
+        return motion.R, motion.p
+
+    def motion(self, s: Array) -> Motion:
+        """Return poses and their derivatives by s at path lengths s, shape (m,) [m].
+
+        At a corner the derivatives are those after it.
+        """
+        s = np.asarray(s, dtype=np.float64)
+        piece = self.piece_at(s)
+        return self.motion_on(piece, s - self.begins[piece])
+
+    def piece_at(self, s: Array) -> NDArray[np.int64]:
+        """Return the index of the piece at path lengths s, shape (m,).
+
+        At a joint: the piece after it, unless only the one before asks for an orientation.
+        """
+        piece = np.clip(np.searchsorted(self.begins, s, "right") - 1, 0, len(self.pieces) - 1)
+        before = np.maximum(piece - 1, 0)
+        back = (s == self.begins[piece]) & ~self._oriented[piece] & self._oriented[before]
+        return np.where(back, before, piece)
+
+    def motion_on(self, piece: NDArray[np.int64], s: Array) -> Motion:
+        """Return the motion at lengths s from the begins of pieces, both of shape (m,)."""
+        stack, rows = self._steady
+        row = rows[piece]
+        if len(row) and (row >= 0).all():
+            return steady_motion(SteadyStack(*(a[row] for a in stack)), s)
+        m = len(s)
+        out = Motion(np.empty((m, 3, 3)), *(np.empty((m, 3)) for _ in range(4)))
+        groups = [np.flatnonzero(row >= 0)] if (row >= 0).any() else []
+        groups += [np.flatnonzero(piece == k) for k in np.unique(piece[row < 0])]
+        for here in groups:
+            k = row[here]
+            if k[0] >= 0:
+                part = steady_motion(SteadyStack(*(a[k] for a in stack)), s[here])
+            else:
+                part = self.pieces[piece[here[0]]].evaluate(s[here])
+            for whole, values in zip(out, part, strict=True):
+                whole[here] = values
+        return out
+
+    def oriented(self, s: float) -> bool:
+        """Whether an orientation is asked for at path length s; yes at the ends of such spans."""
+        return bool(self.orientation_mask(np.array([s]))[0])
+
+    def orientation_mask(self, s: Array) -> NDArray[np.bool_]:
+        """Return :meth:`oriented` at path lengths s, shape (m,)."""
+        return self._oriented[self.piece_at(np.asarray(s, dtype=np.float64))]

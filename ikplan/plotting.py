@@ -18,6 +18,8 @@ from ikplan.errors import InvalidRequest, RobotNotFound
 from ikplan.summary import certificate_rows
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from matplotlib.axes import Axes
     from matplotlib.figure import SubFigure
 
@@ -132,7 +134,22 @@ def _draw(plan: Plan, robot: Robot | None) -> Figure:
         reason = f"{plan.robot!r} is not in the catalogue:\nno limits and no path of the tool"
         above.text(0.5, 0.5, reason, ha="center", color="#555555")
     _certificate(below, plan)
+    _settle(figure, [*halves, above, below])
     return figure
+
+
+def _settle(figure: Figure, panels: Sequence[SubFigure]) -> None:
+    """Lay the figure out once and for all.
+
+    The layout solver's last digits depend on where its variables lie in memory, and the ids in
+    an SVG are hashes of them.
+    """
+    figure.draw_without_rendering()
+    figure.set_layout_engine("none")
+    for panel in panels:
+        panel.bbox_relative.set_points(np.round(panel.bbox_relative.get_points(), 6))
+    for axes in figure.axes:
+        axes.set_position(np.round(axes.get_position(original=True).bounds, 6))
 
 
 def _from_catalogue(plan: Plan) -> Robot | None:

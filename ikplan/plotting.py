@@ -214,7 +214,8 @@ def _velocities(axes: Axes, ranges: Axes, plan: Plan, robot: Robot | None) -> No
         for each in (axes, ranges):
             for limit in (-1.0, 1.0):
                 each.axhline(limit, color="#B00020", lw=1.0, ls=(0, (4, 3)))
-        axes.set_ylim(-1.12, 1.12)
+        reach = 1.12 * max(1.0, float(peaks.max()))
+        axes.set_ylim(-reach, reach)
         axes.set_title("Joint velocities over their limits")
         axes.set_ylabel("velocity / limit")
     else:
@@ -258,6 +259,7 @@ def _tool_path(axes: Any, plan: Plan, robot: Robot, *, tip: bool) -> None:
     ):
         set_limits(centre - half, centre + half)
     axes.set_box_aspect((1, 1, 1), zoom=0.9)
+    axes.locator_params(nbins=5)
     axes.legend(loc="upper left", ncols=2)
 
 

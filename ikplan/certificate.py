@@ -15,6 +15,9 @@ from numpy.typing import NDArray
 
 from ikplan.errors import CertificateViolated
 from ikplan.least_elongation import elongation_lower_bound
+from ikplan.limit_checks import RATIO_SLACK, further_limits
+from ikplan.limit_request import LimitOptions
+from ikplan.motion_limits import MotionLimits
 from ikplan.request import PathRequest
 from ikplan.result import Certificate, LimitPlace
 from ikplan.robots import Robot
@@ -22,9 +25,6 @@ from ikplan.robots import Robot
 __all__ = ["Claim", "certify"]
 
 Array = NDArray[np.float64]
-
-RATIO_SLACK = 1e-9
-"""Rounding allowed in a ratio against a limit."""
 
 
 @dataclass(frozen=True)
@@ -43,6 +43,7 @@ class Claim:
         ddq: Joint accelerations, shape (m, dof) [rad/s^2 or m/s^2].
         velocity_scale: Share of the robot's velocity limits that may be used.
         acceleration_scale: Share of the robot's acceleration limits that may be used.
+        limits: The limits to keep, which then stand instead of those shares; None: the shares.
     """
 
     robot: Robot
@@ -56,6 +57,15 @@ class Claim:
     ddq: Array
     velocity_scale: float = 1.0
     acceleration_scale: float = 1.0
+    limits: MotionLimits | None = None
+
+    @property
+    def promised(self) -> MotionLimits:
+        """The limits that were promised."""
+        scales = LimitOptions(
+            velocity_scale=self.velocity_scale, acceleration_scale=self.acceleration_scale
+        )
+        return self.limits or MotionLimits.of(self.robot, scales)
 
 
 def certify(claim: Claim) -> Certificate:
@@ -82,9 +92,12 @@ def certify(claim: Claim) -> Certificate:
     middle = np.zeros_like(half)
     middle[finite] = 0.5 * (robot.upper[finite] + robot.lower[finite])
     position = _worst(claim, np.abs(claim.q - middle) / half, finite)
-    velocity = _worst(claim, np.abs(claim.dq) / (robot.velocity_limit * claim.velocity_scale))
+    limits = claim.promised
+    velocity = _worst(
+        claim, np.maximum(claim.dq / limits.velocity, claim.dq / limits.velocity_lower)
+    )
     acceleration = _worst(
-        claim, np.abs(claim.ddq) / (robot.acceleration_limit * claim.acceleration_scale)
+        claim, np.maximum(claim.ddq / limits.acceleration, claim.ddq / limits.acceleration_lower)
     )
     for kind, (ratio, place) in (
         ("position", position),
@@ -95,6 +108,8 @@ def certify(claim: Claim) -> Certificate:
             violations.append(
                 f"the {kind} limit of {place.joint} is exceeded at {place.time:.4f} s"
             )
+    further, exceeded = further_limits(robot, limits, claim.time, claim.q, claim.dq, claim.ddq)
+    violations += exceeded
     elongation = _elongations(claim)
     singular_value, singular_time = _least_singular_value(claim)
     shortest = float(elongation.sum())
@@ -112,6 +127,7 @@ def certify(claim: Claim) -> Certificate:
         velocity_limit_at=velocity[1],
         acceleration_limit_ratio=acceleration[0],
         acceleration_limit_at=acceleration[1],
+        **further,
         min_singular_value=singular_value,
         min_singular_value_time=singular_time,
         elongation_sum=float(elongation.sum()),
@@ -205,7 +221,8 @@ def _continuity(claim: Claim) -> list[str]:
         wrong.append("the first sample is not the start asked for")
     if not np.array_equal(claim.q[-1], claim.waypoint_q[-1]):
         wrong.append("the last sample is not the last waypoint")
-    a = claim.robot.acceleration_limit * claim.acceleration_scale * (1.0 + 1e-6)
+    limits = claim.promised
+    a = np.maximum(limits.acceleration, -limits.acceleration_lower) * (1.0 + 1e-6)
     rounding = 1e-9
     dt = steps[:, None]
     if (np.abs(np.diff(claim.dq, axis=0)) > a * dt + rounding).any():

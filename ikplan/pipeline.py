@@ -14,12 +14,14 @@ from ikplan.documents import parse
 from ikplan.ik.arguments import check_start
 from ikplan.ik.solve import PoseSolver, pose_distance, solve_ik
 from ikplan.kinematics.arm import arm_of
+from ikplan.motion_limits import MotionLimits
 from ikplan.path import refuse_unsupported, rotation_of, targets_of
 from ikplan.planning import Clock, WaypointProblem, choose
 from ikplan.request import FkRequest, Frame, IkRequest, PlanRequest
-from ikplan.result import FkResult, IkSolution, Plan, Stats, Trajectory, WaypointResults
+from ikplan.result import FkResult, IkSolution, Plan, Stats, WaypointResults
 from ikplan.robots import Robot, catalogue_robot
-from ikplan.timing import JointLimits, JointPath, sample, time_joint_path
+from ikplan.timing import JointPath
+from ikplan.timing_stage import joint_limits, time_motion
 from ikplan.warmup import warm_up
 
 __all__ = ["fk_request", "plan", "solve_ik_request"]
@@ -53,6 +55,7 @@ def plan(request: Mapping[str, Any] | PlanRequest, *, robot: Robot | None = None
     start_free = request.start == "free"
     asked = None if request.start == "free" else request.start
     q_start = check_start(robot, robot.home if asked is None else asked)
+    limits = MotionLimits.of(robot, request.limits)
 
     with clock.stage("ik"):
         targets = targets_of(request.path)
@@ -61,17 +64,11 @@ def plan(request: Mapping[str, Any] | PlanRequest, *, robot: Robot | None = None
         problem = WaypointProblem(robot, solver, targets, q_start, start_free, tolerance, clock)
         chosen = choose(problem, request.ik)
     with clock.stage("planning"):
-        limits = JointLimits.from_robot(
-            robot, request.limits.velocity_scale, request.limits.acceleration_scale
-        )
         knots = chosen.q if start_free else np.vstack([q_start, chosen.q])
-        path = JointPath.through(knots, limits)
+        path = JointPath.through(knots, joint_limits(robot, limits))
     with clock.stage("timing"):
-        timed = time_joint_path(path, limits)
-        samples = sample(timed, request.sampling.rate_hz)
-        # A motion shorter than half a sample period is slowed to it.
-        stretch = samples.time[-1] / timed.duration if timed.duration else 1.0
-        waypoint_time = timed.times[-len(chosen.q) :] * stretch
+        timing = time_motion(path, robot, limits, request.sampling)
+        waypoint_time = timing.timed.times[-len(chosen.q) :]
     with clock.stage("certificate"):
         certificate = certify(
             Claim(
@@ -80,12 +77,11 @@ def plan(request: Mapping[str, Any] | PlanRequest, *, robot: Robot | None = None
                 None if start_free else q_start,
                 chosen.q,
                 waypoint_time,
-                samples.time,
-                samples.q,
-                samples.dq,
-                samples.ddq,
-                request.limits.velocity_scale,
-                request.limits.acceleration_scale,
+                timing.samples.time,
+                timing.samples.q,
+                timing.samples.dq,
+                timing.samples.ddq,
+                limits=limits,
             )
         )
     errors = [pose_distance(solver.arm, t, q) for t, q in zip(targets, chosen.q, strict=True)]
@@ -106,8 +102,10 @@ def plan(request: Mapping[str, Any] | PlanRequest, *, robot: Robot | None = None
             ],
             elongation=np.linalg.norm(steps, axis=1),
         ),
-        trajectory=Trajectory(time=samples.time, q=samples.q, dq=samples.dq, ddq=samples.ddq),
+        trajectory=timing.trajectory,
         certificate=certificate,
+        timing=timing.report,
+        motion=timing.motion,
         stats=Stats(ik_evaluations=chosen.evaluations, seconds=clock.seconds),
     )
 

@@ -14,6 +14,7 @@ from typing import Annotated, Any, Literal
 from pydantic import Discriminator, Field, PlainValidator, Tag, field_validator
 
 from ikplan.documents import Document, Floats, Vec3
+from ikplan.limit_request import LimitOptions, SamplingOptions
 from ikplan.path_request import PathRequest
 from ikplan.poses import Frame, Quaternion, Tolerance, Waypoint, unit_quaternion
 
@@ -29,8 +30,6 @@ __all__ = [
     "Tolerance",
     "Waypoint",
 ]
-
-MAX_RATE_HZ = 10_000.0
 
 
 def _start_tag(value: Any) -> str:
@@ -90,23 +89,6 @@ class IkOptions(Document):
         "global",
         description='How joint motion is kept small: "global" over the whole path, "greedy" '
         "waypoint by waypoint.",
-    )
-
-
-class LimitOptions(Document):
-    """Limits of the motion, on top of the robot's own."""
-
-    velocity_scale: float = Field(1.0, ge=1e-4, le=1, description="Share of the velocity limits.")
-    acceleration_scale: float = Field(
-        1.0, ge=1e-4, le=1, description="Share of the acceleration limits."
-    )
-
-
-class SamplingOptions(Document):
-    """The samples of the trajectory."""
-
-    rate_hz: float = Field(
-        250.0, ge=1, le=MAX_RATE_HZ, description="Samples per second [Hz]; the end is exact."
     )
 
 

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, Literal
 from pydantic import BaseModel, ConfigDict, Field
 
 from ikplan.documents import Matrix, Vector
+from ikplan.timing_report import PathMotion, TimingReport
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -62,6 +63,29 @@ class Certificate(_Result):
         description="Largest joint acceleration over its limit; <= 1."
     )
     acceleration_limit_at: LimitPlace = Field(description="Where.")
+    jerk_limited: bool = Field(
+        False, description="Whether jerks are limited; if not, accelerations may jump."
+    )
+    jerk_limit_ratio: float | None = Field(
+        None, description="Largest joint jerk between samples over its limit; null: no limit."
+    )
+    jerk_limit_at: LimitPlace | None = Field(None, description="Where.")
+    torque_limit_ratio: float | None = Field(
+        None,
+        description="Largest joint torque over its limit, gravity and payload included; null: no "
+        "limit.",
+    )
+    torque_limit_at: LimitPlace | None = Field(None, description="Where.")
+    tool_speed_ratio: float | None = Field(
+        None,
+        description="Largest linear or angular tool speed over its limit; null: no limit.",
+    )
+    tool_speed_time: float | None = Field(None, description="Time of that sample [s].")
+    tool_acceleration_ratio: float | None = Field(
+        None,
+        description="Largest linear or angular tool acceleration over its limit; null: no limit.",
+    )
+    tool_acceleration_time: float | None = Field(None, description="Time of that sample [s].")
     min_singular_value: float = Field(
         description="Smallest singular value of the tool Jacobian on the samples [m and rad]."
     )
@@ -118,6 +142,12 @@ class Plan(_Result):
     waypoints: WaypointResults
     trajectory: Trajectory
     certificate: Certificate
+    timing: TimingReport | None = Field(
+        None, description="Why the motion takes as long as it does; null: not told."
+    )
+    motion: PathMotion | None = Field(
+        None, description='The motion as polynomials; only with sampling.form "polynomial".'
+    )
     stats: Stats
 
     @property

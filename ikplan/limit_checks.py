@@ -1,0 +1,179 @@
+"""The certificate's measures of limits other than those of single joints, by Pinocchio.
+
+No code of the planner or the timing is used: torques by ``pinocchio.rnea``, tool speeds by the
+robot's Jacobian, tool accelerations of a frame of Pinocchio's own, jerks by finite differences.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import NDArray
+
+from ikplan.motion_limits import MotionLimits
+from ikplan.result import LimitPlace
+from ikplan.robots import Robot
+
+__all__ = [
+    "RATIO_SLACK",
+    "further_limits",
+    "jerk_ratios",
+    "tool_acceleration_ratios",
+    "tool_speed_ratios",
+    "torque_ratios",
+]
+
+Array = NDArray[np.float64]
+
+RATIO_SLACK = 1e-9
+"""Rounding allowed in a ratio against a limit."""
+
+
+def further_limits(
+    robot: Robot, limits: MotionLimits, time: Array, q: Array, dq: Array, ddq: Array
+) -> tuple[dict[str, Any], list[str]]:
+    """Measure what a motion uses of its limits on jerks, torques and the tool.
+
+    Args:
+        robot: The robot, with its tool.
+        limits: The limits.
+        time: Sample times, shape (m,) [s].
+        q: Joint values, shape (m, dof) [rad or m].
+        dq: Joint velocities, shape (m, dof).
+        ddq: Joint accelerations, shape (m, dof).
+
+    Returns:
+        Fields of the certificate, and which limits are exceeded, in words.
+    """
+    found: dict[str, Any] = {"jerk_limited": limits.jerk is not None}
+    exceeded = []
+    of_joints: dict[str, Array] = {}
+    if limits.jerk is not None:
+        of_joints["jerk"] = jerk_ratios(time, ddq, limits.jerk)
+    if limits.torque is not None:
+        of_joints["torque"] = torque_ratios(
+            robot, q, dq, ddq, limits.torque, limits.payload_mass, limits.payload_position
+        )
+    for kind, ratios in of_joints.items():
+        row, joint = np.unravel_index(int(np.argmax(ratios)), ratios.shape)
+        place = LimitPlace(joint=robot.joint_names[joint], time=float(time[row]))
+        found[f"{kind}_limit_ratio"] = float(ratios[row, joint])
+        found[f"{kind}_limit_at"] = place
+        if not ratios[row, joint] <= 1.0 + RATIO_SLACK:
+            exceeded.append(f"the {kind} limit of {place.joint} is exceeded at {place.time:.4f} s")
+    of_tool: dict[str, Array] = {}
+    if np.isfinite(limits.tool_speed).any():
+        of_tool["speed"] = tool_speed_ratios(robot, q, dq, limits.tool_speed)
+    if np.isfinite(limits.tool_acceleration).any():
+        of_tool["acceleration"] = tool_acceleration_ratios(
+            robot, q, dq, ddq, limits.tool_acceleration
+        )
+    for kind, shares in of_tool.items():
+        at = int(np.argmax(shares))
+        found[f"tool_{kind}_ratio"] = float(shares[at])
+        found[f"tool_{kind}_time"] = float(time[at])
+        if not shares[at] <= 1.0 + RATIO_SLACK:
+            exceeded.append(f"the tool {kind} limit is exceeded at {time[at]:.4f} s")
+    return found, exceeded
+
+
+def jerk_ratios(time: Array, ddq: Array, limit: Array) -> Array:
+    """Share of the jerk limits used between samples, by finite differences.
+
+    Args:
+        time: Sample times, shape (m,) [s].
+        ddq: Joint accelerations, shape (m, dof).
+        limit: Jerk limits, shape (dof,).
+
+    Returns:
+        Shape (m, dof); in row i the mean jerk from sample i to the next, in the last row 0.
+    """
+    ratios = np.zeros_like(ddq)
+    ratios[:-1] = np.abs(np.diff(ddq, axis=0)) / np.diff(time)[:, None] / limit
+    return ratios
+
+
+def torque_ratios(
+    robot: Robot, q: Array, dq: Array, ddq: Array, limit: Array, mass: float, centre: Array
+) -> Array:
+    """Share of the torque limits that the motion needs, gravity and payload included.
+
+    Args:
+        robot: The robot, with its tool.
+        q: Joint values, shape (m, dof) [rad or m].
+        dq: Joint velocities, shape (m, dof).
+        ddq: Joint accelerations, shape (m, dof).
+        limit: Torque limits, shape (dof,) [N m or N].
+        mass: Mass of a payload, a point [kg].
+        centre: Where it is in the tool frame, shape (3,) [m].
+
+    Returns:
+        Shape (m, dof).
+    """
+    model, coupling = robot.model.copy(), robot.coupling
+    if mass > 0.0:
+        tip = model.frames[robot.tip_frame_id]
+        centre_of_mass = (tip.placement * robot.T_tip_tool).act(centre)
+        body = pin.Inertia(mass, centre_of_mass, np.zeros((3, 3)))
+        model.inertias[tip.parentJoint] = model.inertias[tip.parentJoint] + body
+    data = model.createData()
+    tau = np.array(
+        [
+            coupling.T @ pin.rnea(model, data, robot.configuration(a), coupling @ b, coupling @ c)
+            for a, b, c in zip(q, dq, ddq, strict=True)
+        ]
+    )
+    return np.asarray(np.abs(tau) / limit)
+
+
+def tool_speed_ratios(robot: Robot, q: Array, dq: Array, limit: tuple[float, float]) -> Array:
+    """Share of the tool's speed limits used.
+
+    Args:
+        robot: The robot, with its tool.
+        q: Joint values, shape (m, dof) [rad or m].
+        dq: Joint velocities, shape (m, dof).
+        limit: Linear and angular limit [m/s, rad/s], may be inf.
+
+    Returns:
+        The larger of both shares, shape (m,).
+    """
+    twists = np.array([robot.jacobian(a) @ b for a, b in zip(q, dq, strict=True)])
+    return _larger(twists, limit)
+
+
+def tool_acceleration_ratios(
+    robot: Robot, q: Array, dq: Array, ddq: Array, limit: tuple[float, float]
+) -> Array:
+    """Share of the tool's acceleration limits used; the arguments are those of the speeds'.
+
+    Returns:
+        The larger of the linear and the angular share, shape (m,).
+    """
+    model, coupling = robot.model.copy(), robot.coupling
+    tip = model.frames[robot.tip_frame_id]
+    tool = pin.Frame(
+        "certified tool",
+        tip.parentJoint,
+        robot.tip_frame_id,
+        tip.placement * robot.T_tip_tool,
+        pin.FrameType.OP_FRAME,
+    )
+    frame = model.addFrame(tool)
+    data = model.createData()
+    accelerations = np.empty((len(q), 6))
+    for i in range(len(q)):
+        configuration = robot.configuration(q[i])
+        pin.forwardKinematics(model, data, configuration, coupling @ dq[i], coupling @ ddq[i])
+        accelerations[i] = pin.getFrameClassicalAcceleration(
+            model, data, frame, pin.ReferenceFrame.LOCAL
+        ).vector
+    return _larger(accelerations, limit)
+
+
+def _larger(twists: Array, limit: tuple[float, float]) -> Array:
+    linear = np.linalg.norm(twists[:, :3], axis=1) / limit[0]
+    angular = np.linalg.norm(twists[:, 3:], axis=1) / limit[1]
+    return np.asarray(np.maximum(linear, angular))

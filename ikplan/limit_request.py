@@ -1,0 +1,127 @@
+"""The documents of a motion's limits and samples.
+
+SI units: metres, radians, seconds, newtons, newton metres, kilograms.
+"""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Literal
+
+from pydantic import BeforeValidator, Discriminator, Field, Tag
+
+from ikplan.documents import Document, Vec3, plain
+
+__all__ = ["LimitOptions", "Payload", "SamplingOptions", "ToolRate"]
+
+MAX_RATE_HZ = 10_000.0
+
+Positive = Annotated[float, Field(ge=1e-6, le=1e9)]
+Negative = Annotated[float, Field(ge=-1e9, le=-1e-6)]
+
+
+def _tag(value: Any) -> str:
+    if isinstance(value, bool):
+        return "[flag]"
+    if isinstance(value, list):
+        return "[values]"
+    return "[object]" if isinstance(value, dict | Document) else "[number]"
+
+
+# Tagged, so that a fault is told of the form the user wrote and not of both.
+_PositiveList = Annotated[list[Positive], Field(min_length=1, max_length=1000), Tag("[values]")]
+_NegativeList = Annotated[list[Negative], Field(min_length=1, max_length=1000), Tag("[values]")]
+PerJoint = Annotated[
+    Annotated[Positive, Tag("[number]")] | _PositiveList,
+    Discriminator(lambda v: "[values]" if isinstance(v, list) else "[number]"),
+    BeforeValidator(plain),
+]
+PerJointBelow = Annotated[
+    Annotated[Negative, Tag("[number]")] | _NegativeList,
+    Discriminator(lambda v: "[values]" if isinstance(v, list) else "[number]"),
+    BeforeValidator(plain),
+]
+Torque = Annotated[
+    Annotated[bool, Tag("[flag]")] | _PositiveList,
+    Discriminator(lambda v: "[values]" if isinstance(v, list) else "[flag]"),
+    BeforeValidator(plain),
+]
+
+
+class ToolRate(Document):
+    """A limit of the norms of a linear and an angular rate of the tool frame."""
+
+    linear: Positive | None = Field(None, description="Linear [m/s or m/s^2]; null: no limit.")
+    angular: Positive | None = Field(
+        None, description="Angular [rad/s or rad/s^2]; null: no limit."
+    )
+
+
+ToolLimit = Annotated[
+    Annotated[Positive, Tag("[number]")] | Annotated[ToolRate, Tag("[object]")],
+    Discriminator(lambda v: "[object]" if _tag(v) == "[object]" else "[number]"),
+]
+
+
+class Payload(Document):
+    """A mass that the tool carries, taken as a point."""
+
+    mass: float = Field(ge=0, le=1e4, description="Mass [kg].")
+    position: Vec3 = Field([0.0, 0.0, 0.0], description="Its centre, in the tool frame [m].")
+
+
+class LimitOptions(Document):
+    """Limits of the motion, on top of the robot's own: the strictest of all holds."""
+
+    velocity_scale: float = Field(1.0, ge=1e-4, le=1, description="Share of the velocity limits.")
+    acceleration_scale: float = Field(
+        1.0, ge=1e-4, le=1, description="Share of the acceleration limits."
+    )
+    velocity: PerJoint | None = Field(
+        None, description="Highest joint velocities, one each or one for all [rad/s or m/s]."
+    )
+    velocity_lower: PerJointBelow | None = Field(
+        None,
+        description="Lowest joint velocities, negative [rad/s or m/s]; null: as far below zero "
+        "as the highest ones are above.",
+    )
+    acceleration: PerJoint | None = Field(
+        None, description="Highest joint accelerations, one each or one for all [rad/s^2 or m/s^2]."
+    )
+    acceleration_lower: PerJointBelow | None = Field(
+        None,
+        description="Lowest joint accelerations, negative [rad/s^2 or m/s^2]; null: as far below "
+        "zero as the highest ones are above.",
+    )
+    jerk: PerJoint | None = Field(
+        None,
+        description="Highest joint jerks, both ways, one each or one for all [rad/s^3 or m/s^3]; "
+        "null: no limit, accelerations may jump.",
+    )
+    torque: Torque = Field(
+        False,
+        description="true: keep the robot's torque limits; a list: the strictest of those and "
+        "these, one each [N m or N]. Only for robots whose inertias have a source.",
+    )
+    payload: Payload | None = Field(
+        None, description="What the tool carries; counts towards the torques; null: nothing."
+    )
+    tool_speed: ToolLimit | None = Field(
+        None, description="Highest speed of the tool frame; a number is the linear one [m/s]."
+    )
+    tool_acceleration: ToolLimit | None = Field(
+        None,
+        description="Highest acceleration of the tool frame; a number is the linear one [m/s^2].",
+    )
+
+
+class SamplingOptions(Document):
+    """The samples of the trajectory."""
+
+    rate_hz: float = Field(
+        250.0, ge=1, le=MAX_RATE_HZ, description="Samples per second [Hz]; the end is exact."
+    )
+    form: Literal["samples", "knots", "polynomial"] = Field(
+        "samples",
+        description='"samples": at the rate; "knots": only where the path acceleration changes; '
+        '"polynomial": samples, and the motion that any time can be evaluated from.',
+    )

@@ -1,0 +1,138 @@
+"""The limits that a motion has to keep: the robot's and the request's, merged by the strictest."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ikplan.errors import InvalidRequest
+from ikplan.limit_request import LimitOptions, ToolRate
+from ikplan.robots import Robot
+
+__all__ = ["MotionLimits"]
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class MotionLimits:
+    """Numbers only: what timing is given and what the certificate checks.
+
+    Attributes:
+        velocity: Highest joint velocities, shape (dof,) [rad/s or m/s].
+        velocity_lower: Lowest joint velocities, shape (dof,), negative.
+        acceleration: Highest joint accelerations, shape (dof,) [rad/s^2 or m/s^2].
+        acceleration_lower: Lowest joint accelerations, shape (dof,), negative.
+        jerk: Highest joint jerks, shape (dof,) [rad/s^3 or m/s^3]; None: no limit.
+        torque: Highest joint torques, shape (dof,) [N m or N]; None: no limit.
+        payload_mass: Mass that the tool carries [kg].
+        payload_position: Its centre in the tool frame, shape (3,) [m].
+        tool_speed: Linear and angular speed of the tool [m/s, rad/s]; inf: no limit.
+        tool_acceleration: Linear and angular acceleration [m/s^2, rad/s^2]; inf: no limit.
+    """
+
+    velocity: Array
+    velocity_lower: Array
+    acceleration: Array
+    acceleration_lower: Array
+    jerk: Array | None
+    torque: Array | None
+    payload_mass: float
+    payload_position: Array
+    tool_speed: tuple[float, float]
+    tool_acceleration: tuple[float, float]
+
+    @classmethod
+    def of(cls, robot: Robot, options: LimitOptions) -> MotionLimits:
+        """Merge a robot's limits with those of a request.
+
+        Args:
+            robot: The robot, with its tool.
+            options: The limits asked for.
+
+        Returns:
+            The strictest of both.
+
+        Raises:
+            InvalidRequest: A list has the wrong length; a torque limit is asked of a robot whose
+                inertias or torque limits have no source; a payload without a torque limit.
+        """
+        up, down = _rates(robot, options, "velocity", options.velocity_scale)
+        a_up, a_down = _rates(robot, options, "acceleration", options.acceleration_scale)
+        payload = options.payload
+        if payload is not None and options.torque is False:
+            raise InvalidRequest(
+                "limits.payload: a payload counts only towards torques; set limits.torque too",
+                field="limits.payload",
+                allowed="null, or limits.torque with it",
+            )
+        return cls(
+            velocity=up,
+            velocity_lower=down,
+            acceleration=a_up,
+            acceleration_lower=a_down,
+            jerk=None if options.jerk is None else _each(robot, options.jerk, "jerk"),
+            torque=None if options.torque is False else _torque(robot, options.torque),
+            payload_mass=0.0 if payload is None else payload.mass,
+            payload_position=np.zeros(3) if payload is None else np.array(payload.position),
+            tool_speed=_tool(options.tool_speed),
+            tool_acceleration=_tool(options.tool_acceleration),
+        )
+
+
+def _each(robot: Robot, value: float | list[float], field: str) -> Array:
+    """One value for each joint, shape (dof,)."""
+    if isinstance(value, list) and len(value) != robot.dof:
+        raise InvalidRequest(
+            f"limits.{field}: {robot.dof} values wanted ({', '.join(robot.joint_names)}), "
+            f"got {len(value)}",
+            field=f"limits.{field}",
+            allowed=f"{robot.dof} numbers",
+        )
+    return np.broadcast_to(np.array(value, dtype=np.float64), (robot.dof,)).copy()
+
+
+def _rates(robot: Robot, options: LimitOptions, kind: str, scale: float) -> tuple[Array, Array]:
+    """Highest and lowest velocities or accelerations."""
+    own: Array = scale * getattr(robot, f"{kind}_limit")
+    above, below = getattr(options, kind), getattr(options, f"{kind}_lower")
+    up = own if above is None else np.minimum(own, _each(robot, above, kind))
+    down = -up if below is None else np.maximum(-own, _each(robot, below, f"{kind}_lower"))
+    return up, down
+
+
+def _torque(robot: Robot, asked: bool | list[float]) -> Array:
+    """Highest torques of the joints."""
+    info = robot.info()
+    if not info.inertias_sourced:
+        raise InvalidRequest(
+            f"limits.torque: {robot.name} has no sourced inertias, so its torques cannot be known",
+            field="limits.torque",
+            allowed="robots whose description gives the inertias of every link; or false",
+        )
+    effort = robot.effort_limit
+    if isinstance(asked, list):
+        # A joint whose torque limit is not known has the one asked for.
+        return np.fmin(effort, _each(robot, asked, "torque"))
+    unknown = [n for n, e in zip(robot.joint_names, effort, strict=True) if not e > 0.0]
+    if unknown:
+        raise InvalidRequest(
+            f"limits.torque: no torque limit is known for {', '.join(unknown)} of {robot.name}; "
+            "give one for each joint",
+            field="limits.torque",
+            allowed=f"{robot.dof} numbers",
+        )
+    return effort
+
+
+def _tool(limit: Any) -> tuple[float, float]:
+    """Linear and angular limit; inf where there is none."""
+    if limit is None:
+        return (np.inf, np.inf)
+    if not isinstance(limit, ToolRate):
+        return (float(limit), np.inf)
+    linear, angular = (np.inf if v is None else v for v in (limit.linear, limit.angular))
+    return (linear, angular)

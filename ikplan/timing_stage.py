@@ -1,0 +1,156 @@
+"""The timing stage: a joint path and its limits to a timed, sampled motion and why it takes so."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import pinocchio as pin
+
+from ikplan.limit_request import SamplingOptions
+from ikplan.motion_limits import MotionLimits
+from ikplan.result import Trajectory
+from ikplan.robots import Robot
+from ikplan.timing import (
+    JointLimits,
+    JointPath,
+    PathConstraint,
+    Samples,
+    TimedPath,
+    ToolLimits,
+    TorqueLimits,
+    binding,
+    knots,
+    sample,
+    time_joint_path,
+    what_if,
+)
+from ikplan.timing.models import inverse_dynamics, tool_motion
+from ikplan.timing_report import BindingLimit, PathMotion, TimingReport, WiderLimit
+
+__all__ = ["Timing", "joint_limits", "time_motion"]
+
+# How many of the limits that bind are asked what they cost, and how much of the time they must.
+_ASKED = 3
+_ASKED_OF_JERK = 1  # a jerk-limited motion takes much longer to time again
+_LEAST_SHARE = 0.05
+_WIDER = 1.1
+
+
+@dataclass(frozen=True, eq=False)
+class Timing:
+    """A timed joint path.
+
+    Attributes:
+        timed: The motion.
+        samples: Samples at the controller's period, for the certificate.
+        trajectory: Samples in the form asked for.
+        motion: The motion as polynomials, if they were asked for.
+        report: Why it takes as long as it does.
+    """
+
+    timed: TimedPath
+    samples: Samples
+    trajectory: Trajectory
+    motion: PathMotion | None
+    report: TimingReport
+
+
+def joint_limits(robot: Robot, limits: MotionLimits) -> JointLimits:
+    """Return what bounds the joints of a motion."""
+    return JointLimits(
+        lower=robot.lower,
+        upper=robot.upper,
+        velocity=limits.velocity,
+        velocity_lower=limits.velocity_lower,
+        acceleration=limits.acceleration,
+        acceleration_lower=limits.acceleration_lower,
+        jerk=limits.jerk,
+        joint_names=tuple(robot.joint_names),
+    )
+
+
+def time_motion(
+    path: JointPath, robot: Robot, limits: MotionLimits, sampling: SamplingOptions
+) -> Timing:
+    """Move along a joint path as fast as the limits allow, and sample the motion.
+
+    Args:
+        path: The path.
+        robot: The robot, with its tool.
+        limits: What the motion has to keep.
+        sampling: Samples wanted.
+
+    Returns:
+        The motion.
+
+    Raises:
+        InvalidRequest: The motion is too long for the rate.
+        TimingFailed: No timing under the limits: where, which joint, which limit.
+    """
+    timed = time_joint_path(
+        path, joint_limits(robot, limits), constraints=_constraints(robot, limits)
+    )
+    shortest = 0.5 / sampling.rate_hz
+    if 0.0 < timed.duration < shortest:  # a motion is never shorter than half a period
+        timed = timed.slowed(shortest / timed.duration)
+    samples = sample(timed, sampling.rate_hz)
+    shown = knots(timed) if sampling.form == "knots" else samples
+    return Timing(
+        timed=timed,
+        samples=samples,
+        trajectory=Trajectory(time=shown.time, q=shown.q, dq=shown.dq, ddq=shown.ddq),
+        motion=_motion(timed) if sampling.form == "polynomial" else None,
+        report=_report(timed),
+    )
+
+
+def _constraints(robot: Robot, limits: MotionLimits) -> Sequence[PathConstraint]:
+    """Return the limits on the tool and on the torques, by Pinocchio."""
+    constraints: list[PathConstraint] = []
+    rates = (*limits.tool_speed, *limits.tool_acceleration)
+    if np.isfinite(rates).any():
+        tool = [value if np.isfinite(value) else None for value in rates]
+        constraints.append(ToolLimits(tool_motion(robot), tool[0], tool[1], tool[2], tool[3]))
+    if limits.torque is not None:
+        payload = None
+        if limits.payload_mass > 0.0:
+            payload = pin.Inertia(limits.payload_mass, limits.payload_position, np.zeros((3, 3)))
+        dynamics = inverse_dynamics(robot, payload)
+        constraints.append(TorqueLimits(dynamics, limits.torque, tuple(robot.joint_names)))
+    return constraints
+
+
+def _report(timed: TimedPath) -> TimingReport:
+    found = binding(timed)
+    shares = found.summary()
+    asked = [s for s in shares if s.share >= _LEAST_SHARE][
+        : _ASKED_OF_JERK if timed.jerk_limited else _ASKED
+    ]
+    wider = [what_if(timed, s.limit, s.joint, _WIDER) for s in asked]
+    return TimingReport(
+        duration=timed.duration,
+        unlimited_duration=timed.unlimited_duration if timed.jerk_limited else timed.duration,
+        binding=[BindingLimit(limit=s.limit, joint=s.joint, share=s.share) for s in shares],
+        summary=found.sentence(),
+        what_if=[
+            WiderLimit(limit=w.limit, joint=w.joint, factor=w.factor, duration=w.duration)
+            for w in wider
+        ],
+    )
+
+
+def _motion(timed: TimedPath) -> PathMotion:
+    path = timed.path
+    return PathMotion(
+        s_knots=path.s_knots,
+        q_knots=path.q_knots,
+        tangents_start=path.tangents_start,
+        tangents_end=path.tangents_end,
+        node_time=timed.node_times,
+        node_s=timed.s,
+        node_sdot=timed.sdot,
+        node_sddot=timed.sddot,
+        pieces=[] if timed.jerk_limited else [int(p) for p in timed.pieces],
+    )

@@ -408,9 +408,12 @@ def error_from_problem(problem: Mapping[str, Any], *, url: str = "") -> IkplanEr
     """
     cls = _BY_TYPE.get(str(problem.get("type")))
     detail = str(problem.get("detail") or problem.get("title") or "unknown problem")
-    if cls is None or any(name not in problem for name in cls.fields):
-        status = problem.get("status")
-        return ServiceUnavailable(
-            detail, url=url, status_code=status if isinstance(status, int) else None
-        )
-    return cls(detail, **{name: problem[name] for name in cls.fields})
+    if cls is not None and all(name in problem for name in cls.fields):
+        try:
+            return cls(detail, **{name: problem[name] for name in cls.fields})
+        except (TypeError, ValueError):
+            pass  # a document of that type with other data is none of ours either
+    status = problem.get("status")
+    return ServiceUnavailable(
+        detail, url=url, status_code=status if isinstance(status, int) else None
+    )

@@ -1,0 +1,115 @@
+"""The tree of errors: each carries its data through JSON, pickles and the client."""
+
+from __future__ import annotations
+
+import json
+import pickle
+from typing import Any
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+import ikplan
+from ikplan import errors
+from ikplan.errors import IkplanError, ServiceUnavailable, error_from_problem, near_names
+
+EXAMPLES: list[IkplanError] = [
+    errors.InvalidRequest("a: wrong", field="a", allowed=[1.0, 2.0]),
+    errors.InvalidRequest("two", field="b", errors=[{"field": "b", "detail": "x"}] * 2),
+    errors.RobotNotFound(name="iiwa", valid=["iiwa14", "ur5"]),
+    errors.PlanNotFound(id="abc"),
+    errors.InvalidRobot("no", robot="r", joint="j", value=[1, None], valid=["a"]),
+    errors.Unreachable(
+        "far",
+        waypoint=3,
+        position_error=0.1,
+        orientation_error=None,
+        q=[0.0, 1.0],
+        reason="too far",
+        limits=["A1"],
+        waypoints=[{"waypoint": 3, "position_error": 0.1}],
+    ),
+    errors.Disconnected("apart", waypoints=[-1, 0], jump=2.5, reason="limits"),
+    errors.TimingFailed("slow", position=0.5, joint="A1", limit="velocity"),
+    errors.BudgetExceeded("late", stage="ik", budget_s=1.0, best={"q": [[0.0]]}),
+    errors.BudgetExceeded("late", stage="ik", budget_s=1.0),
+    errors.CertificateViolated("broken", certificate={"valid": False}, violations=["x"]),
+    errors.ServiceUnavailable("gone", url="http://x", status_code=503, retry_after_s=1.0),
+]
+CLASSES = [c for c in vars(errors).values() if isinstance(c, type) and issubclass(c, IkplanError)]
+
+
+@pytest.mark.parametrize("error", EXAMPLES, ids=lambda e: type(e).__name__)
+def test_an_error_comes_back_from_its_problem_document(error: IkplanError) -> None:
+    problem = json.loads(json.dumps(error.to_problem(), allow_nan=False))
+    again = error_from_problem(problem)
+    assert type(again) is type(error)
+    assert again.data == error.data
+    assert again.detail == error.detail == str(error) == str(again)
+    assert problem["status"] == error.status
+    assert problem["title"] == error.title
+    assert problem["type"] == f"urn:ikplan:{error.slug}"
+
+
+@pytest.mark.parametrize("error", EXAMPLES, ids=lambda e: type(e).__name__)
+def test_an_error_comes_back_from_a_pickle(error: IkplanError) -> None:
+    again = pickle.loads(pickle.dumps(error))
+    assert type(again) is type(error)
+    assert again.data == error.data
+    assert again.detail == error.detail
+
+
+def test_every_class_has_an_example_a_slug_of_its_own_and_a_place_in_the_drawing() -> None:
+    leaves = [c for c in CLASSES if c is not IkplanError]
+    assert {type(e) for e in EXAMPLES} == set(leaves)
+    assert len({c.slug for c in leaves}) == len(leaves)
+    for c in leaves:
+        assert issubclass(c, IkplanError)
+        assert c.__name__ in (errors.__doc__ or "")
+        assert getattr(ikplan, c.__name__) is c
+        assert c.__name__ in ikplan.__all__
+        assert 400 <= c.status < 600
+
+
+def test_a_problem_of_another_kind_is_an_unavailable_service() -> None:
+    error = error_from_problem(
+        {"type": "about:blank", "title": "Teapot", "status": 418}, url="http://x/v1"
+    )
+    assert isinstance(error, ServiceUnavailable)
+    assert error.data == {"url": "http://x/v1", "status_code": 418, "retry_after_s": None}
+    assert error.detail == "Teapot"
+
+
+scalars = st.none() | st.booleans() | st.integers() | st.floats() | st.text("aé\n", max_size=3)
+anything = (
+    scalars | st.lists(scalars, max_size=3) | st.dictionaries(st.text("aé\n", max_size=3), scalars)
+)
+
+
+@given(st.sampled_from(EXAMPLES), st.data())
+@settings(deadline=None)
+def test_a_mangled_problem_is_still_an_error_of_the_tree(error: IkplanError, data: Any) -> None:
+    problem = error.to_problem()
+    for name in data.draw(st.sets(st.sampled_from(sorted(problem)), max_size=3)):
+        if data.draw(st.booleans()):
+            problem[name] = data.draw(anything)
+        else:
+            del problem[name]
+    assert isinstance(error_from_problem(problem), IkplanError)
+
+
+def test_near_names_are_the_ones_that_look_alike() -> None:
+    names = ["iiwa14", "ur3", "ur5", "ur10", "panda", "baxter_left", "baxter_right"]
+    assert near_names("iiwa", names) == ["iiwa14"]
+    assert near_names("UR5", names)[0] == "ur5"
+    assert near_names("baxter", names) == ["baxter_left", "baxter_right"]
+    assert near_names("qqqqqqq", names) == []
+    assert len(near_names("ur", names)) <= 3
+
+
+def test_a_robot_that_is_not_there_is_answered_with_the_ones_that_are() -> None:
+    error = errors.RobotNotFound(name="iiwa", valid=["iiwa14", "ur5"])
+    assert error.near == ["iiwa14"]
+    assert "did you mean iiwa14?" in error.detail
+    assert "iiwa14, ur5" in error.detail

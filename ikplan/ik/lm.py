@@ -17,7 +17,7 @@ from ikplan.ik.slide import nearest_on_manifold
 from ikplan.kinematics.chain import Chain
 from ikplan.kinematics.target import ORIENTATION_WEIGHT, Freedom, Target
 
-__all__ = ["restart_into", "solve_lm", "solve_seeds"]
+__all__ = ["PATIENCE", "nearest_turns", "restart_into", "solve_lm"]
 
 PATIENCE = 6
 
@@ -144,82 +144,3 @@ def solve_lm(
         )
         evaluations += spent
     return best_distance, best_angle, evaluations
-
-
-@kernel
-def solve_seeds(
-    chain: Chain,
-    target: Target,
-    seeds: Array,
-    q_start: Array,
-    lower: Array,
-    upper: Array,
-    tolerance_position: float,
-    tolerance_orientation: float,
-    iterations: int,
-    solutions: Array,
-    errors: Array,
-) -> tuple[int, int]:
-    """Refine seeds, slide each solution to the point nearest to the start, drop the doubles.
-
-    Args:
-        chain: The chain from base to tool.
-        target: The tool pose wanted.
-        seeds: Seeds, shape (k, dof) [rad or m].
-        q_start: Configuration to be near to, shape (dof,) [rad or m].
-        lower: Lower bounds, finite, shape (dof,) [rad or m].
-        upper: Upper bounds, finite, shape (dof,) [rad or m].
-        tolerance_position: Distance that counts as solved [m].
-        tolerance_orientation: Angle that counts as solved [rad].
-        iterations: Largest number of steps from one seed.
-        solutions: Out: solutions, nearest first; with none, the best seed refined, shape (k, dof).
-        errors: Out: distance [m], angle [rad] and joint distance of each, shape (k, 3).
-
-    Returns:
-        Number of solutions, and evaluations spent.
-    """
-    w: Workspace = new_workspace(chain)
-    dof = seeds.shape[1]
-    q = np.empty(dof)
-    found, evaluations, best = 0, 0, math.inf
-    for s in range(seeds.shape[0]):
-        for k in range(dof):
-            q[k] = min(max(seeds[s, k], lower[k]), upper[k])
-        distance, angle, spent = refine(
-            chain, target, q, lower, upper, Effort(iterations, PATIENCE), w
-        )
-        evaluations += spent
-        solved = distance <= tolerance_position and angle <= tolerance_orientation
-        if solved:
-            nearest_turns(chain, q, q_start, lower, upper)
-            evaluations += nearest_on_manifold(chain, target, q, q_start, lower, upper, 60, w)
-            distance, angle, spent = refine(chain, target, q, lower, upper, Effort(3, PATIENCE), w)
-            evaluations += spent
-        elif found == 0 and distance * distance + angle * angle < best:
-            best = distance * distance + angle * angle
-            solutions[0] = q
-            errors[0, 0], errors[0, 1], errors[0, 2] = distance, angle, math.inf
-        if not solved:
-            continue
-        length = 0.0
-        for k in range(dof):
-            length += (q[k] - q_start[k]) ** 2
-        length = math.sqrt(length)
-        # Insert by distance, unless it is there already.
-        place, double = found, False
-        for i in range(found):
-            apart = 0.0
-            for k in range(dof):
-                apart = max(apart, abs(solutions[i, k] - q[k]))
-            double = double or apart < 1e-6
-            if length < errors[i, 2] and place == found:
-                place = i
-        if double:
-            continue
-        for i in range(found, place, -1):
-            solutions[i] = solutions[i - 1]
-            errors[i] = errors[i - 1]
-        solutions[place] = q
-        errors[place, 0], errors[place, 1], errors[place, 2] = distance, angle, length
-        found += 1
-    return found, evaluations

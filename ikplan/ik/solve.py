@@ -14,7 +14,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from ikplan.errors import InvalidRequest, Unreachable
 from ikplan.ik.arguments import check_options, check_start, check_tolerances, target_of
-from ikplan.ik.lm import solve_lm, solve_seeds
+from ikplan.ik.lm import solve_lm
+from ikplan.ik.nearest import nearest_solutions
 from ikplan.ik.refine import target_error
 from ikplan.ik.registry import Solver, find_solver
 from ikplan.ik.search import Searcher
@@ -31,6 +32,10 @@ __all__ = ["NoSolution", "PoseSolver", "Solved", "solve_ik"]
 Array = NDArray[np.float64]
 
 _RESCUE_RESTARTS = 2000
+_SPREAD = 72
+"""Evenly spread seeds beside those of the method: what makes the nearest solution the nearest."""
+_SLIDES = 8
+"""Solutions that are slid along their self-motion."""
 
 
 @dataclass(frozen=True)
@@ -126,27 +131,26 @@ class PoseSolver:
         if not self.refined:
             return self._solve_raw(self.searcher, target, q_start)
         lower, upper = self.arm.search_bounds(q_start)
-        evaluations = 0
-        for _ in range(3):
-            seeds, spent = self.searcher.seeds(target, q_start, lower, upper)
-            seeds = np.vstack([seeds, q_start])
-            solutions, errors = np.empty_like(seeds), np.empty((seeds.shape[0], 3))
-            found, refining = solve_seeds(
-                self.arm.chain,
-                target,
-                seeds,
-                q_start,
-                lower,
-                upper,
-                self.tolerance_position,
-                self.tolerance_orientation,
-                40,
-                solutions,
-                errors,
-            )
-            evaluations += spent + refining
-            if found:
-                return Solved(solutions[:found], errors[:found, 0], errors[:found, 1], evaluations)
+        seeds, evaluations = self.searcher.seeds(target, q_start, lower, upper)
+        solutions, errors = np.empty((_SLIDES, self.arm.dof)), np.empty((_SLIDES, 3))
+        found, spent = nearest_solutions(
+            self.arm.chain,
+            target,
+            np.vstack([q_start, seeds]),
+            _SPREAD,
+            (0.5 + self.seed * 0.6180339887498949) % 1.0,
+            q_start,
+            lower,
+            upper,
+            self.tolerance_position,
+            self.tolerance_orientation,
+            _SLIDES,
+            solutions,
+            errors,
+        )
+        evaluations += spent
+        if found:
+            return Solved(solutions[:found], errors[:found, 0], errors[:found, 1], evaluations)
         try:
             rescued = self._solve_by_refinement(target, q_start)
         except NoSolution as verdict:

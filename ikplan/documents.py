@@ -7,6 +7,7 @@ Every model refuses unknown fields, NaN and infinities. A fault becomes an
 
 from __future__ import annotations
 
+import hashlib
 import json
 from collections.abc import Mapping, Sequence
 from typing import Annotated, Any, NoReturn, TypeVar, get_args
@@ -33,6 +34,7 @@ __all__ = [
     "Matrix",
     "Vec3",
     "Vector",
+    "content_hash",
     "load_json",
     "parse",
     "parse_json",
@@ -47,6 +49,16 @@ class Document(BaseModel):
     """Base of every request model: strict, closed, finite, immutable."""
 
     model_config = ConfigDict(extra="forbid", allow_inf_nan=False, frozen=True, strict=True)
+
+
+def content_hash(document: Document, *context: str) -> str:
+    """Return a hash of a request in canonical form and its context, 32 hexadecimal digits.
+
+    The budget is left out: it decides whether there is a plan, never which one.
+    """
+    content = document.model_dump(mode="json", exclude={"budget_s"})
+    canonical = json.dumps([content, *context], sort_keys=True, separators=(",", ":"))
+    return hashlib.sha256(canonical.encode()).hexdigest()[:32]
 
 
 def plain(value: Any) -> Any:

@@ -21,7 +21,7 @@ from ikplan.request import FkRequest, Frame, IkRequest, PlanRequest
 from ikplan.result import FkResult, IkSolution, Plan, Stats, WaypointResults
 from ikplan.robots import Robot, catalogue_robot
 from ikplan.timing import JointPath
-from ikplan.timing_stage import joint_limits, time_motion
+from ikplan.timing_stage import joint_limits, time_motion, warm_up_timing
 from ikplan.warmup import warm_up
 
 __all__ = ["fk_request", "plan", "solve_ik_request"]
@@ -49,6 +49,7 @@ def plan(request: Mapping[str, Any] | PlanRequest, *, robot: Robot | None = None
     request = parse(PlanRequest, request)
     refuse_unsupported(request.path)
     warm_up(request.ik.method)
+    warm_up_timing(request.limits.jerk is not None)
     clock = Clock(request.budget_s)
     robot = robot or catalogue_robot(request.robot)
     robot = _with_tool(robot, request.tool)

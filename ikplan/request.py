@@ -6,14 +6,12 @@ path frame unless said otherwise.
 
 from __future__ import annotations
 
-import hashlib
-import json
 import math
 from typing import Annotated, Any, Literal
 
 from pydantic import Discriminator, Field, PlainValidator, Tag, field_validator
 
-from ikplan.documents import Document, Floats, Vec3
+from ikplan.documents import Document, Floats, Vec3, content_hash
 from ikplan.limit_request import LimitOptions, SamplingOptions
 from ikplan.path_request import PathRequest
 from ikplan.poses import Frame, Quaternion, Tolerance, Waypoint, unit_quaternion
@@ -118,10 +116,7 @@ class PlanRequest(Document):
         Returns:
             32 hexadecimal digits.
         """
-        # The budget decides whether there is a plan, never which one.
-        document = self.model_dump(mode="json", exclude={"budget_s"})
-        canonical = json.dumps([document, *context], sort_keys=True, separators=(",", ":"))
-        return hashlib.sha256(canonical.encode()).hexdigest()[:32]
+        return content_hash(self, *context)
 
 
 class FkRequest(Document):

@@ -5,6 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
 from pydantic import BaseModel, ConfigDict, Field
 
 from ikplan.documents import Matrix, Vector
@@ -12,6 +14,8 @@ from ikplan.timing_report import PathMotion, TimingReport
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
+
+    from ikplan.playback import Moment
 
 __all__ = [
     "Certificate",
@@ -155,16 +159,61 @@ class Plan(_Result):
         """Time of the last sample [s]."""
         return float(self.trajectory.time[-1])
 
-    def save(self, path: str | Path) -> None:
-        """Write the plan to a file, in the format its suffix names: json, csv or npz.
+    @property
+    def time(self) -> NDArray[np.float64]:
+        """Sample times, shape (m,) [s]."""
+        return np.asarray(self.trajectory.time)
+
+    @property
+    def q(self) -> NDArray[np.float64]:
+        """Joint values, shape (m, dof) [rad or m]."""
+        return np.asarray(self.trajectory.q)
+
+    @property
+    def dq(self) -> NDArray[np.float64]:
+        """Joint velocities, shape (m, dof) [rad/s or m/s]."""
+        return np.asarray(self.trajectory.dq)
+
+    @property
+    def ddq(self) -> NDArray[np.float64]:
+        """Joint accelerations, shape (m, dof) [rad/s^2 or m/s^2]."""
+        return np.asarray(self.trajectory.ddq)
+
+    def at(self, t: ArrayLike) -> Moment:
+        """Evaluate the motion at any times.
+
+        Exact where the plan has its motion as polynomials (``sampling.form`` "polynomial"),
+        otherwise exact at the samples and between them by the cubics that have their positions
+        and velocities, with accelerations linear between those of the samples.
+
+        Args:
+            t: A time, or times of shape (m,) [s]; clipped to [0, duration].
+
+        Returns:
+            Joint positions, velocities and accelerations, each of shape (dof,) or (m, dof).
 
         Raises:
-            InvalidRequest: No such format.
+            InvalidRequest: A time is not a finite number.
+        """
+        from ikplan.playback import evaluate
+
+        return evaluate(self, t)
+
+    def save(self, path: str | Path, format: str | None = None) -> None:
+        """Write the plan to a file.
+
+        Args:
+            path: The file.
+            format: "json", "csv", "npz", "ros" or "urscript"; None: the one that the suffix
+                names (.json, .csv, .npz, .ros.json, .script).
+
+        Raises:
+            InvalidRequest: No such format, or the format cannot hold a plan for this robot.
             OSError: The file cannot be written.
         """
         from ikplan.export import save
 
-        save(self, Path(path))
+        save(self, Path(path), format)
 
     def plot(self, path: str | Path) -> None:
         """Draw joint positions, velocities against their limits, and the tool's path.

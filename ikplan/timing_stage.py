@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 import pinocchio as pin
 
-from ikplan.limit_request import SamplingOptions
+from ikplan.limit_request import LimitOptions, SamplingOptions
 from ikplan.motion_limits import MotionLimits
 from ikplan.result import Trajectory
-from ikplan.robots import Robot
+from ikplan.robots import Robot, catalogue_robot
 from ikplan.timing import (
     JointLimits,
     JointPath,
@@ -29,7 +30,7 @@ from ikplan.timing import (
 from ikplan.timing.models import inverse_dynamics, tool_motion
 from ikplan.timing_report import BindingLimit, PathMotion, TimingReport, WiderLimit
 
-__all__ = ["Timing", "joint_limits", "time_motion"]
+__all__ = ["Timing", "joint_limits", "time_motion", "warm_up_timing"]
 
 # How many of the limits that bind are asked what they cost, and how much of the time they must.
 _ASKED = 3
@@ -154,3 +155,16 @@ def _motion(timed: TimedPath) -> PathMotion:
         node_sddot=timed.sddot,
         pieces=[] if timed.jerk_limited else [int(p) for p in timed.pieces],
     )
+
+
+@functools.cache
+def warm_up_timing(jerk: bool) -> None:
+    """Load, or compile, the kernels of the timing once a process: no part of any budget.
+
+    Args:
+        jerk: Whether those of jerk-limited timing too.
+    """
+    robot = catalogue_robot("ur5")
+    limits = MotionLimits.of(robot, LimitOptions(jerk=100.0 if jerk else None))
+    path = JointPath.through([robot.home, robot.home + 0.1], joint_limits(robot, limits))
+    time_motion(path, robot, limits, SamplingOptions())

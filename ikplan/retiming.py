@@ -1,0 +1,160 @@
+"""Timing without planning: a joint path in, a certified joint trajectory out."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ikplan import __version__
+from ikplan.certificate import Claim, certify
+from ikplan.documents import parse
+from ikplan.errors import InvalidRequest
+from ikplan.motion_limits import MotionLimits
+from ikplan.planning import Clock
+from ikplan.poses import Frame
+from ikplan.result import Plan, Stats, WaypointResults
+from ikplan.robots import Robot, catalogue_robot
+from ikplan.timing import JointPath
+from ikplan.timing_request import TimingRequest
+from ikplan.timing_stage import joint_limits, time_motion, warm_up_timing
+
+__all__ = ["time_path", "time_request"]
+
+Array = NDArray[np.float64]
+
+
+def time_path(
+    robot: Robot,
+    joint_waypoints: ArrayLike,
+    *,
+    rate_hz: float = 250.0,
+    velocity_scale: float = 1.0,
+    acceleration_scale: float = 1.0,
+    limits: Mapping[str, Any] | None = None,
+    rest_at: Sequence[int] = (),
+) -> Plan:
+    """Move through joint waypoints as fast as the limits allow, from rest to rest.
+
+    Args:
+        robot: The robot, with its tool.
+        joint_waypoints: Joint values, waypoints or samples of a path, shape (n, dof), n >= 1
+            [rad or m]. A cubic spline is laid through them.
+        rate_hz: Samples per second [Hz].
+        velocity_scale: Share of the robot's velocity limits.
+        acceleration_scale: Share of the robot's acceleration limits.
+        limits: More limits, as in a request: ``{"jerk": 100, "tool_speed": 0.25, ...}``.
+        rest_at: Indices of waypoints where the motion stops and may turn a sharp corner.
+
+    Returns:
+        The certified trajectory: ``.time``, ``.q``, ``.dq``, ``.ddq``, ``.certificate``, ...
+
+    Raises:
+        InvalidRequest: A limit, the rate or the waypoints are wrong: which, and why.
+        TimingFailed: No timing under the limits.
+        CertificateViolated: The finished trajectory broke a promise: a bug.
+    """
+    options = {
+        "velocity_scale": velocity_scale,
+        "acceleration_scale": acceleration_scale,
+        **(limits or {}),
+    }
+    document = {
+        "robot": robot.name or "robot",
+        "waypoints": joint_waypoints,
+        "rest_at": list(rest_at),
+        "limits": options,
+        "sampling": {"rate_hz": rate_hz},
+        "budget_s": 3600,
+    }
+    return time_request(document, robot=robot)
+
+
+def time_request(request: Mapping[str, Any] | TimingRequest, *, robot: Robot | None = None) -> Plan:
+    """Time the joint path of a request.
+
+    Args:
+        request: The request document.
+        robot: The robot, for one that is not in the catalogue; None: load it by name. Its tool
+            stands unless the request has one.
+
+    Returns:
+        The certified trajectory. The same request gives the same id and the same trajectory.
+
+    Raises:
+        InvalidRequest: A field of the request is wrong.
+        RobotNotFound: No robot of that name.
+        TimingFailed: No timing under the limits.
+        BudgetExceeded: ``budget_s`` ran out.
+        CertificateViolated: The finished trajectory broke a promise: a bug.
+    """
+    request = parse(TimingRequest, request)
+    warm_up_timing(request.limits.jerk is not None)
+    clock = Clock(request.budget_s)
+    robot = robot or catalogue_robot(request.robot)
+    if request.tool != Frame():
+        robot = robot.with_tool(request.tool.position, request.tool.quaternion_xyzw)
+    limits = MotionLimits.of(robot, request.limits)
+    asked = _rows(request.waypoints, robot)
+    with clock.stage("planning"):
+        path = JointPath.through(asked, joint_limits(robot, limits), rest_at=request.rest_at)
+        # Waypoints too close to tell apart are passed as one.
+        waypoints = path.q_knots[path.knot_of_waypoint]
+    with clock.stage("timing"):
+        timing = time_motion(path, robot, limits, request.sampling)
+        waypoint_time = timing.timed.times
+    with clock.stage("certificate"):
+        samples = timing.samples
+        certificate = certify(
+            Claim(
+                robot,
+                None,
+                waypoints[0],
+                waypoints,
+                waypoint_time,
+                samples.time,
+                samples.q,
+                samples.dq,
+                samples.ddq,
+                limits=limits,
+            )
+        )
+    distances = [
+        float(np.linalg.norm(robot.fk(wanted).translation - robot.fk(passed).translation))
+        for wanted, passed in zip(asked, waypoints, strict=True)
+    ]
+    steps = np.diff(np.vstack([waypoints[:1], waypoints]), axis=0)
+    return Plan(
+        id=request.content_hash(robot.fingerprint, __version__),
+        version=__version__,
+        robot=request.robot,
+        joint_names=list(robot.joint_names),
+        joint_units=["m" if slides else "rad" for slides in robot.prismatic],
+        waypoints=WaypointResults(
+            q=waypoints,
+            time=waypoint_time,
+            position_error=np.array(distances),
+            orientation_error=[None] * len(waypoints),
+            elongation=np.linalg.norm(steps, axis=1),
+        ),
+        trajectory=timing.trajectory,
+        certificate=certificate,
+        timing=timing.report,
+        motion=timing.motion,
+        stats=Stats(ik_evaluations=0, seconds=clock.seconds),
+    )
+
+
+def _rows(waypoints: list[list[float]], robot: Robot) -> Array:
+    """The waypoints as an array of shape (n, dof)."""
+    for i, row in enumerate(waypoints):
+        if len(row) != robot.dof:
+            raise InvalidRequest(
+                f"waypoints[{i}]: {robot.dof} values wanted ({', '.join(robot.joint_names)}), "
+                f"got {len(row)}",
+                field=f"waypoints[{i}]",
+                allowed=f"{robot.dof} numbers",
+            )
+    return np.array(waypoints, dtype=np.float64)

@@ -1,0 +1,48 @@
+"""The request of a timing: a joint path of one's own, timed and certified without planning."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+from pydantic import BeforeValidator, Field
+
+from ikplan.documents import Document, Floats, content_hash, plain
+from ikplan.limit_request import LimitOptions, SamplingOptions
+from ikplan.poses import Frame
+
+__all__ = ["TimingRequest"]
+
+Rows = Annotated[
+    list[Floats], BeforeValidator(plain), Field(min_length=1, max_length=20_000)
+]  # fmt: skip
+Index = Annotated[int, Field(ge=0)]
+
+
+class TimingRequest(Document):
+    """A request for the timing of a joint path (v1)."""
+
+    robot: str = Field(min_length=1, max_length=200, description="Name of a robot.")
+    waypoints: Rows = Field(
+        description="Joint values that the motion passes, waypoints or samples of a path, shape "
+        "(n, dof) [rad or m]."
+    )
+    rest_at: Annotated[list[Index], BeforeValidator(plain)] = Field(
+        [], description="Indices of waypoints where the motion stops and may turn a sharp corner."
+    )
+    tool: Frame = Field(
+        default_factory=Frame, description="The tool frame (TCP), in the tip frame."
+    )
+    limits: LimitOptions = Field(default_factory=LimitOptions)
+    sampling: SamplingOptions = Field(default_factory=SamplingOptions)
+    budget_s: float = Field(10.0, gt=0, le=3600, description="Time budget [s].")
+
+    def content_hash(self, *context: str) -> str:
+        """Return the id of the timing: a hash of this request in canonical form and its context.
+
+        Args:
+            context: What else decides the timing: the robot's fingerprint and the version.
+
+        Returns:
+            32 hexadecimal digits.
+        """
+        return content_hash(self, *context)

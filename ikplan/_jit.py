@@ -15,8 +15,10 @@ from __future__ import annotations
 import functools
 import hashlib
 import os
+import pickle
 import re
 import sys
+import uuid
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any, ParamSpec, TypeVar, cast
@@ -32,7 +34,9 @@ R = TypeVar("R")
 _PACKAGE = Path(__file__).parent
 
 
-_IMPORT = re.compile(rb"^\s*(?:from|import) (ikplan[\w.]*)(?: import \(?([\w, ]+))?", re.MULTILINE)
+_IMPORT = re.compile(
+    rb"^\s*(?:from|import) (ikplan[\w.]*)(?: import (?:\(([^)]*)\)|([\w, ]+)))?", re.MULTILINE
+)
 
 
 @functools.cache
@@ -45,10 +49,11 @@ def _sources(path: Path) -> frozenset[Path]:
         if current in found:
             continue
         found.add(current)
-        for module, names in _IMPORT.findall(current.read_bytes()):
+        for module, several, few in _IMPORT.findall(current.read_bytes()):
             parts = module.decode().split(".")[1:]
             base = _PACKAGE.joinpath(*parts)
-            submodules = [base / name.strip() for name in names.decode().split(",")]
+            names = (several or few).decode().replace(",", " ").split()
+            submodules = [base / name for name in names]
             candidates = [p.with_suffix(".py") for p in (base, *submodules) if p != _PACKAGE]
             pending += [p for p in candidates if p.is_file()]
     return frozenset(found)
@@ -107,8 +112,49 @@ class _KernelCacheImpl(caching.CompileResultCacheImpl):  # type: ignore[misc]
     _locator_classes = (_Locator,)
 
 
+_CUT_SHORT = (EOFError, pickle.UnpicklingError)
+_UNREADABLE = (OSError, *_CUT_SHORT)
+
+
+class _CacheFile(caching.IndexDataCacheFile):  # type: ignore[misc]
+    """The files of one kernel: an index, and one file a signature.
+
+    numba numbers the files of signatures, so that two processes that compile different ones at
+    the same time can give them the same file, and load the wrong one ever after. Here no two
+    have the same name, and the index never names a file that is not there yet.
+    """
+
+    def save(self, key: Any, data: Any) -> None:
+        name = self._data_name_pattern.replace("{number:d}", uuid.uuid4().hex)
+        self._save_data(name, data)
+        overloads = self._load_index()
+        overloads[key] = name
+        self._save_index(overloads)
+
+    def load(self, key: Any) -> Any:
+        try:
+            return super().load(key)
+        except _UNREADABLE:
+            return None  # compiled anew, as if it were not there
+
+    def _load_index(self) -> dict[Any, str]:
+        try:
+            overloads: dict[Any, str] = super()._load_index()
+        except _CUT_SHORT:
+            return {}
+        return overloads
+
+
 class _KernelCache(caching.FunctionCache):  # type: ignore[misc]
     _impl_class = _KernelCacheImpl
+
+    def __init__(self, py_func: Callable[..., Any]) -> None:
+        super().__init__(py_func)
+        self._cache_file = _CacheFile(
+            cache_path=self._cache_path,
+            filename_base=self._impl.filename_base,
+            source_stamp=self._impl.locator.get_source_stamp(),
+        )
 
     def load_overload(self, sig: Any, target_context: Any) -> Any:
         found = super().load_overload(sig, target_context)

@@ -84,6 +84,12 @@ class ArcLength:
         """Return the arc length of a break of the shape [m]."""
         return float(self.s[np.searchsorted(self.t, self.shape.breaks[index])])
 
+    def length_at(self, t: float) -> float:
+        """Return the arc length at a parameter of the shape [m]."""
+        node = int(np.clip(np.searchsorted(self.t, t, "right") - 1, 0, len(self._half) - 1))
+        x = np.array([(t - self.t[node]) / self._half[node] - 1.0])
+        return float(self.s[node] + _horner(self._arcs[:, [node]], x)[0])
+
     def points(self, s: Array) -> CurvePoints:
         """Return the points at arc lengths s, shape (m,) [m]."""
         node = np.clip(np.searchsorted(self.s, s, "right") - 1, 0, len(self._half) - 1)

@@ -52,8 +52,8 @@ def arc_through(p0: Array, via: Array, p1: Array) -> SteadyPiece:
     if np.linalg.norm(side) <= 1e-12 * np.linalg.norm(b):
         # The end is behind the begin: only via tells the side, and the circle is all but a line.
         raise ValueError("its circle is too large to be told from a line")
-    n = unit(side)
-    half = math.atan2(float(b @ n), float(b @ t))
+    n = unit(side - float(side @ t) * t)
+    half = math.atan2(float(np.linalg.norm(side)), float(b @ t))
     length = float(np.linalg.norm(b)) * half / math.sin(half)
     return _steady(p0, t, n, np.zeros(3), 1.0, 2.0 * half / length, length)
 

@@ -64,8 +64,9 @@ def blend_corner(before: Piece, after: Piece, radius: float) -> Blend:
     if before.oriented and after.oriented:
         rates = [2.0 * reach * (m.R[0].T @ m.w[0]) for m in (a, b)]
         turning = BlendTurning(a.R[0], rates[0], b.R[0], rates[1])
-    piece = CurvedPiece.whole(ArcLength(shape), turning)
-    nearest = _nearest(piece, corner)
+    curve = ArcLength(shape)
+    piece = CurvedPiece.whole(curve, turning)
+    nearest = curve.length_at(_nearest(shape, corner))
     at = piece.evaluate(np.array([nearest]))
     rotation = 0.0
     if turning is not None:
@@ -79,11 +80,17 @@ def _end(motion: Motion, scale: float) -> Array:
     return np.array([motion.p[0], scale * motion.v[0], scale * scale * motion.bend[0]])
 
 
-def _nearest(piece: Piece, corner: Array) -> float:
-    """Length at which the piece is nearest to the corner [m]."""
-    low, high = 0.0, piece.length
-    for _ in range(12):
-        s = np.linspace(low, high, 33)
-        k = int(np.argmin(np.linalg.norm(piece.evaluate(s).p - corner, axis=1)))
-        low, high = s[max(k - 1, 0)], s[min(k + 1, 32)]
-    return float(0.5 * (low + high))
+def _nearest(shape: QuinticShape, corner: Array) -> float:
+    """Parameter in [0, 1] at which the shape is nearest to the corner."""
+    t = np.linspace(0.0, 1.0, 65)
+    k = int(np.argmin(np.linalg.norm(shape.derivatives(t)[0] - corner, axis=1)))
+    low, at, high = t[max(k - 1, 0)], t[k], t[min(k + 1, 64)]
+    for _ in range(40):
+        p, first, second = (d[0] for d in shape.derivatives(np.array([at])))
+        slope = float((p - corner) @ first)
+        low, high = (low, at) if slope > 0.0 else (at, high)
+        step = at - slope / max(float(first @ first + (p - corner) @ second), 1e-300)
+        before, at = at, step if low < step < high else 0.5 * (low + high)
+        if abs(at - before) < 1e-13:
+            break
+    return float(at)

@@ -132,23 +132,26 @@ class _Search:
     def _descend(
         self, pose: Index, piece: Index, a: Array, s: Array, b: Array
     ) -> tuple[Array, Array]:
-        """Gauss-Newton steps on s between a and b, halving where they leave the bracket."""
+        """Gauss-Newton steps on s between a and b; halving where they overshoot."""
         best_s, best = s.copy(), np.full(len(s), np.inf)
         active = np.arange(len(s))
         a, s, b = a.copy(), s.copy(), b.copy()
+        # Whether the slope at the end of the bracket is known, and points inwards.
+        a_known, b_known = np.zeros(len(s), dtype=bool), np.zeros(len(s), dtype=bool)
         for _ in range(60):
-            value, downhill, rate = self._cost(pose[active], piece[active], s[active])
+            at = s[active]
+            value, downhill, rate = self._cost(pose[active], piece[active], at)
             better = value < best[active]
-            best[active[better]], best_s[active[better]] = value[better], s[active[better]]
+            best[active[better]], best_s[active[better]] = value[better], at[better]
             forward = downhill > 0.0
-            a[active] = np.where(forward, s[active], a[active])
-            b[active] = np.where(forward, b[active], s[active])
-            target = s[active] + downhill / np.maximum(rate, 1e-12)
-            inside = (target >= a[active]) & (target <= b[active])
-            target = np.where(inside, target, 0.5 * (a[active] + b[active]))
-            moved = np.abs(target - s[active])
+            a[active[forward]], a_known[active[forward]] = at[forward], True
+            b[active[~forward]], b_known[active[~forward]] = at[~forward], True
+            low, high = a[active], b[active]
+            target = at + downhill / np.maximum(rate, 1e-12)
+            over = ((target < low) & a_known[active]) | ((target > high) & b_known[active])
+            target = np.where(over, 0.5 * (low + high), np.clip(target, low, high))
             s[active] = target
-            active = active[moved > 1e-13 + 1e-12 * np.abs(target)]
+            active = active[np.abs(target - at) > 1e-13 + 1e-11 * np.abs(target)]
             if len(active) == 0:
                 break
         return best_s, best

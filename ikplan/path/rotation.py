@@ -12,6 +12,8 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from ikplan.path.rotation_kernels import exp_rows, log_rows, matrix_rows, quaternion_rows
+
 __all__ = [
     "angle_between",
     "cross_matrix",
@@ -31,56 +33,14 @@ _SMALL = 1e-2
 
 def rotation_of(quaternion_xyzw: Sequence[float] | Array) -> Array:
     """Return the rotation matrix of unit quaternions (x, y, z, w), shape (..., 3, 3)."""
-    x, y, z, w = np.moveaxis(np.asarray(quaternion_xyzw, dtype=np.float64), -1, 0)
-    rows = [
-        [1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y - z * w), 2.0 * (x * z + y * w)],
-        [2.0 * (x * y + z * w), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z - x * w)],
-        [2.0 * (x * z - y * w), 2.0 * (y * z + x * w), 1.0 - 2.0 * (x * x + y * y)],
-    ]
-    return np.stack([np.stack(row, axis=-1) for row in rows], axis=-2)
+    q = np.ascontiguousarray(quaternion_xyzw, dtype=np.float64)
+    return matrix_rows(q.reshape(-1, 4)).reshape(*q.shape[:-1], 3, 3)
 
 
 def quaternion_of(R: Array) -> Array:
-    """Return the unit quaternions (x, y, z, w) of rotation matrices, shape (..., 4), w >= 0.
-
-    The largest of the four components is found first and divides the others (Shepperd, 1978).
-    """
-    R = np.asarray(R, dtype=np.float64)
-    flat = R.reshape(-1, 3, 3)
-    trace = np.trace(flat, axis1=1, axis2=2)
-    diagonal = np.stack([flat[:, 0, 0], flat[:, 1, 1], flat[:, 2, 2], trace], axis=1)
-    largest = np.argmax(diagonal, axis=1)
-    quaternions = np.empty((len(flat), 4))
-    for k in range(4):
-        rows = largest == k
-        if not rows.any():
-            continue
-        M = flat[rows]
-        q = np.empty((len(M), 4))
-        if k == 3:
-            q[:, :3] = _vee(M)
-            q[:, 3] = 1.0 + trace[rows]
-        else:
-            i, j, h = k, (k + 1) % 3, (k + 2) % 3
-            q[:, i] = 1.0 + M[:, i, i] - M[:, j, j] - M[:, h, h]
-            q[:, j] = M[:, j, i] + M[:, i, j]
-            q[:, h] = M[:, h, i] + M[:, i, h]
-            q[:, 3] = M[:, h, j] - M[:, j, h]
-        quaternions[rows] = q / np.linalg.norm(q, axis=1)[:, None]
-    quaternions[quaternions[:, 3] < 0.0] *= -1.0
-    return quaternions.reshape(*R.shape[:-2], 4)
-
-
-def _vee(M: Array) -> Array:
-    """The vector of twice the skew part of M, shape (..., 3)."""
-    return np.stack(
-        [
-            M[..., 2, 1] - M[..., 1, 2],
-            M[..., 0, 2] - M[..., 2, 0],
-            M[..., 1, 0] - M[..., 0, 1],
-        ],
-        axis=-1,
-    )
+    """Return the unit quaternions (x, y, z, w) of rotation matrices, shape (..., 4), w >= 0."""
+    R = np.ascontiguousarray(R, dtype=np.float64)
+    return quaternion_rows(R.reshape(-1, 3, 3)).reshape(*R.shape[:-2], 4)
 
 
 def cross_matrix(v: Array) -> Array:
@@ -94,12 +54,8 @@ def cross_matrix(v: Array) -> Array:
 
 def exp(rotvec: Array) -> Array:
     """Return the rotation about ``rotvec`` by its length [rad], shape (..., 3, 3)."""
-    K = cross_matrix(rotvec)
-    angle = np.linalg.norm(rotvec, axis=-1)[..., None, None]
-    a = np.sinc(angle / np.pi)
-    b = 0.5 * np.sinc(0.5 * angle / np.pi) ** 2
-    rotation: Array = np.eye(3) + a * K + b * (K @ K)
-    return rotation
+    v = np.ascontiguousarray(rotvec, dtype=np.float64)
+    return exp_rows(v.reshape(-1, 3)).reshape(*v.shape[:-1], 3, 3)
 
 
 def log(R: Array) -> Array:
@@ -107,12 +63,8 @@ def log(R: Array) -> Array:
 
     Exact near 0 and near pi. At exactly pi one of the two answers is given, always the same.
     """
-    q = quaternion_of(R)
-    sine = np.linalg.norm(q[..., :3], axis=-1)
-    angle = 2.0 * np.arctan2(sine, q[..., 3])
-    factor = np.where(sine > 0.0, angle / np.where(sine > 0.0, sine, 1.0), 2.0)
-    rotvec: Array = factor[..., None] * q[..., :3]
-    return rotvec
+    R = np.ascontiguousarray(R, dtype=np.float64)
+    return log_rows(R.reshape(-1, 3, 3)).reshape(*R.shape[:-2], 3)
 
 
 def angle_between(A: Array, B: Array) -> Array:

@@ -26,8 +26,8 @@ Array = NDArray[np.float64]
 
 _SAME = 1e-9
 """Positions this near to one another are one place [m]."""
-_LEAST_NORM = 0.4
-"""Below this the spline of the quaternions leaves the sphere too far to be brought back."""
+_OFF_SPHERE = 0.5
+"""Quaternions farther than this from unit length turn back and forth when they are brought back."""
 
 
 def spline_items(poses: Sequence[Pose], names: Sequence[str], rows: Sequence[int]) -> list[Item]:
@@ -107,11 +107,13 @@ def _turning(poses: Sequence[Pose], s: Array, names: Sequence[str]) -> Turning:
         turn = shortest_turn(R[0], R[1], (names[0], names[1]), field=names[1])
         return SteadyTurning(float(s[0]), R[0], turn / (s[1] - s[0]))
     turning = SplineTurning(s, quaternion_of(R))
-    if turning.least_norm < _LEAST_NORM:
+    if turning.off_sphere > _OFF_SPHERE:
+        a, b = names[turning.worst_span : turning.worst_span + 2]
         raise InvalidRequest(
-            f"{names[0]} to {names[-1]}: the orientations turn too far from pose to pose to be "
-            "led through smoothly; put more poses between them, or use lines",
-            field=names[-1],
-            allowed="smaller turns from pose to pose",
+            f"{b}: from {a} the tool turns so far on so short a way, against its neighbours, that "
+            "no smooth curve leads through the orientations without swinging; put poses between, "
+            "space them more evenly, or use lines",
+            field=b,
+            allowed="turns in proportion to the distances of the poses",
         )
     return turning

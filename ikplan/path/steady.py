@@ -12,15 +12,15 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import NamedTuple
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ikplan.path.piece import TURN_LENGTH, Motion, Piece
-from ikplan.path.rotation import exp
+from ikplan.path.steady_kernels import SteadyStack, steady_rows
 
-__all__ = ["SteadyPiece", "SteadyStack", "line", "stack_steady", "steady_motion"]
+__all__ = ["SteadyPiece", "line", "stack_steady", "steady_motion"]
 
 Array = NDArray[np.float64]
 
@@ -28,35 +28,12 @@ _ON_THE_SPOT = 1e-6
 """A motion shorter than this [m] that turns by more counts as a turn."""
 
 
-class SteadyStack(NamedTuple):
-    """Steady pieces as flat arrays, one row a piece; the symbols are those of the module."""
-
-    p0: Array
-    t: Array
-    n: Array
-    c: Array
-    h: Array
-    k: Array
-    R0: Array
-    w: Array
-
-
-def steady_motion(a: SteadyStack, s: Array) -> Motion:
-    """Return the motion of row i of the stack at s[i], or of a single row at every s."""
-    h, x = a.h[:, None], (a.k * s)[:, None]
-    sine, cosine = np.sin(x), np.cos(x)
-    # sinc keeps sin(k s) / k and (1 - cos(k s)) / k exact down to k = 0.
-    along = s[:, None] * np.sinc(x / np.pi)
-    across = 0.5 * s[:, None] * x * np.sinc(0.5 * x / np.pi) ** 2
-    p = a.p0 + h * (along * a.t + across * a.n) + s[:, None] * a.c
-    R = a.R0 @ exp(s[:, None] * a.w)
-    return Motion(
-        R,
-        p,
-        h * (cosine * a.t + sine * a.n) + a.c,
-        np.asarray((R @ a.w[..., None])[..., 0]),
-        h * a.k[:, None] * (cosine * a.n - sine * a.t),
-    )
+def steady_motion(stack: SteadyStack, row: NDArray[np.int64], s: Array) -> Motion:
+    """Return the motion of piece ``row[i]`` of the stack at ``s[i]`` [m] from its begin."""
+    m = len(s)
+    motion = Motion(np.empty((m, 3, 3)), *(np.empty((m, 3)) for _ in range(4)))
+    steady_rows(stack, row, np.ascontiguousarray(s, dtype=np.float64), *motion)
+    return motion
 
 
 @dataclass(frozen=True)
@@ -90,9 +67,13 @@ class SteadyPiece(Piece):
     turns: bool = False
     folds: tuple[float, ...] = ()
 
+    @cached_property
+    def _stack(self) -> SteadyStack:
+        return stack_steady([self])
+
     def evaluate(self, s: Array) -> Motion:
         """Return poses and derivatives; see :meth:`Piece.evaluate`."""
-        return steady_motion(stack_steady([self]), s)
+        return steady_motion(self._stack, np.zeros(len(s), dtype=np.int64), s)
 
     def trimmed(self, begin: float, end: float) -> SteadyPiece:
         """Return a part; see :meth:`Piece.trimmed`."""

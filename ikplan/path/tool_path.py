@@ -9,7 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ikplan.path.piece import Motion, Piece
-from ikplan.path.steady import SteadyPiece, SteadyStack, stack_steady, steady_motion
+from ikplan.path.steady import SteadyPiece, stack_steady, steady_motion
+from ikplan.path.steady_kernels import SteadyStack
 
 __all__ = ["Corner", "PathWaypoint", "ToolPath"]
 
@@ -151,7 +152,7 @@ class ToolPath:
         stack, rows = self._steady
         row = rows[piece]
         if len(row) and (row >= 0).all():
-            return steady_motion(SteadyStack(*(a[row] for a in stack)), s)
+            return steady_motion(stack, row, s)
         m = len(s)
         out = Motion(np.empty((m, 3, 3)), *(np.empty((m, 3)) for _ in range(4)))
         groups = [np.flatnonzero(row >= 0)] if (row >= 0).any() else []
@@ -159,7 +160,7 @@ class ToolPath:
         for here in groups:
             k = row[here]
             if k[0] >= 0:
-                part = steady_motion(SteadyStack(*(a[k] for a in stack)), s[here])
+                part = steady_motion(stack, k, s[here])
             else:
                 part = self.pieces[piece[here[0]]].evaluate(s[here])
             for whole, values in zip(out, part, strict=True):

@@ -87,6 +87,11 @@ class SplineTurning:
     Args:
         s: Arc lengths of the rotations, shape (k,), k >= 2, increasing [m].
         quaternions: Unit quaternions (x, y, z, w), shape (k, 4), neighbours less than pi apart.
+
+    Attributes:
+        off_sphere: How far the spline in R^4 gets from unit length: far where a large turn within
+            a short way is next to a long way.
+        worst_span: Where, 0 for the span between the first two rotations.
     """
 
     def __init__(self, s: Array, quaternions: Array) -> None:
@@ -94,8 +99,9 @@ class SplineTurning:
         signs = np.cumprod(np.where(dot(q[1:], q[:-1]) < 0.0, -1.0, 1.0))
         q[1:] *= signs[:, None]
         self._spline = CubicSpline(s, q, axis=0, bc_type="natural")
-        between = np.linspace(s[:-1], s[1:], 9).ravel()
-        self.least_norm = float(np.linalg.norm(self._spline(between), axis=1).min())
+        between = self._spline(np.linspace(s[:-1], s[1:], 9).ravel())
+        off = np.abs(np.linalg.norm(between, axis=1) - 1.0).reshape(9, -1).max(axis=0)
+        self.worst_span, self.off_sphere = int(np.argmax(off)), float(off.max())
 
     def evaluate(self, points: CurvePoints) -> tuple[Array, Array]:
         """See :class:`Turning`."""

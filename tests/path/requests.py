@@ -1,0 +1,65 @@
+"""Path requests, and the tool paths they make."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from hypothesis import strategies as st
+
+from ikplan.documents import parse
+from ikplan.path import Pose, ToolLeg, ToolPath, legs_of
+from ikplan.path.rotation import exp, quaternion_of
+from ikplan.request import PathRequest
+
+START = Pose(exp(np.array([0.1, 0.2, 0.3])), np.array([0.4, 0.0, 0.5]))
+
+coordinates = st.floats(-1.0, 1.0, allow_subnormal=False)
+vectors = st.tuples(coordinates, coordinates, coordinates)
+seeds = st.integers(0, 2**32 - 1)
+
+
+def fk(q):
+    """A made-up arm: three turns and three slides."""
+    return exp(q[:3]), np.asarray(q[3:6])
+
+
+def quaternion(rotvec) -> list[float]:
+    return quaternion_of(exp(np.array(rotvec, dtype=float))).tolist()
+
+
+def pose(position, rotvec=None) -> dict[str, Any]:
+    """A waypoint document."""
+    document: dict[str, Any] = {"position": [float(x) for x in position]}
+    if rotvec is not None:
+        document["quaternion_xyzw"] = quaternion(rotvec)
+    return document
+
+
+def random_poses(seed: int, count: int, *, spread=0.3, turn=0.5, oriented=True):
+    rng = np.random.default_rng(seed)
+    return [
+        pose(p, r if oriented else None)
+        for p, r in zip(
+            rng.normal(size=(count, 3)) * spread, rng.normal(size=(count, 3)) * turn, strict=True
+        )
+    ]
+
+
+def legs(document: dict[str, Any], start: Pose | None = START):
+    return legs_of(parse(PathRequest, document), start, fk)
+
+
+def tool_path(document: dict[str, Any], start: Pose | None = START) -> ToolPath:
+    """The tool path of a request that is one."""
+    (leg,) = legs(document, start)
+    assert isinstance(leg, ToolLeg)
+    return leg.path
+
+
+def of_segments(*segments: dict[str, Any], start: Pose | None = START, **more: Any) -> ToolPath:
+    return tool_path({"segments": list(segments), **more}, start)
+
+
+def through(poses, interpolation: str, start: Pose | None = START, **more: Any) -> ToolPath:
+    return tool_path({"waypoints": poses, "interpolation": interpolation, **more}, start)

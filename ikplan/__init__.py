@@ -27,8 +27,9 @@ if TYPE_CHECKING:
     from ikplan.pipeline import plan
     from ikplan.request import FkRequest, IkRequest, PlanRequest
     from ikplan.result import Certificate, FkResult, IkSolution, Plan
-    from ikplan.retiming import time_path
+    from ikplan.retiming import time_path, time_request
     from ikplan.robots import Robot, load_robot, robot_names
+    from ikplan.timing_request import TimingRequest
 
 _HOMES = {
     "AsyncClient": "client",
@@ -51,12 +52,14 @@ _HOMES = {
     "RobotNotFound": "errors",
     "ServiceUnavailable": "errors",
     "TimingFailed": "errors",
+    "TimingRequest": "timing_request",
     "Unreachable": "errors",
     "load_robot": "robots",
     "plan": "pipeline",
     "robot_names": "robots",
     "solve_ik": "ik",
     "time_path": "retiming",
+    "time_request": "retiming",
 }
 
 __all__ = [
@@ -80,6 +83,7 @@ __all__ = [
     "RobotNotFound",
     "ServiceUnavailable",
     "TimingFailed",
+    "TimingRequest",
     "Unreachable",
     "__version__",
     "load_robot",
@@ -87,6 +91,7 @@ __all__ = [
     "robot_names",
     "solve_ik",
     "time_path",
+    "time_request",
 ]
 
 __version__ = "0.1.0"

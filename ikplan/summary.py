@@ -24,12 +24,31 @@ def certificate_rows(plan: Plan) -> list[tuple[str, str]]:
         ("position limits", _share(c.position_limit_ratio, c.position_limit_at)),
         ("velocity limits", _share(c.velocity_limit_ratio, c.velocity_limit_at)),
         ("acceleration limits", _share(c.acceleration_limit_ratio, c.acceleration_limit_at)),
+        *_further_rows(c),
         (
             "least singular value",
             f"{c.min_singular_value:.3g} at {c.min_singular_value_time:.2f} s",
         ),
         ("joint motion", _motion(plan, c)),
     ]
+    return rows
+
+
+def _further_rows(c: Certificate) -> list[tuple[str, str]]:
+    """Rows of the limits that not every request has."""
+    rows = []
+    for kind, ratio, place in (
+        ("jerk", c.jerk_limit_ratio, c.jerk_limit_at),
+        ("torque", c.torque_limit_ratio, c.torque_limit_at),
+    ):
+        if ratio is not None:
+            rows.append((f"{kind} limits", _share(ratio, place)))
+    for kind, ratio, time in (
+        ("speed", c.tool_speed_ratio, c.tool_speed_time),
+        ("acceleration", c.tool_acceleration_ratio, c.tool_acceleration_time),
+    ):
+        if ratio is not None:
+            rows.append((f"tool {kind}", f"{_share(ratio, None)} at {time or 0.0:.2f} s"))
     return rows
 
 

@@ -13,13 +13,14 @@ from pydantic.json_schema import models_json_schema
 
 from ikplan import errors
 from ikplan.request import FkRequest, IkRequest, PlanRequest
+from ikplan.timing_request import TimingRequest
 from ikplan_api.problems import PROBLEM
 from ikplan_api.schemas import PROBLEMS, Problem
 
 __all__ = ["install", "operation_id", "problems", "request_body"]
 
 _REF = "#/components/schemas/{model}"
-_REQUESTS: tuple[type[BaseModel], ...] = (PlanRequest, IkRequest, FkRequest)
+_REQUESTS: tuple[type[BaseModel], ...] = (PlanRequest, TimingRequest, IkRequest, FkRequest)
 
 
 def operation_id(route: APIRoute) -> str:

@@ -16,7 +16,9 @@ from ikplan.errors import Unreachable
 from ikplan.ik.registry import find_solver, solvers
 from ikplan.pipeline import fk_request, plan, solve_ik_request
 from ikplan.request import FkRequest, IkRequest, PlanRequest
+from ikplan.retiming import time_request
 from ikplan.robots import catalogue_robot, robot_names
+from ikplan.timing_request import TimingRequest
 
 __all__ = ["TASKS", "Answer", "robots_document", "run_task", "solvers_document", "warm_up"]
 
@@ -41,6 +43,13 @@ def make_plan(body: bytes) -> Answer:
     return Answer(made.model_dump_json().encode(), made.id)
 
 
+def make_timing(body: bytes) -> Answer:
+    """Answer ``POST /v1/timings``."""
+    request = parse_json(TimingRequest, body)
+    made = time_request(request, robot=catalogue_robot(request.robot))  # never a path
+    return Answer(made.model_dump_json().encode(), made.id)
+
+
 def answer_ik(body: bytes) -> Answer:
     """Answer ``POST /v1/ik``."""
     request = parse_json(IkRequest, body)
@@ -57,6 +66,7 @@ def answer_fk(body: bytes) -> Answer:
 
 TASKS: dict[str, Callable[[bytes], Answer]] = {
     "plan": make_plan,
+    "time": make_timing,
     "ik": answer_ik,
     "fk": answer_fk,
 }
@@ -112,6 +122,9 @@ def _warming_requests(methods: Sequence[str]) -> Iterator[tuple[str, dict[str, A
     far = {**full, "position": [9.0, 0.0, 0.0]}
     starts: tuple[Any, ...] = (None, q)
     yield "fk", {"robot": robot.name, "q": q}
+    moved = {"robot": robot.name, "waypoints": [q, [v + 0.05 for v in q]], "budget_s": 3600}
+    for limits in ({}, {"jerk": 100.0}):
+        yield "time", {**moved, "limits": limits}
     for method in methods:
         options = {"method": method}
         for target, start in itertools.product((point, full), starts):

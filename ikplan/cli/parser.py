@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from typing import Any, NoReturn
 
 import ikplan
-from ikplan.cli import catalogue, planning, poses, serving
+from ikplan.cli import catalogue, planning, poses, serving, timing
 from ikplan.errors import InvalidRequest
 
 __all__ = ["make_parser", "numbers_as_values"]
@@ -91,20 +91,25 @@ def make_parser() -> argparse.ArgumentParser:
 
     plan = commands.add_parser("plan", help="make a plan from a request document")
     plan.add_argument("request", metavar="REQUEST", help="a JSON file, or - for standard input")
-    plan.add_argument(
-        "-o",
-        "--output",
-        action="append",
-        default=[],
-        metavar="FILE",
-        help="write the plan there; the suffix names the format (.json, .csv, .npz)",
-    )
-    plan.add_argument("--plot", metavar="FILE", help="draw the plan there (.png, .svg, .pdf)")
-    plan.add_argument("--server", metavar="URL", help="let the service at that address plan")
+    _outputs(plan)
     plan.add_argument("--robot", metavar="FILE", help="plan for the robot of this URDF file")
     _robot_frames(plan)
     _json(plan)
     plan.set_defaults(run=planning.plan)
+
+    time = commands.add_parser("time", help="time a joint path: no planning")
+    time.add_argument("robot", nargs="?", metavar="ROBOT", help="a name, with joint values")
+    time.add_argument(
+        "path",
+        metavar="FILE",
+        help="a request document, or with a robot: joint values as a JSON list of rows, or CSV",
+    )
+    time.add_argument("--rate", type=float, metavar="HZ", help="samples per second")
+    time.add_argument("--scale", type=float, help="share of the robot's limits")
+    time.add_argument("--jerk", type=float, help="highest joint jerk [rad/s^3 or m/s^3]")
+    _outputs(time)
+    _json(time)
+    time.set_defaults(run=timing.time)
 
     serve = commands.add_parser(
         "serve", help="start the service", description="Settings are read from IKPLAN_... too."
@@ -125,6 +130,20 @@ def make_parser() -> argparse.ArgumentParser:
 
 def _json(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--json", action="store_true", help="print the JSON document instead")
+
+
+def _outputs(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "-o",
+        "--output",
+        action="append",
+        default=[],
+        metavar="FILE",
+        help="write the plan there; the suffix names the format (.json, .csv, .npz, .ros.json, "
+        ".script)",
+    )
+    parser.add_argument("--plot", metavar="FILE", help="draw the plan there (.png, .svg, .pdf)")
+    parser.add_argument("--server", metavar="URL", help="let the service at that address plan")
 
 
 def _robot_frames(parser: argparse.ArgumentParser) -> None:

@@ -16,32 +16,49 @@ if TYPE_CHECKING:
     from ikplan.result import Plan
     from ikplan.robots import Robot
 
-__all__ = ["plan"]
+__all__ = ["check_outputs", "plan", "report"]
 
 
 def plan(options: argparse.Namespace) -> None:
     """Make a plan, here or by a service, and write it."""
-    from ikplan.export import format_for, save
+    check_outputs(options)
+    document = _read(options.request)
+    robot = _robot(options, document)
+    made = _by_service(options.server, document) if options.server else _here(document, robot)
+    if options.plot is not None:
+        _plot(made, options.plot, document, robot)
+    report(made, options)
+
+
+def check_outputs(options: argparse.Namespace) -> None:
+    """Refuse names of files that no format or figure has: before the work, not after."""
+    from ikplan.export import format_for
 
     for output in options.output:
-        format_for(output)  # before the work, not after
+        format_for(output)
     if options.plot is not None:
         from ikplan.plotting import check_image_suffix
 
         check_image_suffix(options.plot)
-    document = _read(options.request)
-    robot = _robot(options, document)
-    made = _by_service(options.server, document) if options.server else _here(document, robot)
+
+
+def report(made: Plan, options: argparse.Namespace) -> None:
+    """Write a plan to its files, and tell of it."""
+    from ikplan.export import save
+
     for output in options.output:
         save(made, output)
-    if options.plot is not None:
-        _plot(made, options.plot, document, robot)
     if options.json:
         say(made.model_dump_json())
         return
     say(f"plan {made.id}")
     say(f"{made.robot}, {len(made.waypoints.time)} waypoints, {made.duration:.3f} s, certified:")
     say(*(f"  {line}" for line in table((), certificate_rows(made), left=2)))
+    if made.timing is not None and made.timing.summary:
+        say(f"binding: {made.timing.summary}")
+        for wider in made.timing.what_if:
+            limit = f"{wider.joint or ''} {wider.limit.replace('_', ' ')}".strip()
+            say(f"  {limit} {wider.factor:g} times as wide: {wider.duration:.3f} s")
     for output in [*options.output, *([options.plot] if options.plot else [])]:
         say(f"wrote {output}")
 

@@ -12,6 +12,7 @@ from ikplan.client import calls
 from ikplan.client.wire import Call, read, unreachable
 from ikplan.request import FkRequest, IkRequest, PlanRequest
 from ikplan.result import FkResult, IkSolution, Plan
+from ikplan.timing_request import TimingRequest
 
 __all__ = ["AsyncClient"]
 
@@ -84,6 +85,18 @@ class AsyncClient:
             ServiceUnavailable: The service cannot be reached, or is busy.
         """
         return await self._send(calls.plan(request))
+
+    async def time(self, request: Mapping[str, Any] | TimingRequest) -> Plan:
+        """Time a joint path, without planning.
+
+        Args:
+            request: Robot, waypoints, limits and sampling; arrays are welcome.
+
+        Raises:
+            IkplanError: As :func:`ikplan.time_request` raises.
+            ServiceUnavailable: The service cannot be reached, or is busy.
+        """
+        return await self._send(calls.time(request))
 
     async def get_plan(self, plan_id: str) -> Plan:
         """Fetch a finished plan by its id.

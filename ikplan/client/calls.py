@@ -10,13 +10,19 @@ from urllib.parse import quote
 from ikplan.client.wire import Call, encode
 from ikplan.request import FkRequest, IkRequest, PlanRequest
 from ikplan.result import FkResult, IkSolution, Plan
+from ikplan.timing_request import TimingRequest
 
-__all__ = ["fk", "get_plan", "ik", "plan", "robot", "robots", "solvers", "version"]
+__all__ = ["fk", "get_plan", "ik", "plan", "robot", "robots", "solvers", "time", "version"]
 
 
 def plan(request: Mapping[str, Any] | PlanRequest) -> Call[Plan]:
     """Make a plan."""
     return Call("POST", "/v1/plans", Plan.load, encode(request))
+
+
+def time(request: Mapping[str, Any] | TimingRequest) -> Call[Plan]:
+    """Time a joint path."""
+    return Call("POST", "/v1/timings", Plan.load, encode(request))
 
 
 def get_plan(plan_id: str) -> Call[Plan]:

@@ -12,6 +12,7 @@ from ikplan.client import calls
 from ikplan.client.wire import Call, read, unreachable
 from ikplan.request import FkRequest, IkRequest, PlanRequest
 from ikplan.result import FkResult, IkSolution, Plan
+from ikplan.timing_request import TimingRequest
 
 __all__ = ["Client"]
 
@@ -82,6 +83,18 @@ class Client:
             ServiceUnavailable: The service cannot be reached, or is busy.
         """
         return self._send(calls.plan(request))
+
+    def time(self, request: Mapping[str, Any] | TimingRequest) -> Plan:
+        """Time a joint path, without planning.
+
+        Args:
+            request: Robot, waypoints, limits and sampling; arrays are welcome.
+
+        Raises:
+            IkplanError: As :func:`ikplan.time_request` raises.
+            ServiceUnavailable: The service cannot be reached, or is busy.
+        """
+        return self._send(calls.time(request))
 
     def get_plan(self, plan_id: str) -> Plan:
         """Fetch a finished plan by its id.

@@ -13,6 +13,7 @@ from .bad_requests import GOOD
 OPERATIONS = {
     "create_plan": ("post", "/v1/plans"),
     "get_plan": ("get", "/v1/plans/{plan_id}"),
+    "create_timing": ("post", "/v1/timings"),
     "compute_fk": ("post", "/v1/fk"),
     "solve_ik": ("post", "/v1/ik"),
     "list_robots": ("get", "/v1/robots"),
@@ -77,7 +78,15 @@ def test_every_operation_documents_its_failures(document):
 
 def test_every_request_field_has_a_default_or_is_required_and_is_described(document):
     schemas = document["components"]["schemas"]
-    for name in ("PlanRequest", "IkRequest", "FkRequest", "PathRequest", "IkOptions"):
+    for name in (
+        "PlanRequest",
+        "TimingRequest",
+        "IkRequest",
+        "FkRequest",
+        "PathRequest",
+        "IkOptions",
+        "LimitOptions",
+    ):
         for field, schema in schemas[name]["properties"].items():
             where = f"{name}.{field}"
             assert (
@@ -92,6 +101,7 @@ def test_answers_fit_the_models_they_are_documented_with(document, http, client)
     plan = client.plan(GOOD)
     for path, model, body in (
         ("/v1/plans", Plan, GOOD),
+        ("/v1/timings", Plan, {"robot": "ur5", "waypoints": [[0.0] * 6, [0.1] * 6]}),
         ("/v1/ik", IkSolution, {"robot": "ur5", "position": [0.4, 0.1, 0.4]}),
         ("/v1/fk", FkResult, {"robot": "ur5", "q": [0.0] * 6}),
     ):

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from fastapi import APIRouter
 
-from ikplan_api.routes import docs, health, plans, poses, robots
+from ikplan_api.routes import docs, health, plans, poses, robots, timings
 
 __all__ = ["ROUTERS"]
 
 ROUTERS: tuple[APIRouter, ...] = (
     plans.router,
+    timings.router,
     poses.router,
     robots.router,
     health.router,

@@ -18,6 +18,7 @@ from ikplan.least_elongation import elongation_lower_bound
 from ikplan.limit_checks import RATIO_SLACK, further_limits
 from ikplan.limit_request import LimitOptions
 from ikplan.motion_limits import MotionLimits
+from ikplan.path_checks import Followed, TimedSpan, follow_checks, offset
 from ikplan.request import PathRequest
 from ikplan.result import Certificate, LimitPlace
 from ikplan.robots import Robot
@@ -34,6 +35,10 @@ class Claim:
     Attributes:
         robot: The robot, with its tool.
         path: The path asked for; None: the waypoints are joint values.
+        wanted: Position, shape (3,) [m], and rotation, shape (3, 3), None: any, asked for at each
+            waypoint in the base, where the path has segments; plain waypoints are read from it.
+        rounded: Waypoints at corners that the path rounds, which it need not meet.
+        spans: The tool paths to be followed.
         q_start: Start that was asked for, shape (dof,); None: any.
         waypoint_q: Joint values at the waypoints, shape (n, dof) [rad or m].
         waypoint_time: When each waypoint is passed, shape (n,) [s].
@@ -58,6 +63,9 @@ class Claim:
     velocity_scale: float = 1.0
     acceleration_scale: float = 1.0
     limits: MotionLimits | None = None
+    wanted: tuple[tuple[Array, Any], ...] = ()
+    rounded: frozenset[int] = frozenset()
+    spans: tuple[TimedSpan, ...] = ()
 
     @property
     def promised(self) -> MotionLimits:
@@ -81,12 +89,11 @@ def certify(claim: Claim) -> Certificate:
     errors = _waypoint_errors(claim, poses)
     position_error = max((distance for distance, _ in errors), default=None)
     orientation_error = max((turn for _, turn in errors if turn is not None), default=None)
+    followed = Followed()
     if claim.path is not None:
-        tolerance = claim.path.tolerance
-        if (position_error or 0.0) > tolerance.position:
-            violations.append(f"a waypoint is missed by {position_error:.3g} m")
-        if (orientation_error or 0.0) > tolerance.orientation:
-            violations.append(f"a waypoint is missed by {orientation_error:.3g} rad")
+        violations += _misses(claim, errors)
+        followed = follow_checks(robot, claim.path, list(claim.spans), claim.time, claim.q)
+        violations += _strays(claim.path, followed)
     half = 0.5 * (robot.upper - robot.lower)
     finite = np.isfinite(half)
     middle = np.zeros_like(half)
@@ -119,8 +126,10 @@ def certify(claim: Claim) -> Certificate:
         valid=not violations,
         max_position_error=position_error,
         max_orientation_error=orientation_error,
-        max_path_deviation=None,
-        max_orientation_deviation=None,
+        max_path_deviation=followed.distance,
+        max_path_deviation_time=followed.distance_time,
+        max_orientation_deviation=followed.angle,
+        max_orientation_deviation_time=followed.angle_time,
         position_limit_ratio=position[0],
         position_limit_at=position[1] if finite.any() else None,
         velocity_limit_ratio=velocity[0],
@@ -152,6 +161,8 @@ def _wanted_poses(claim: Claim) -> list[tuple[Array, Any]]:
     """Position [m] and rotation (None: any) wanted at each waypoint, in the base."""
     if claim.path is None:
         return []
+    if claim.path.segments is not None:
+        return list(claim.wanted)
     frame = claim.path.frame
     T_base_path = pin.XYZQUATToSE3(np.array([*frame.position, *frame.quaternion_xyzw]))
     poses = []
@@ -170,13 +181,35 @@ def _waypoint_errors(
     """Distance [m] and rotation (None: any) [rad] of each waypoint from what was asked for."""
     errors: list[tuple[float, float | None]] = []
     for q, (position, rotation) in zip(claim.waypoint_q, poses, strict=bool(poses)):
-        T_base_tool = claim.robot.fk(q)
-        distance = float(np.linalg.norm(T_base_tool.translation - position))
-        turn = None
-        if rotation is not None:
-            turn = float(np.linalg.norm(pin.log3(T_base_tool.rotation.T @ rotation)))
-        errors.append((distance, turn))
+        if claim.path is not None:
+            T = claim.robot.fk(q)
+            errors.append(offset(claim.path, T.translation, T.rotation, position, rotation))
     return errors
+
+
+def _misses(claim: Claim, errors: list[tuple[float, float | None]]) -> list[str]:
+    """Which waypoints are missed by more than the tolerance."""
+    if claim.path is None:
+        return []
+    tolerance, missed = claim.path.tolerance, []
+    for k, (distance, angle) in enumerate(errors):
+        if k in claim.rounded:
+            continue
+        if distance > tolerance.position:
+            missed.append(f"waypoint {k} is missed by {distance:.3g} m")
+        if (angle or 0.0) > tolerance.orientation:
+            missed.append(f"waypoint {k} is missed by {angle:.3g} rad")
+    return missed
+
+
+def _strays(path: PathRequest, followed: Followed) -> list[str]:
+    """Whether the tool leaves its path by more than the tolerance."""
+    strays = []
+    if (followed.distance or 0.0) > path.tolerance.position:
+        strays.append(f"the path is left by {followed.distance:.3g} m")
+    if (followed.angle or 0.0) > path.tolerance.orientation:
+        strays.append(f"the path is left by {followed.angle:.3g} rad")
+    return strays
 
 
 def _worst(claim: Claim, ratios: Array, counted: Any = None) -> tuple[float, LimitPlace]:

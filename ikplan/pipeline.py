@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 import pinocchio as pin
+from numpy.typing import NDArray
 
 from ikplan import __version__
 from ikplan.certificate import Claim, certify
@@ -15,8 +16,9 @@ from ikplan.ik.arguments import check_start
 from ikplan.ik.solve import PoseSolver, pose_distance, solve_ik
 from ikplan.kinematics.arm import arm_of
 from ikplan.motion_limits import MotionLimits
-from ikplan.path import refuse_unsupported, rotation_of, targets_of
-from ikplan.planning import Clock, WaypointProblem, choose
+from ikplan.path import rotation_of
+from ikplan.path_checks import TimedSpan
+from ikplan.planning import Clock, Route, RouteProblem, lay_route
 from ikplan.request import FkRequest, Frame, IkRequest, PlanRequest
 from ikplan.result import FkResult, IkSolution, Plan, Stats, WaypointResults
 from ikplan.robots import Robot, catalogue_robot
@@ -47,7 +49,6 @@ def plan(request: Mapping[str, Any] | PlanRequest, *, robot: Robot | None = None
         CertificateViolated: The finished plan broke a promise: a bug.
     """
     request = parse(PlanRequest, request)
-    refuse_unsupported(request.path)
     warm_up(request.ik.method)
     warm_up_timing(request.limits.jerk is not None)
     clock = Clock(request.budget_s)
@@ -59,55 +60,79 @@ def plan(request: Mapping[str, Any] | PlanRequest, *, robot: Robot | None = None
     limits = MotionLimits.of(robot, request.limits)
 
     with clock.stage("ik"):
-        targets = targets_of(request.path)
-        solver = _pose_solver(robot, request)
-        tolerance = request.path.tolerance
-        problem = WaypointProblem(robot, solver, targets, q_start, start_free, tolerance, clock)
-        chosen = choose(problem, request.ik)
+        arm_limits = joint_limits(robot, limits)
+        route = lay_route(
+            RouteProblem(
+                robot,
+                _pose_solver(robot, request),
+                request.path,
+                request.ik,
+                q_start,
+                start_free,
+                arm_limits,
+                clock,
+            )
+        )
     with clock.stage("planning"):
-        knots = chosen.q if start_free else np.vstack([q_start, chosen.q])
-        path = JointPath.through(knots, joint_limits(robot, limits))
+        path = JointPath.through(route.knots, arm_limits, rest_at=route.rest)
     with clock.stage("timing"):
         timing = time_motion(path, robot, limits, request.sampling)
-        waypoint_time = timing.timed.times[-len(chosen.q) :]
+        knot_time = timing.timed.times
     with clock.stage("certificate"):
         certificate = certify(
             Claim(
                 robot,
                 request.path,
                 None if start_free else q_start,
-                chosen.q,
-                waypoint_time,
+                route.waypoint_q,
+                knot_time[[w.knot for w in route.wanted]],
                 timing.samples.time,
                 timing.samples.q,
                 timing.samples.dq,
                 timing.samples.ddq,
                 limits=limits,
+                wanted=tuple(
+                    (w.target.p, w.target.R if w.target.oriented else None) for w in route.wanted
+                ),
+                rounded=frozenset(k for k, w in enumerate(route.wanted) if not w.exact),
+                spans=tuple(
+                    TimedSpan(x.path, knot_time[x.first : x.first + len(x.s)], x.s)
+                    for x in route.spans
+                ),
             )
         )
-    errors = [pose_distance(solver.arm, t, q) for t, q in zip(targets, chosen.q, strict=True)]
-    steps = np.diff(np.vstack([chosen.q[0] if start_free else q_start, chosen.q]), axis=0)
     return Plan(
         id=request.content_hash(robot.fingerprint, __version__),
         version=__version__,
         robot=request.robot,
         joint_names=list(robot.joint_names),
         joint_units=["m" if slides else "rad" for slides in robot.prismatic],
-        waypoints=WaypointResults(
-            q=chosen.q,
-            time=waypoint_time,
-            position_error=np.array([distance for distance, _ in errors]),
-            orientation_error=[
-                angle if target.oriented else None
-                for target, (_, angle) in zip(targets, errors, strict=True)
-            ],
-            elongation=np.linalg.norm(steps, axis=1),
-        ),
+        waypoints=_waypoint_results(robot, route, knot_time, start_free),
         trajectory=timing.trajectory,
         certificate=certificate,
         timing=timing.report,
         motion=timing.motion,
-        stats=Stats(ik_evaluations=chosen.evaluations, seconds=clock.seconds),
+        stats=Stats(ik_evaluations=route.evaluations, seconds=clock.seconds),
+    )
+
+
+def _waypoint_results(
+    robot: Robot, route: Route, knot_time: NDArray[np.float64], start_free: bool
+) -> WaypointResults:
+    """The rows of the waypoints: one for each asked for."""
+    q = route.waypoint_q
+    arm = arm_of(robot)
+    errors = [pose_distance(arm, w.target, q_w) for w, q_w in zip(route.wanted, q, strict=True)]
+    steps = np.diff(np.vstack([q[:1] if start_free else route.knots[:1], q]), axis=0)
+    return WaypointResults(
+        q=q,
+        time=knot_time[[w.knot for w in route.wanted]],
+        position_error=np.array([distance for distance, _ in errors]),
+        orientation_error=[
+            angle if w.target.oriented else None
+            for w, (_, angle) in zip(route.wanted, errors, strict=True)
+        ],
+        elongation=np.linalg.norm(steps, axis=1),
     )
 
 

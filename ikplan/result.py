@@ -15,6 +15,7 @@ from ikplan.timing_report import PathMotion, TimingReport
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
+    from ikplan.limit_request import LimitOptions
     from ikplan.playback import Moment
 
 __all__ = [
@@ -57,6 +58,8 @@ class Certificate(_Result):
     max_orientation_deviation: float | None = Field(
         description="Largest rotation from the path between waypoints [rad]; null for joint paths."
     )
+    max_path_deviation_time: float | None = Field(None, description="When [s].")
+    max_orientation_deviation_time: float | None = Field(None, description="When [s].")
     position_limit_ratio: float = Field(
         description="Largest distance from mid-range over half the range, of any joint; <= 1."
     )
@@ -224,6 +227,19 @@ class Plan(_Result):
         from ikplan.plotting import plot_plan
 
         plot_plan(self, Path(path))
+
+    def plot_timing(
+        self, path: str | Path, limits: Mapping[str, Any] | LimitOptions | None = None
+    ) -> None:
+        """Draw what the motion uses of its limits, the tool's speed and the phase plane.
+
+        Args:
+            path: Image file; the suffix (png, svg, pdf) names the format.
+            limits: The limits of the request, which a plan does not tell; None: the robot's own.
+        """
+        from ikplan.timing_plot import plot_timing
+
+        plot_timing(self, Path(path), limits=limits)
 
     @classmethod
     def load(cls, document: Mapping[str, Any] | str | bytes) -> Plan:

@@ -3,19 +3,24 @@
 from __future__ import annotations
 
 import functools
+from typing import Literal
 
 import numpy as np
+import pinocchio as pin
 
 from ikplan.ik.solve import PoseSolver
 from ikplan.ik.verdict import explain_miss
 from ikplan.kinematics.arm import arm_of
 from ikplan.kinematics.target import pose_target
-from ikplan.planning import Clock, WaypointProblem, choose
-from ikplan.request import IkOptions, Tolerance
+from ikplan.planning import Clock, RouteProblem, lay_route
+from ikplan.request import IkOptions, PathRequest, Waypoint
 from ikplan.robots import load_robot
 from ikplan.timing import JointLimits, JointPath, sample, time_joint_path
 
 __all__ = ["warm_up"]
+
+Interpolation = Literal["joint", "line", "spline"]
+Elongation = Literal["global", "greedy"]
 
 
 @functools.cache
@@ -32,18 +37,29 @@ def warm_up(method: str = "ik-ba") -> None:
         InvalidRequest: No solver of that name.
     """
     robot = load_robot("iiwa14")
-    solver = PoseSolver(arm_of(robot), method)
+    arm, limits = arm_of(robot), JointLimits.from_robot(robot)
+    solver = PoseSolver(arm, method)
     q_start = np.array(robot.home)
     pose = robot.fk(q_start + 0.01)
-    targets = [pose_target(pose.translation, pose.rotation), pose_target(pose.translation)]
-    problem = WaypointProblem(
-        robot, solver, targets, q_start, False, Tolerance(), Clock(float("inf"))
-    )
-    for elongation in ("greedy", "global"):
-        chosen = choose(problem, IkOptions(method=method, elongation=elongation))
-    limits = JointLimits.from_robot(robot)
-    path = JointPath.through(np.vstack([q_start, chosen.q]), limits)
-    sample(time_joint_path(path, limits), 250.0)
+    quaternion = pin.SE3ToXYZQUAT(pose)[3:].tolist()
+    waypoints = [
+        Waypoint(position=pose.translation.tolist(), quaternion_xyzw=quaternion),
+        Waypoint(position=(pose.translation + 0.01).tolist()),
+    ]
+    kinds: list[tuple[Interpolation, Elongation]] = [
+        ("joint", "greedy"),
+        ("joint", "global"),
+        ("line", "global"),
+    ]
+    for interpolation, elongation in kinds:
+        path = PathRequest(waypoints=waypoints, interpolation=interpolation)
+        options = IkOptions(method=method, elongation=elongation)
+        problem = RouteProblem(
+            robot, solver, path, options, q_start, False, limits, Clock(float("inf"))
+        )
+        route = lay_route(problem)
+        joint_path = JointPath.through(route.knots, limits, rest_at=route.rest)
+        sample(time_joint_path(joint_path, limits), 250.0)
     # The verdict on a target out of reach has kernels of its own.
     far = pose_target(pose.translation + np.array([9.0, 0.0, 0.0]), pose.rotation)
-    explain_miss(arm_of(robot), far, q_start, q_start, restarts=0)
+    explain_miss(arm, far, q_start, q_start, restarts=0)

@@ -4,7 +4,6 @@ from ikplan.path.deviation import path_deviation
 from ikplan.path.legs import JointLeg, JointTarget, Leg, ToolLeg, legs_of
 from ikplan.path.piece import TURN_LENGTH, Motion, Piece, Pose
 from ikplan.path.rotation import rotation_of
-from ikplan.path.support import refuse_unsupported
 from ikplan.path.targets import targets_of
 from ikplan.path.tool_path import Corner, PathWaypoint, ToolPath
 from ikplan.path.waypoints_csv import read_waypoints_csv
@@ -24,7 +23,6 @@ __all__ = [
     "legs_of",
     "path_deviation",
     "read_waypoints_csv",
-    "refuse_unsupported",
     "rotation_of",
     "targets_of",
 ]

@@ -1,7 +1,18 @@
-"""The choice of one configuration per waypoint."""
+"""From a tool path to the knots of a joint path."""
 
 from ikplan.planning.choose import choose
 from ikplan.planning.clock import Clock
 from ikplan.planning.problem import Chosen, WaypointProblem
+from ikplan.planning.route import Route, RouteProblem, Span, Wanted, lay_route
 
-__all__ = ["Chosen", "Clock", "WaypointProblem", "choose"]
+__all__ = [
+    "Chosen",
+    "Clock",
+    "Route",
+    "RouteProblem",
+    "Span",
+    "Wanted",
+    "WaypointProblem",
+    "choose",
+    "lay_route",
+]

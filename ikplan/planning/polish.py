@@ -264,7 +264,7 @@ def polish(
             rank[k] = _free_basis(w.Jt, q[k], g, lower, upper, fixed, basis[k])
             place[k + 1] = place[k] + rank[k]
             widest = max(widest, rank[k])
-        size = place[n]
+        size = int(place[n])
         if size == 0:
             break
         width = 2 * widest - 1

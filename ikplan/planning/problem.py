@@ -30,6 +30,7 @@ class WaypointProblem:
         start_free: Whether the path may begin anywhere.
         tolerance: Deviation allowed where a target cannot be met exactly.
         clock: The time budget.
+        first_row: Number of the first target among the waypoints of the path.
     """
 
     robot: Robot
@@ -39,6 +40,7 @@ class WaypointProblem:
     start_free: bool
     tolerance: Tolerance
     clock: Clock
+    first_row: int = 0
 
 
 @dataclass(frozen=True)

@@ -35,11 +35,11 @@ def solve_waypoint(problem: WaypointProblem, k: int, q_before: Array) -> tuple[A
     if distance > tolerance.position or angle > tolerance.orientation:
         # Only an unrefined solver ends here: its best is what it is.
         raise Unreachable(
-            f"waypoint {k}: {problem.solver.method} without refinement ends "
+            f"waypoint {problem.first_row + k}: {problem.solver.method} without refinement ends "
             f"{distance * 1e3:.3g} mm and {angle:.3g} rad away, outside the tolerance of "
             f"{tolerance.position * 1e3:.3g} mm and {tolerance.orientation:.3g} rad; "
             "set ik.refine, or a larger budget or tolerance",
-            waypoint=k,
+            waypoint=problem.first_row + k,
             position_error=distance,
             orientation_error=angle if target.oriented else None,
             q=[float(v) for v in solved.q[0]],
@@ -52,9 +52,9 @@ def solve_waypoint(problem: WaypointProblem, k: int, q_before: Array) -> tuple[A
         # The decoupled search of the paper ignores the limits of the wrist.
         names = ", ".join(robot.joint_names[j] for j in outside)
         raise Unreachable(
-            f"waypoint {k}: {problem.solver.method} without refinement ends outside the limits of "
-            f"{names}; set ik.refine or params.wrist_limits",
-            waypoint=k,
+            f"waypoint {problem.first_row + k}: {problem.solver.method} without refinement ends "
+            f"outside the limits of {names}; set ik.refine or params.wrist_limits",
+            waypoint=problem.first_row + k,
             position_error=distance,
             orientation_error=angle if target.oriented else None,
             q=[float(v) for v in q],

@@ -35,15 +35,16 @@ def unreachable_path(
             if not within_tolerance(verdict.miss, problem.tolerance):
                 misses[k] = verdict.miss
     unexamined = count - 1 - examined[-1] if examined else 0
-    subject = f"waypoint {first} of {count} (counted from 0)"
+    row = problem.first_row
+    subject = f"waypoint {row + first} of {row + count} (counted from 0)"
     if len(misses) > 1:
-        others = ", ".join(str(k) for k in list(misses)[1:12]) + (
+        others = ", ".join(str(row + k) for k in list(misses)[1:12]) + (
             ", ..." if len(misses) > 12 else ""
         )
         subject += f", as {'are' if len(misses) > 2 else 'is'} {others}"
         subject += f" ({unexamined} more not examined)," if unexamined else ","
-    error = unreachable(problem.robot, miss, first, subject)
-    error.waypoints = [_row(k, m) for k, m in misses.items()]
+    error = unreachable(problem.robot, miss, row + first, subject)
+    error.waypoints = [_row(row + k, m) for k, m in misses.items()]
     return error
 
 

@@ -1,0 +1,83 @@
+"""The verdict on a tool path that the arm could not be led along to its end."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ikplan.errors import Disconnected, Unreachable
+from ikplan.ik.solve import NoSolution, PoseSolver, unreachable
+from ikplan.path import ToolPath
+from ikplan.planning.candidates import target_at
+from ikplan.planning.follow import Follower, Lost
+from ikplan.robots import Robot
+
+__all__ = ["lost_path"]
+
+Array = NDArray[np.float64]
+
+_PROBES = (2e-4, 1e-3, 5e-3, 2e-2)
+"""Where past the last station another solution is looked for, as shares of the path."""
+
+
+def lost_path(
+    robot: Robot, solver: PoseSolver, follower: Follower, path: ToolPath, lost: Lost
+) -> Unreachable | Disconnected:
+    """Return why a tool path cannot be followed past the place where the arm was lost.
+
+    Unreachable where the path leaves what the arm can reach in any branch; Disconnected where
+    another branch goes on, with the jump it would take.
+
+    Args:
+        robot: The robot, with its tool.
+        solver: Solves single targets.
+        follower: Led the arm.
+        path: The tool path.
+        lost: Where it was lost.
+    """
+    before, after = _neighbours(path, lost.s)
+    where = f"{lost.s * 1e3:.1f} mm of {path.length * 1e3:.1f} mm along the path"
+    ahead = [lost.s + share * path.length for share in _PROBES]
+    ahead = [s for s in ahead if s < path.length] or [path.length]
+    others = []
+    for s in ahead:
+        target = target_at(follower.targets_at(path, np.array([s])), 0)
+        try:
+            others.append(solver.solve(target, lost.q).q[0])
+        except NoSolution as verdict:
+            subject = f"the path to waypoint {after}, from {where} on,"
+            return unreachable(robot, verdict.miss, after, subject)
+    gap = others[0] - lost.q
+    joint = int(np.argmax(np.abs(gap)))
+    reason = _cause(robot, lost.q)
+    return Disconnected(
+        f"no continuous motion leads from waypoint {before} to waypoint {after}: the arm gets to "
+        f"{where}, where {reason}; going on takes another branch, {robot.joint_names[joint]} "
+        f"{gap[joint]:+.3f} {'m' if robot.prismatic[joint] else 'rad'} away",
+        waypoints=[before, after],
+        jump=float(np.abs(gap).max()),
+        reason=reason,
+    )
+
+
+def _neighbours(path: ToolPath, s: float) -> tuple[int, int]:
+    """Rows of the waypoints before and after a place; -1 stands for the start."""
+    behind = [w.index for w in path.waypoints if w.s <= s]
+    ahead = [w.index for w in path.waypoints if w.s > s]
+    before = behind[-1] if behind else (ahead[0] - 1 if ahead else -1)
+    return before, ahead[0] if ahead else before
+
+
+def _cause(robot: Robot, q: Array) -> str:
+    """What holds the arm: a joint limit or a singularity."""
+    margin = 1e-4
+    held = [
+        name
+        for name, value, lower, upper in zip(
+            robot.joint_names, q, robot.lower, robot.upper, strict=True
+        )
+        if value <= lower + margin or value >= upper - margin
+    ]
+    smallest = float(np.linalg.svd(robot.jacobian(q), compute_uv=False)[-1])
+    near = f"the smallest singular value is {smallest:.2g}"
+    return f"{', '.join(held)} is at its limit ({near})" if held else f"it is singular: {near}"

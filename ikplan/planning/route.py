@@ -1,0 +1,309 @@
+"""From a path of a request to the knots of one joint path: leg by leg."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ikplan.ik.arguments import check_start
+from ikplan.ik.solve import PoseSolver
+from ikplan.kinematics.target import Freedom, Target, pose_target
+from ikplan.path import JointLeg, JointTarget, Leg, Pose, ToolLeg, ToolPath, legs_of
+from ikplan.planning.candidates import grow_candidates
+from ikplan.planning.choose import choose
+from ikplan.planning.clock import Clock
+from ikplan.planning.follow import Followed, Follower, Lost
+from ikplan.planning.freedom import counts_orientation, freedom_of
+from ikplan.planning.least_motion import stack_targets
+from ikplan.planning.lost import lost_path
+from ikplan.planning.problem import WaypointProblem
+from ikplan.planning.single import solve_waypoint
+from ikplan.request import IkOptions, PathRequest
+from ikplan.robots import Robot
+from ikplan.timing import JointLimits
+
+__all__ = ["Route", "RouteProblem", "Span", "Wanted", "lay_route"]
+
+Array = NDArray[np.float64]
+
+_STARTS = 24
+"""Starts of a tool path that are tried where it may begin in any branch."""
+
+
+@dataclass(frozen=True)
+class RouteProblem:
+    """A path to be laid into the joint space.
+
+    Attributes:
+        robot: The robot, with its tool.
+        solver: Solves single targets.
+        path: The path of the request.
+        options: How joint solutions are looked for.
+        q_start: Where the arm is, shape (dof,); with a free start, where it would rather be.
+        start_free: Whether the path may begin anywhere.
+        limits: Position limits.
+        clock: The time budget.
+    """
+
+    robot: Robot
+    solver: PoseSolver
+    path: PathRequest
+    options: IkOptions
+    q_start: Array
+    start_free: bool
+    limits: JointLimits
+    clock: Clock
+
+
+@dataclass(frozen=True)
+class Wanted:
+    """A waypoint asked for and the knot that meets it.
+
+    Attributes:
+        row: Its row among the waypoints of the result.
+        knot: Index of its knot.
+        target: The tool pose wanted.
+        exact: Whether the path passes it; false at a rounded corner.
+    """
+
+    row: int
+    knot: int
+    target: Target
+    exact: bool = True
+
+
+@dataclass(frozen=True)
+class Span:
+    """A tool path that the tool follows between two knots.
+
+    Attributes:
+        path: The tool path in the base.
+        first: Knot of its begin.
+        s: Path length at each of its knots, from ``first`` on, shape (m,) [m].
+    """
+
+    path: ToolPath
+    first: int
+    s: Array
+
+
+@dataclass(frozen=True)
+class Route:
+    """The knots of a joint path.
+
+    Attributes:
+        knots: Configurations, shape (k, dof) [rad or m]; the first is where the motion begins.
+        rest: Knots where the motion stops.
+        wanted: The waypoints asked for, in order.
+        spans: The tool paths followed.
+        evaluations: Forward-kinematics evaluations spent.
+    """
+
+    knots: Array
+    rest: list[int]
+    wanted: list[Wanted]
+    spans: list[Span]
+    evaluations: int
+
+    @property
+    def waypoint_q(self) -> Array:
+        """Configurations of the waypoints, shape (n, dof) [rad or m]."""
+        return self.knots[[w.knot for w in self.wanted]]
+
+
+def lay_route(problem: RouteProblem) -> Route:
+    """Lay a path into the joint space.
+
+    Args:
+        problem: The path.
+
+    Returns:
+        The knots of a joint path that meets every waypoint and follows every tool path.
+
+    Raises:
+        InvalidRequest: The path makes no sense.
+        Unreachable: A waypoint, or a place on a tool path, has no solution.
+        Disconnected: No continuous motion follows a tool path.
+        BudgetExceeded: The time budget ran out.
+    """
+    layer = _Layer(problem)
+    start = None
+    if not problem.start_free:
+        T = problem.robot.fk(problem.q_start)
+        start = Pose(T.rotation.copy(), T.translation.copy())
+    legs = legs_of(problem.path, start, layer.fk)
+    for leg, after in zip(legs, [*legs[1:], None], strict=True):
+        if isinstance(leg, JointLeg):
+            layer.joint_leg(leg, after)
+        else:
+            layer.tool_leg(leg)
+    return layer.route()
+
+
+class _Layer:
+    """Lays one leg after the other."""
+
+    def __init__(self, problem: RouteProblem) -> None:
+        self.problem = problem
+        self.freedom: Freedom = freedom_of(problem.path)
+        self.follower = Follower(
+            problem.solver.arm,
+            problem.limits,
+            self.freedom,
+            counts_orientation(problem.path),
+            problem.path.tolerance,
+            problem.clock,
+        )
+        self.knots: list[Array] = [] if problem.start_free else [problem.q_start]
+        self.rest: list[int] = []
+        self.wanted: list[Wanted] = []
+        self.spans: list[Span] = []
+        self.evaluations = 0
+        # Where the next tool path may begin, when the leg before leaves the choice to it.
+        self.starts: tuple[Array, Array] | None = None
+
+    def fk(self, q: Array) -> tuple[Array, Array]:
+        """Rotation, shape (3, 3), and position, shape (3,) [m], of the tool in the base."""
+        T = self.problem.robot.fk(q)
+        return T.rotation.copy(), T.translation.copy()
+
+    def route(self) -> Route:
+        """The route laid."""
+        wanted = sorted(self.wanted, key=lambda w: w.row)
+        return Route(
+            np.ascontiguousarray(self.knots), self.rest, wanted, self.spans, self.evaluations
+        )
+
+    @property
+    def _q(self) -> Array:
+        return self.knots[-1] if self.knots else self.problem.q_start
+
+    def _target(self, pose: Pose) -> Target:
+        R = pose.R if counts_orientation(self.problem.path) else None
+        return pose_target(pose.p, R, freedom=self.freedom)
+
+    def joint_leg(self, leg: JointLeg, after: Leg | None) -> None:
+        """Lay a joint spline; its last pose is left to a tool path that begins there."""
+        targets = list(leg.targets)
+        last = targets[-1]
+        left_open = isinstance(after, ToolLeg) and last.q is None and self.problem.options.refine
+        if left_open:
+            targets.pop()
+        run: list[JointTarget] = []
+        for target in targets:
+            if target.q is None:
+                run.append(target)
+                continue
+            self._poses(run)
+            run = []
+            q = check_start(self.problem.robot, target.q, target.name)
+            R, p = self.fk(q)
+            self._add(q, target.index, pose_target(p, R))
+        self._poses(run)
+        if left_open and last.pose is not None:
+            self._open_pose(last, last.pose)
+
+    def _waypoint_problem(self, run: list[JointTarget]) -> WaypointProblem:
+        problem = self.problem
+        return WaypointProblem(
+            problem.robot,
+            problem.solver,
+            [self._target(t.pose) for t in run if t.pose is not None],
+            self._q,
+            not self.knots,
+            problem.path.tolerance,
+            problem.clock,
+            run[0].index,
+        )
+
+    def _poses(self, run: list[JointTarget]) -> None:
+        """Choose the configurations of successive poses."""
+        if not run:
+            return
+        waypoints = self._waypoint_problem(run)
+        chosen = choose(waypoints, self.problem.options)
+        self.evaluations += chosen.evaluations
+        for target, wanted, q in zip(run, waypoints.targets, chosen.q, strict=True):
+            self._add(q, target.index, wanted)
+
+    def _open_pose(self, target: JointTarget, pose: Pose) -> None:
+        """Offer every branch of a pose to the tool path that begins there."""
+        waypoints = self._waypoint_problem([target])
+        starts, spent = self._branches(waypoints)
+        costs = np.linalg.norm(starts - self._q, axis=1)
+        self.starts = starts, costs
+        self.evaluations += spent
+        self.wanted.append(Wanted(target.index, len(self.knots), self._target(pose)))
+
+    def _branches(self, waypoints: WaypointProblem) -> tuple[Array, int]:
+        """Solutions of the one target there is, nearest first, shape (c, dof); evaluations."""
+        arm = self.problem.solver.arm
+        lower, upper = arm.search_bounds(waypoints.q_start)
+        found = grow_candidates(
+            arm.chain,
+            stack_targets(waypoints.targets),
+            np.empty((1, 0, arm.dof)),
+            waypoints.q_start,
+            lower,
+            upper,
+            2 * _STARTS,
+            150,
+            0,
+            (0.5 + self.problem.solver.seed * 0.6180339887498949) % 1.0,
+            1e-9,
+        )
+        evaluations = int(found.evaluations[0])
+        q = found.q[0, : found.counts[0]]
+        if len(q) == 0:
+            one, spent = solve_waypoint(waypoints, 0, waypoints.q_start)
+            return one[None], evaluations + spent
+        order = np.argsort(np.linalg.norm(q - waypoints.q_start, axis=1), kind="stable")
+        return np.ascontiguousarray(q[order[:_STARTS]]), evaluations
+
+    def tool_leg(self, leg: ToolLeg) -> None:
+        """Lay a tool path."""
+        path = leg.path
+        starts, costs = self._starts(path)
+        try:
+            followed = self.follower.follow(path, starts, costs)
+        except Lost as lost:
+            raise lost_path(
+                self.problem.robot, self.problem.solver, self.follower, path, lost
+            ) from lost
+        self._append(path, followed)
+
+    def _starts(self, path: ToolPath) -> tuple[Array, Array]:
+        """Configurations that the tool path may begin at, and the joint motion to each."""
+        if self.starts is not None:
+            offered, self.starts = self.starts, None
+            return offered
+        if self.knots:
+            return self.knots[-1][None], np.zeros(1)
+        R, p = path.pose(0.0)
+        pose = Pose(R if path.oriented(0.0) else None, p)
+        starts, spent = self._branches(
+            self._waypoint_problem([JointTarget(0, "the begin of the path", pose=pose)])
+        )
+        self.evaluations += spent
+        return starts, np.zeros(len(starts))
+
+    def _append(self, path: ToolPath, followed: Followed) -> None:
+        """Add the stations of a tool path; the motion rests where it begins and ends."""
+        self.evaluations += followed.evaluations
+        joined = bool(self.knots) and np.array_equal(self.knots[-1], followed.q[0])
+        if joined:
+            self.knots.pop()
+        first = len(self.knots)
+        self.knots += list(followed.q)
+        self.rest += [first, *(first + k for k in followed.rest), len(self.knots) - 1]
+        self.spans.append(Span(path, first, followed.s))
+        for waypoint, station in zip(path.waypoints, followed.waypoint, strict=True):
+            pose = Pose(waypoint.R, waypoint.p)
+            row = Wanted(waypoint.index, first + int(station), self._target(pose), waypoint.exact)
+            self.wanted.append(row)
+
+    def _add(self, q: Array, row: int, target: Target) -> None:
+        self.knots.append(np.array(q))
+        self.wanted.append(Wanted(row, len(self.knots) - 1, target))

@@ -1,0 +1,49 @@
+"""Run experiments and write their report."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+import time
+from pathlib import Path
+
+from benchmarks.papers.runner import find_experiment, run_experiment, threads_to_one
+
+NAMES = [f"E{i}" for i in range(1, 10)]
+
+
+def main() -> None:
+    """Run what is asked for."""
+    parser = argparse.ArgumentParser(prog="python -m benchmarks.papers", description=__doc__)
+    parser.add_argument("experiments", nargs="*", metavar="E1..E9", help="default: all")
+    parser.add_argument("--runs", type=int, default=20, help="runs of every series (default 20)")
+    parser.add_argument("--jobs", type=int, default=1, help="processes (default 1)")
+    parser.add_argument(
+        "--thin", type=int, default=1, help="use every THIN-th target of E7, E8 and E9 only"
+    )
+    parser.add_argument("--out", type=Path, default=Path("out/papers"), help="folder of the rows")
+    parser.add_argument(
+        "--report", type=Path, default=None, help="Markdown to be written (default OUT/REPORT.md)"
+    )
+    options = parser.parse_args()
+    names = options.experiments or NAMES
+    unknown = sorted(set(names) - set(NAMES))
+    if unknown:
+        parser.error(f"no experiment {', '.join(unknown)}; there are {', '.join(NAMES)}")
+    if min(options.runs, options.jobs, options.thin) < 1:
+        parser.error("--runs, --jobs and --thin are at least 1")
+    threads_to_one()
+    from benchmarks.papers.report import Sections
+
+    sections = Sections(options.report or options.out / "REPORT.md", options.out / "sections")
+    for name in names:
+        begin = time.perf_counter()
+        results = run_experiment(name, options.runs, options.jobs, options.thin, options.out)
+        sections.write(find_experiment(name), results, options.runs, options.thin)
+        print(f"{name} done in {time.perf_counter() - begin:.0f} s", file=sys.stderr)
+    sections.join(options.runs, options.thin)
+    print(sections.report)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,82 @@
+"""The report being written: Markdown and its figures."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from pathlib import Path
+
+import matplotlib as mpl
+
+mpl.use("Agg")
+
+import matplotlib.pyplot as plt
+from matplotlib.figure import Figure
+
+__all__ = ["Document", "number", "slashed"]
+
+
+def number(value: object) -> str:
+    """Write a number with four significant digits, anything else as it is."""
+    if isinstance(value, str):
+        return value
+    if value is None:
+        return "-"
+    v = float(value)  # type: ignore[arg-type]
+    if math.isnan(v):
+        return "-"
+    if v == 0.0 or (math.isfinite(v) and v == int(v) and abs(v) < 1e7):
+        return f"{int(v):d}"
+    if 1e-3 <= abs(v) < 1e5:
+        return f"{v:.4g}" if abs(v) < 1e4 else f"{v:.0f}"
+    return f"{v:.3g}"
+
+
+def slashed(values: Sequence[float] | None) -> str:
+    """Write numbers with slashes in between."""
+    if values is None:
+        return "-"
+    return " / ".join("-" if math.isnan(v) else f"{v:.4g}" for v in values)
+
+
+class Document:
+    """Markdown with figures beside it.
+
+    Args:
+        folder: Where figures go.
+        prefix: Path of that folder as the Markdown refers to it.
+    """
+
+    def __init__(self, folder: Path, prefix: str) -> None:
+        self.folder = folder
+        self.prefix = prefix
+        self.lines: list[str] = []
+
+    def heading(self, text: str, level: int = 2) -> None:
+        """Add a heading."""
+        self.lines += ["#" * level + " " + text, ""]
+
+    def say(self, *paragraphs: str) -> None:
+        """Add paragraphs."""
+        for paragraph in paragraphs:
+            self.lines += [paragraph, ""]
+
+    def table(self, head: Sequence[str], rows: Sequence[Sequence[object]]) -> None:
+        """Add a table; numbers are written with four digits."""
+        self.lines.append("| " + " | ".join(head) + " |")
+        self.lines.append(
+            "|" + "|".join(" --- " if i == 0 else " ---: " for i in range(len(head))) + "|"
+        )
+        self.lines += ["| " + " | ".join(number(v) for v in row) + " |" for row in rows]
+        self.lines.append("")
+
+    def figure(self, figure: Figure, name: str, caption: str) -> None:
+        """Save a figure as PNG and refer to it."""
+        self.folder.mkdir(parents=True, exist_ok=True)
+        figure.savefig(self.folder / f"{name}.png", dpi=80, metadata={"Software": None})
+        plt.close(figure)
+        self.lines += [f"![{caption}]({self.prefix}/{name}.png)", "", f"*{caption}*", ""]
+
+    def text(self) -> str:
+        """Return the Markdown."""
+        return "\n".join(self.lines).rstrip() + "\n"

@@ -1,0 +1,84 @@
+"""E2: time to 0.1 cm, [S] section 5.3.1."""
+
+from __future__ import annotations
+
+from benchmarks.papers import published
+from benchmarks.papers.document import Document, slashed
+from benchmarks.papers.experiment import Experiment, Results, Study
+from benchmarks.papers.helix import random_targets
+from benchmarks.papers.plots import boxes, new_figure
+from benchmarks.papers.series import PLANNER, Series
+from benchmarks.papers.statistics import summary
+
+__all__ = ["EXPERIMENT"]
+
+SIZES = (12, 15, 20, 30)
+T = 1000
+METHODS: dict[str, tuple[str, dict[str, object]]] = {
+    "IK-BA": ("ik-ba", {}),
+    "IK-BA, eps 0.15": ("ik-ba", {"eps_scale": 0.15}),
+    "BA": ("ba", {}),
+    "DE": ("de-rand-1", {"preset": "slim"}),
+    "PSO": ("pso", {"preset": "slim"}),
+    "ABC": ("abc", {}),
+}
+OWN = Series("ikplan", PLANNER, params={"elongation": "independent"}, paper=False)
+
+
+def studies(_thin: int) -> list[Study]:
+    """Return the one case: 20 targets, stop at 1 mm, start at home."""
+    series = [
+        Series(f"{name}, N = {n}", method, n, T, dict(params))
+        for name, (method, params) in METHODS.items()
+        for n in SIZES
+    ]
+    return [Study(random_targets(20), [*series, OWN])]
+
+
+def report(studies: list[Study], results: Results, document: Document) -> None:
+    """Write the section."""
+    study = studies[0]
+    document.say(
+        "20 random reachable positions, the same in every run; 7 joints, start home, stop at 1 mm, "
+        f"T = {T}. Published, in ms: IK-BA with N = 12, 15, 20, 30. Iterations, evaluations and "
+        "processor time: mean / median / std / max / min over all solves, misses included with "
+        "what they spent. The project's own planner stops at 1e-9 m, not at 1 mm."
+    )
+    rows = []
+    for series in study.series:
+        table = results.tables[study.case.name, series.name]
+        hit = table["eps_p"] <= 1e-3
+        size = series.population
+        given = published.SLIM_TIMES.get(size or 0) if series.name.startswith("IK-BA, N") else None
+        milliseconds = 1e3 * table["cpu_seconds"]
+        rows.append(
+            [
+                series.name,
+                slashed(given),
+                slashed(summary(milliseconds)),
+                slashed(summary(table["n_iter"])),
+                slashed(summary(table["n_eval"])),
+                100.0 * hit.mean(),
+                100.0 * (milliseconds < 50.0).mean(),
+            ]
+        )
+    document.table(
+        ["series", "published ms", "ms", "iterations", "evaluations", "% solved", "% < 50 ms"], rows
+    )
+    figure, axes = new_figure(9.0, 3.4)
+    evaluations = {
+        s.name: results.tables[study.case.name, s.name]["n_eval"]
+        for s in study.series
+        if "eps" not in s.name
+    }
+    boxes(axes[0], evaluations, "evaluations to 1 mm", log=True)
+    document.figure(figure, "E2-evaluations", "E2: evaluations until the stop, misses included")
+    ratio = [results.tables[study.case.name, f"IK-BA, N = {n}"]["n_iter"].mean() for n in SIZES]
+    document.say(
+        "The number of iterations hardly depends on N, since the cooling 0.97^t sets it: "
+        + ", ".join(f"N = {n}: {v:.0f}" for n, v in zip(SIZES, ratio, strict=True))
+        + ". So fewer bats are faster, at the price of more misses."
+    )
+
+
+EXPERIMENT = Experiment("E2", "Time to 0.1 cm [S, section 5.3.1]", studies, report)

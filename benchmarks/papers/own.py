@@ -1,0 +1,159 @@
+"""The two rows that no paper has: the project's own planner, and the true optimum."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from benchmarks.papers.case import Case
+from benchmarks.papers.closed_forms import closed_form
+from benchmarks.papers.series import OPTIMUM, PLANNER, Series, context_of
+from ikplan.ik.objective import evaluate
+from ikplan.ik.solve import NoSolution, PoseSolver
+from ikplan.kinematics.target import Target, pose_target
+from ikplan.planning import Clock, WaypointProblem, choose
+from ikplan.planning.candidates import grow_candidates
+from ikplan.planning.ladder import distinct_paths
+from ikplan.planning.least_motion import stack_targets
+from ikplan.planning.polish import polish
+from ikplan.request import IkOptions, Tolerance
+
+__all__ = ["OWN", "Found"]
+
+Array = NDArray[np.float64]
+Found = tuple[Array, float, tuple[float, ...]]
+"""A configuration, its objective value, and evaluations, iterations, seconds, CPU seconds."""
+
+RESTARTS = 12
+"""Independent searches for the least motion, each over another set of candidates."""
+
+
+def _target(case: Case, k: int) -> Target:
+    return pose_target(case.p[k], case.R[k] if case.oriented else None)
+
+
+def _value(case: Case, k: int, q: Array, q_s: Array) -> float:
+    x = np.ascontiguousarray(q[: case.width])
+    return float(evaluate(case.objective(k, q_s), x))
+
+
+def _seed(case: Case, series: Series, run: int) -> int:
+    name, run, _ = context_of(case.name, series, run, 0)
+    return (name + 7919 * run) % 2**31
+
+
+def _found(case: Case, q: list[Array], spent: tuple[float, ...]) -> list[Found]:
+    share = tuple(v / len(q) for v in spent)
+    before = [case.q_start, *q[:-1]]
+    return [(q[k], _value(case, k, q[k], before[k]), share) for k in range(len(q))]
+
+
+def _plan(case: Case, series: Series, run: int, count: int | None = None) -> list[Found]:
+    """Plan with IK-BA seeds and refinement: the whole path, or target by target."""
+    n = case.count if count is None else count
+    solver = PoseSolver(
+        case.arm,
+        seed=_seed(case, series, run),
+        tolerance_position=1e-9,
+        tolerance_orientation=1e-9,
+    )
+    targets = [_target(case, k) for k in range(n)]
+    wall, cpu = time.perf_counter(), time.thread_time()
+    mode = series.params["elongation"]
+    if mode == "independent":
+        return [_nearest(case, solver, k, case.q_start) for k in range(n)]
+    if mode == "tracking":
+        found: list[Found] = []
+        for k in range(n):
+            found.append(_nearest(case, solver, k, found[-1][0] if found else case.q_start))
+        return found
+    problem = WaypointProblem(
+        case.robot, solver, targets, case.q_start, False, Tolerance(), Clock(float("inf"))
+    )
+    chosen = choose(problem, IkOptions(elongation=mode))
+    spent = (chosen.evaluations, 0.0, time.perf_counter() - wall, time.thread_time() - cpu)
+    return _found(case, [_finished(case, q) for q in chosen.q], spent)
+
+
+def _nearest(case: Case, solver: PoseSolver, k: int, q_s: Array) -> Found:
+    """Solve one target, near to ``q_s``; out of reach: the closest configuration found."""
+    wall, cpu = time.perf_counter(), time.thread_time()
+    try:
+        solved = solver.solve(_target(case, k), np.clip(q_s, case.arm.lower, case.arm.upper))
+        q, evaluations = solved.q[0], solved.evaluations
+    except NoSolution as verdict:
+        q, evaluations = np.array(verdict.miss.q), verdict.evaluations
+    spent = (float(evaluations), 0.0, time.perf_counter() - wall, time.thread_time() - cpu)
+    q = _finished(case, q)
+    return q, _value(case, k, q, q_s), spent
+
+
+def _finished(case: Case, q: Array) -> Array:
+    return q if case.finish is None else case.finish(q[: case.width])
+
+
+def _optimum(case: Case, _series: Series, _run: int, count: int | None = None) -> list[Found]:
+    """The closed form where there is one, else the least motion found by many restarts."""
+    n = case.count if count is None else count
+    wall, cpu = time.perf_counter(), time.thread_time()
+    exact = closed_form(case.robot.name)
+    if exact is not None:
+        found: list[Found] = []
+        q_s = case.q_start
+        for k in range(n):
+            solutions = [q for q in exact(case.R[k], case.p[k]) if _inside(case, q)]
+            if solutions:
+                q_s = min(solutions, key=lambda q: float(np.linalg.norm(q - q_s)))
+            found.append((q_s, _value(case, k, q_s, q_s), (0.0, 0.0, 0.0, 0.0)))
+        return found
+    best, evaluations = least_motion(case, n, 1 if count else RESTARTS)
+    spent = (evaluations, 0.0, time.perf_counter() - wall, time.thread_time() - cpu)
+    return _found(case, list(best[0]), spent)
+
+
+def _inside(case: Case, q: Array) -> bool:
+    return bool(((q >= case.arm.lower - 1e-9) & (q <= case.arm.upper + 1e-9)).all())
+
+
+def least_motion(case: Case, n: int, restarts: int) -> tuple[list[Array], int]:
+    """Search for the configurations that meet the targets with the least joint motion.
+
+    Each restart draws another, large set of candidates, takes the paths through them that really
+    differ, and polishes each.
+
+    Args:
+        case: The case.
+        n: Number of targets, from the first.
+        restarts: Number of restarts.
+
+    Returns:
+        The best path of each restart, shortest first, each of shape (n, dof), and evaluations.
+    """
+    targets = stack_targets([_target(case, k) for k in range(n)])
+    lower, upper = case.arm.search_bounds(case.q_start)
+    paths: list[tuple[float, Array]] = []
+    evaluations = 0
+    no_seeds = np.empty((n, 0, case.arm.dof))
+    for restart in range(restarts):
+        shift = (0.5 + 0.618034 * restart) % 1.0
+        q_start = np.array(case.q_start)
+        candidates = grow_candidates(
+            case.arm.chain, targets, no_seeds, q_start, lower, upper, 250, 600, 60, shift, 1e-9
+        )
+        evaluations += int(candidates.evaluations[0])
+        polished = []
+        for q in distinct_paths(candidates, q_start, False, 24, 0.6, 0.1):
+            length, spent = polish(
+                case.arm.chain, targets, q, q_start, False, lower, upper, 200, 1e-7
+            )
+            evaluations += spent
+            polished.append((float(length), q))
+        paths.append(min(polished, key=lambda item: item[0]))
+    paths.sort(key=lambda item: item[0])
+    return [q for _, q in paths], evaluations
+
+
+OWN: dict[str, Callable[..., list[Found]]] = {PLANNER: _plan, OPTIMUM: _optimum}

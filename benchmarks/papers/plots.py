@@ -1,0 +1,79 @@
+"""Figures in one style."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import matplotlib.pyplot as plt
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from numpy.typing import NDArray
+
+__all__ = ["boxes", "curves", "new_figure", "paths_3d"]
+
+Array = NDArray[np.float64]
+
+COLOURS = [plt.get_cmap("tab20")(i) for i in (0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 1, 3, 5, 7, 9)]
+
+
+def new_figure(width: float, height: float, columns: int = 1) -> tuple[Figure, list[Axes]]:
+    """Return a figure of some inches with axes beside each other."""
+    figure, axes = plt.subplots(1, columns, figsize=(width, height), layout="constrained")
+    flat = list(np.atleast_1d(axes).ravel())
+    for ax in flat:
+        ax.grid(visible=True, alpha=0.3)
+        ax.tick_params(labelsize=8)
+    return figure, flat
+
+
+def boxes(ax: Axes, data: Mapping[str, Array], label: str, *, log: bool = False) -> None:
+    """Draw a box plot, one box a series."""
+    values = [np.maximum(v, 1e-18) if log else v for v in data.values()]
+    ax.boxplot(values, tick_labels=list(data), widths=0.6, flierprops={"markersize": 3})
+    ax.set_ylabel(label, fontsize=9)
+    plt.setp(ax.get_xticklabels(), rotation=35, ha="right", fontsize=8)
+    if log:
+        ax.set_yscale("log")
+
+
+def curves(
+    ax: Axes,
+    data: Mapping[str, Array],
+    x_label: str,
+    y_label: str,
+    *,
+    log: bool = False,
+    first: int = 0,
+    legend: bool = True,
+) -> None:
+    """Draw curves over their index."""
+    for i, (name, values) in enumerate(data.items()):
+        x = np.arange(len(values)) + first
+        style = "-" if i < len(COLOURS) // 2 else "--"
+        ax.plot(x, values, style, color=COLOURS[i % len(COLOURS)], label=name, linewidth=1.3)
+    ax.set_xlabel(x_label, fontsize=9)
+    ax.set_ylabel(y_label, fontsize=9)
+    if log:
+        ax.set_yscale("log")
+    if legend:
+        ax.legend(fontsize=7, ncol=2 if len(data) > 6 else 1)
+
+
+def paths_3d(
+    panels: Sequence[tuple[str, Mapping[str, Array]]], width: float, height: float, unit: str
+) -> Figure:
+    """Draw 3D paths: in each panel the path asked for, as dots, and those followed."""
+    figure = plt.figure(figsize=(width, height), layout="constrained")
+    for i, (title, paths) in enumerate(panels):
+        ax = figure.add_subplot(1, len(panels), i + 1, projection="3d")
+        for j, (name, p) in enumerate(paths.items()):
+            style = "k." if j == 0 else "-"
+            colour = {} if j == 0 else {"color": COLOURS[(j - 1) % len(COLOURS)]}
+            ax.plot(p[:, 0], p[:, 1], p[:, 2], style, label=name, markersize=4, **colour)
+        ax.set_title(title, fontsize=9)
+        ax.tick_params(labelsize=6)
+        for axis, letter in zip((ax.xaxis, ax.yaxis, ax.zaxis), "xyz", strict=True):
+            axis.set_label_text(f"{letter} [{unit}]", fontsize=7)
+        ax.legend(fontsize=7, loc="upper left")
+    return figure

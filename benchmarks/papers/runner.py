@@ -1,0 +1,152 @@
+"""Run what is missing of an experiment, one file a (case, series, run)."""
+
+from __future__ import annotations
+
+import functools
+import hashlib
+import importlib
+import os
+import sys
+import time
+from collections.abc import Iterator
+from concurrent.futures import ProcessPoolExecutor, as_completed
+from pathlib import Path
+
+import numpy as np
+
+import ikplan.ik.metaheuristics
+from benchmarks.papers.experiment import Experiment, Results, Study
+from benchmarks.papers.rows import read_rows, write_rows
+from benchmarks.papers.series import OPTIMUM, PLANNER, Series
+from benchmarks.papers.solving import run_series, warm_up
+
+__all__ = ["find_experiment", "run_experiment"]
+
+Unit = tuple[int, int, int]
+"""Study, series, run."""
+
+
+@functools.cache
+def find_experiment(name: str) -> Experiment:
+    """Return an experiment by name, such as "E1"."""
+    module = importlib.import_module(f"benchmarks.papers.{name.lower()}")
+    experiment: Experiment = module.EXPERIMENT
+    return experiment
+
+
+@functools.cache
+def _studies(name: str, thin: int) -> list[Study]:
+    return find_experiment(name).studies(thin)
+
+
+@functools.cache
+def _warmed(name: str, thin: int, study: int, series: int) -> None:
+    chosen = _studies(name, thin)[study]
+    warm_up(chosen.case, chosen.series[series])
+
+
+@functools.cache
+def _code() -> str:
+    """Return a digest of the searches: rows of other code are not taken for those of this."""
+    folder = Path(ikplan.ik.metaheuristics.__file__).parent
+    sources = [*folder.glob("*.py"), folder.parent / "objective.py", folder.parent / "newton.py"]
+    digest = hashlib.sha256()
+    for source in sorted(sources):
+        digest.update(source.read_bytes())
+    return digest.hexdigest()[:8]
+
+
+def _folder(out: Path, study: Study, series: Series) -> Path:
+    label = "".join(c if c.isalnum() else "-" for c in series.name)
+    code = "" if series.method in (PLANNER, OPTIMUM) else _code()
+    return out / study.case.name / f"{label}-{study.case.digest()}{series.digest()}{code}"
+
+
+def _runs(series: Series, runs: int) -> int:
+    return 1 if series.method == OPTIMUM else min(runs, series.max_runs)
+
+
+def _do(name: str, thin: int, unit: Unit, path: Path) -> None:
+    """Run one unit and write its file; in a worker."""
+    study, series, run = unit
+    _warmed(name, thin, study, series)
+    chosen = _studies(name, thin)[study]
+    rows, curve = run_series(chosen.case, chosen.series[series], run)
+    path.parent.mkdir(parents=True, exist_ok=True)
+    if curve.size:
+        np.save(path.with_suffix(".npy"), curve.astype(np.float32))
+    write_rows(path, rows, chosen.case.arm.dof)
+
+
+def _units(studies: list[Study], runs: int, out: Path) -> Iterator[tuple[Unit, Path]]:
+    """Every unit; all series of a run before the next run."""
+    for run in range(runs):
+        for i, study in enumerate(studies):
+            for j, series in enumerate(study.series):
+                if run < _runs(series, runs):
+                    yield (i, j, run), _folder(out, study, series) / f"{run:03d}.csv"
+
+
+class _Progress:
+    """One line on stderr; on something else than a terminal, one line a tenth."""
+
+    def __init__(self, name: str, total: int) -> None:
+        self.name, self.total, self.done = name, total, 0
+        self.begin = time.perf_counter()
+
+    def step(self) -> None:
+        self.done += 1
+        seconds = time.perf_counter() - self.begin
+        left = seconds / self.done * (self.total - self.done)
+        bar = "#" * (30 * self.done // self.total)
+        line = (
+            f"{self.name} [{bar:30}] {self.done}/{self.total}, {seconds:.0f} s, {left:.0f} s left"
+        )
+        if sys.stderr.isatty():
+            end = "\n" if self.done == self.total else ""
+            print(f"\r{line:90}", end=end, file=sys.stderr, flush=True)
+        elif self.done % max(self.total // 10, 1) == 0 or self.done == self.total:
+            print(line, file=sys.stderr, flush=True)
+
+
+def run_experiment(name: str, runs: int, jobs: int, thin: int, out: Path) -> Results:
+    """Make every run that is missing, and return all results.
+
+    Args:
+        name: E1 ... E9.
+        runs: Runs of every series.
+        jobs: Processes.
+        thin: Every how many-th target is used, where an experiment has many.
+        out: Folder of the rows, by case, which experiments share; what is there already is not
+            made again.
+    """
+    studies = _studies(name, thin)
+    missing = [(u, p) for u, p in _units(studies, runs, out) if not p.exists()]
+    progress = _Progress(name, max(len(missing), 1))
+    if jobs == 1:
+        for unit, path in missing:
+            _do(name, thin, unit, path)
+            progress.step()
+    elif missing:
+        with ProcessPoolExecutor(max_workers=jobs) as pool:
+            pending = [pool.submit(_do, name, thin, unit, path) for unit, path in missing]
+            for future in as_completed(pending):
+                future.result()
+                progress.step()
+    tables, curves = {}, {}
+    for study in studies:
+        for series in study.series:
+            count = _runs(series, runs)
+            paths = [_folder(out, study, series) / f"{run:03d}.csv" for run in range(count)]
+            key = (study.case.name, series.name)
+            tables[key] = read_rows(paths)
+            arrays = [p.with_suffix(".npy") for p in paths]
+            if arrays[0].exists():
+                curves[key] = np.array([np.load(a) for a in arrays], dtype=np.float64)
+    return Results(tables, curves, runs)
+
+
+def threads_to_one() -> None:
+    """Keep numerical libraries to one thread; to be called before they are imported."""
+    for variable in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "NUMBA_NUM_THREADS"):
+        os.environ.setdefault(variable, "1")

@@ -5,7 +5,7 @@ Like the certificate, it uses Pinocchio and the definition of the path, and noth
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -16,7 +16,7 @@ from ikplan.path import ToolPath, path_deviation
 from ikplan.request import PathRequest
 from ikplan.robots import Robot
 
-__all__ = ["Followed", "TimedSpan", "follow_checks", "offset"]
+__all__ = ["Followed", "TimedSpan", "follow_checks", "offset", "offsets"]
 
 Array = NDArray[np.float64]
 
@@ -58,7 +58,7 @@ class Followed:
 def offset(
     path: PathRequest, p: Array, R: Array, p_wanted: Array, R_wanted: Any
 ) -> tuple[float, float | None]:
-    """Return how far a tool pose is outside what a target allows.
+    """Return how far one tool pose is outside what a target allows.
 
     Args:
         path: The path of the request: says what is free.
@@ -70,26 +70,50 @@ def offset(
     Returns:
         Distance [m] and angle [rad]; None: no orientation is asked for.
     """
+    any_rotation = R_wanted is None or path.orientation_free == "all"
+    target = np.eye(3) if R_wanted is None else R_wanted
+    distance, angle = offsets(path, p[None], R[None], p_wanted[None], target[None])
+    return float(distance[0]), None if any_rotation else float(angle[0])
+
+
+def offsets(
+    path: PathRequest, p: Array, R: Array, p_wanted: Array, R_wanted: Array
+) -> tuple[Array, Array]:
+    """Return how far tool poses are outside what their targets allow.
+
+    Args:
+        path: The path of the request: says what is free.
+        p: Positions of the tool in the base, shape (m, 3) [m].
+        R: Rotations of the tool in the base, shape (m, 3, 3).
+        p_wanted: Positions asked for, shape (m, 3) [m].
+        R_wanted: Rotations asked for, shape (m, 3, 3).
+
+    Returns:
+        Distances [m] and angles [rad], each of shape (m,).
+    """
     box, free = path.tolerance.box, path.orientation_free
-    apart = p - p_wanted
-    axes = np.eye(3) if R_wanted is None else R_wanted
+    apart, axes = p - p_wanted, R_wanted
     if box is not None:
         if box.frame == "path":
             frame = np.array([*path.frame.position, *path.frame.quaternion_xyzw])
-            axes = pin.XYZQUATToSE3(frame).rotation
-        apart = np.maximum(np.abs(axes.T @ apart) - np.array(box.position), 0.0)
-    distance = float(np.linalg.norm(apart))
-    if R_wanted is None or free == "all":
-        return distance, None
-    if free is not None:
+            axes = np.broadcast_to(pin.XYZQUATToSE3(frame).rotation, R.shape)
+        along = np.einsum("mji,mj->mi", axes, apart)
+        apart = np.maximum(np.abs(along) - np.array(box.position), 0.0)
+    distance = np.linalg.norm(apart, axis=1)
+    if free is not None and free != "all":
         axis = _AXES[free.about]
-        a, b = R[:, axis], R_wanted[:, axis]
-        angle = float(np.arctan2(np.linalg.norm(np.cross(a, b)), a @ b))
-        return distance, max(angle - (free.cone or 0.0), 0.0)
-    turn = R @ pin.log3(R.T @ R_wanted)
+        a, b = R[:, :, axis], R_wanted[:, :, axis]
+        sine = np.linalg.norm(np.cross(a, b), axis=1)
+        angle = np.arctan2(sine, np.einsum("mi,mi->m", a, b))
+        return distance, np.maximum(angle - (free.cone or 0.0), 0.0)
     if box is not None:
-        turn = np.maximum(np.abs(axes.T @ turn) - np.array(box.orientation), 0.0)
-    return distance, float(np.linalg.norm(turn))
+        turn = np.array([A @ pin.log3(A.T @ B) for A, B in zip(R, R_wanted, strict=True)])
+        along = np.einsum("mji,mj->mi", axes, turn)
+        excess = np.maximum(np.abs(along) - np.array(box.orientation), 0.0)
+        return distance, np.asarray(np.linalg.norm(excess, axis=1))
+    # ||A - B||_F = 2 sqrt(2) sin(angle / 2)
+    chord = np.linalg.norm(R - R_wanted, axis=(1, 2)) / np.sqrt(8.0)
+    return distance, 2.0 * np.arcsin(np.minimum(chord, 1.0))
 
 
 def follow_checks(
@@ -124,22 +148,21 @@ def follow_checks(
             rotation_weight=weight,
         )
         R_path, p_path = span.path.poses(nearest)
-        oriented = span.path.orientation_mask(nearest)
-        for k, index in enumerate(inside):
-            wanted = R_path[k] if oriented[k] else None
-            distance, angle = offset(path, p[k], R[k], p_path[k], wanted)
-            worst = _worse(worst, distance, angle, float(time[index]))
+        distance, angle = offsets(path, p, R, p_path, R_path)
+        at = int(np.argmax(distance))
+        if worst.distance is None or distance[at] > worst.distance:
+            worst = replace(
+                worst, distance=float(distance[at]), distance_time=float(time[inside[at]])
+            )
+        counts = span.path.orientation_mask(nearest) & (path.orientation_free != "all")
+        if not counts.any():
+            continue
+        at = int(np.argmax(np.where(counts, angle, -1.0)))
+        if worst.angle is None or angle[at] > worst.angle:
+            worst = replace(worst, angle=float(angle[at]), angle_time=float(time[inside[at]]))
     return worst
 
 
 def _window(span: TimedSpan) -> float:
     """How far around a hint to look: hints are exact at the stations and near between them."""
     return float(np.max(np.diff(span.s), initial=1e-4))
-
-
-def _worse(worst: Followed, distance: float, angle: float | None, time: float) -> Followed:
-    if worst.distance is None or distance > worst.distance:
-        worst = Followed(distance, time, worst.angle, worst.angle_time)
-    if angle is not None and (worst.angle is None or angle > worst.angle):
-        worst = Followed(worst.distance, worst.distance_time, angle, time)
-    return worst

@@ -218,6 +218,8 @@ class Unreachable(IkplanError):
         limits: Names of the joints that stand at a position limit in ``q``.
         waypoints: Every waypoint found unreachable, as ``{"waypoint", "position_error",
             "orientation_error", "reason"}``.
+        repairs: Changes of the request that were tried and make it feasible, least first, as
+            ``{"change", "detail"}``: the fields to change, and what that means in words.
     """
 
     slug = "unreachable"
@@ -231,6 +233,7 @@ class Unreachable(IkplanError):
         "reason",
         "limits",
         "waypoints",
+        "repairs",
     )
 
     def __init__(
@@ -244,6 +247,7 @@ class Unreachable(IkplanError):
         reason: str,
         limits: Sequence[str] = (),
         waypoints: Sequence[Mapping[str, Any]] = (),
+        repairs: Sequence[Mapping[str, Any]] = (),
     ) -> None:
         super().__init__(detail)
         self.waypoint = waypoint
@@ -253,6 +257,7 @@ class Unreachable(IkplanError):
         self.reason = reason
         self.limits = list(limits)
         self.waypoints = [dict(w) for w in waypoints]
+        self.repairs = [dict(r) for r in repairs]
 
 
 class Disconnected(IkplanError):
@@ -262,20 +267,29 @@ class Disconnected(IkplanError):
         waypoints: Indices of the two waypoints, from 0; -1 stands for the start configuration.
         jump: Largest single-joint difference a motion between them would need [rad or m].
         reason: Why the motion is not possible.
+        repairs: Changes of the request that were tried and make it feasible, as
+            ``{"change", "detail"}``.
     """
 
     slug = "disconnected"
     title = "Path disconnected"
     status = 422
-    fields = ("waypoints", "jump", "reason")
+    fields = ("waypoints", "jump", "reason", "repairs")
 
     def __init__(
-        self, detail: str, *, waypoints: Sequence[int], jump: float, reason: str = ""
+        self,
+        detail: str,
+        *,
+        waypoints: Sequence[int],
+        jump: float,
+        reason: str = "",
+        repairs: Sequence[Mapping[str, Any]] = (),
     ) -> None:
         super().__init__(detail)
         self.waypoints = [int(i) for i in waypoints]
         self.jump = jump
         self.reason = reason
+        self.repairs = [dict(r) for r in repairs]
 
 
 class TimingFailed(IkplanError):

@@ -3,6 +3,7 @@
 from ikplan.planning.choose import choose
 from ikplan.planning.clock import Clock
 from ikplan.planning.problem import Chosen, WaypointProblem
+from ikplan.planning.repair import find_repairs
 from ikplan.planning.route import Route, RouteProblem, Span, Wanted, lay_route
 
 __all__ = [
@@ -14,5 +15,6 @@ __all__ = [
     "Wanted",
     "WaypointProblem",
     "choose",
+    "find_repairs",
     "lay_route",
 ]

@@ -36,7 +36,13 @@ def lost_path(
         lost: Where it was lost.
     """
     before, after = _neighbours(path, lost.s)
+    end = next((w.s for w in path.waypoints if w.index == after), path.length)
     where = f"{lost.s * 1e3:.1f} mm of {path.length * 1e3:.1f} mm along the path"
+    try:
+        solver.solve(target_at(follower.targets_at(path, np.array([end])), 0), lost.q)
+    except NoSolution as verdict:
+        subject = f"waypoint {after} (the path to it is followed for {where})"
+        return unreachable(robot, verdict.miss, after, subject)
     ahead = [lost.s + share * path.length for share in _PROBES]
     ahead = [s for s in ahead if s < path.length] or [path.length]
     others = []

@@ -1,0 +1,211 @@
+"""What would make a path feasible: changes of the request, each tried before it is offered."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ikplan.errors import BudgetExceeded, Disconnected, InvalidRequest, Unreachable
+from ikplan.ik.solve import NoSolution, PoseSolver
+from ikplan.kinematics.forward import forward
+from ikplan.kinematics.target import Target, pose_target
+from ikplan.path import JointLeg, Pose, ToolLeg, legs_of
+from ikplan.planning.candidates import grow_candidates
+from ikplan.planning.freedom import counts_orientation, freedom_of
+from ikplan.planning.least_motion import stack_targets
+from ikplan.planning.route import Route, RouteProblem, lay_route
+from ikplan.request import Frame, PathRequest
+
+__all__ = ["find_repairs"]
+
+Array = NDArray[np.float64]
+
+_MOST_BRANCHES = 12
+_SAMPLES = 12
+"""Places on each tool path at which a shift of the path is tried first."""
+_ROUNDS = 8
+_FARTHEST = 0.5
+"""Longest shift that is offered [m]."""
+
+
+@dataclass(frozen=True)
+class _Try:
+    change: dict[str, Any]
+    detail: str
+    problem: RouteProblem
+
+
+def find_repairs(problem: RouteProblem, error: Unreachable | Disconnected) -> list[dict[str, Any]]:
+    """Return changes of the request that make the path feasible.
+
+    Another branch to start in, a free tool axis, free orientation, and the smallest shift of the
+    path frame found. Every one was planned before it is offered; none is, when the time budget is
+    used up.
+
+    Args:
+        problem: The path that has no plan.
+        error: Why.
+
+    Returns:
+        Repairs as ``{"change": fields of the request, "detail": in words}``.
+    """
+    repairs = []
+    try:
+        for attempt in _tries(problem, error):
+            if _lays(attempt.problem) is not None:
+                repairs.append({"change": attempt.change, "detail": attempt.detail})
+    except BudgetExceeded:
+        return repairs
+    return repairs
+
+
+def _lays(problem: RouteProblem) -> Route | None:
+    """The route, or None where there is none."""
+    try:
+        return lay_route(problem)
+    except (Unreachable, Disconnected, InvalidRequest):
+        return None
+
+
+def _tries(problem: RouteProblem, error: Unreachable | Disconnected) -> Iterator[_Try]:
+    yield from _other_branch(problem)
+    yield from _free_orientation(problem)
+    if isinstance(error, Unreachable) and error.position_error <= _FARTHEST:
+        yield from _shifted(problem)
+
+
+def _other_branch(problem: RouteProblem) -> Iterator[_Try]:
+    """The same tool pose at the start, in another branch, where a tool path begins there."""
+    if problem.start_free or not isinstance(_legs(problem)[0], ToolLeg):
+        return
+    arm = problem.solver.arm
+    R, p = forward(arm.chain, problem.q_start)
+    lower, upper = arm.search_bounds(problem.q_start)
+    found = grow_candidates(
+        arm.chain,
+        stack_targets([pose_target(p, R)]),
+        np.empty((1, 0, arm.dof)),
+        problem.q_start,
+        lower,
+        upper,
+        40,
+        100,
+        0,
+        0.5,
+        1e-9,
+    )
+    branches = found.q[0, : found.counts[0]]
+    order = np.argsort(np.linalg.norm(branches - problem.q_start, axis=1), kind="stable")
+    for q in branches[order][:_MOST_BRANCHES]:
+        if np.abs(q - problem.q_start).max() < 1e-3:
+            continue
+        attempt = replace(problem, q_start=np.ascontiguousarray(q))
+        if _lays(attempt) is not None:
+            detail = "start with the tool at the same pose in another branch of the arm"
+            yield _Try({"start": q.tolist()}, detail, attempt)
+            return
+
+
+def _free_orientation(problem: RouteProblem) -> Iterator[_Try]:
+    """A free tool axis, or else free orientation."""
+    path = problem.path
+    if path.orientation_free is not None or path.tolerance.box is not None:
+        return
+    document = path.model_dump(mode="json")
+    freedoms: list[Any] = [{"about": f"tool_{axis}"} for axis in "zxy"]
+    for freedom in [*freedoms, "all"]:
+        free = PathRequest.model_validate({**document, "orientation_free": freedom})
+        attempt = replace(problem, path=free)
+        if _needed_shift(attempt) is None and _lays(attempt) is not None:
+            what = (
+                "any orientation" if freedom == "all" else f"a free turn about {freedom['about']}"
+            )
+            change = {"path": {"orientation_free": freedom}}
+            yield _Try(change, f"allow {what}", attempt)
+            return
+
+
+def _shifted(problem: RouteProblem) -> Iterator[_Try]:
+    """The smallest shift of the path frame found."""
+    shift = np.zeros(3)
+    for _ in range(_ROUNDS):
+        step = _needed_shift(_moved(problem, shift))
+        if step is None:
+            break
+        shift = shift + 1.05 * step
+        if np.linalg.norm(shift) > _FARTHEST:
+            return
+    if not shift.any():
+        return
+    feasible, low = 1.0, 0.0
+    if _lays(_moved(problem, shift)) is None:
+        return
+    for _ in range(5):
+        middle = 0.5 * (low + feasible)
+        if _lays(_moved(problem, middle * shift)) is not None:
+            feasible = middle
+        else:
+            low = middle
+    attempt = _moved(problem, feasible * shift)
+    position = attempt.path.frame.position
+    length = float(np.linalg.norm(feasible * shift))
+    detail = f"move the path by {length * 1e3:.1f} mm in the base"
+    yield _Try({"path": {"frame": {"position": position}}}, detail, attempt)
+
+
+def _moved(problem: RouteProblem, shift: Array) -> RouteProblem:
+    """The problem with its path frame moved in the base."""
+    frame = problem.path.frame
+    moved = Frame(
+        position=[float(a + b) for a, b in zip(frame.position, shift, strict=True)],
+        quaternion_xyzw=frame.quaternion_xyzw,
+    )
+    return replace(problem, path=problem.path.model_copy(update={"frame": moved}))
+
+
+def _needed_shift(problem: RouteProblem) -> Array | None:
+    """The longest way that a target of the path is out of reach, shape (3,) [m], or None.
+
+    A quick look with few restarts: what it passes is planned in full before it is offered.
+    """
+    solver = PoseSolver(problem.solver.arm, "lm", params={"restarts": 60})
+    worst: Array | None = None
+    for target in _targets(problem):
+        problem.clock.check()
+        try:
+            solver.solve(target, problem.q_start)
+        except NoSolution as verdict:
+            _, p = forward(problem.solver.arm.chain, verdict.miss.q)
+            way = p - target.p
+            if worst is None or np.linalg.norm(way) > np.linalg.norm(worst):
+                worst = np.asarray(way)
+    return worst
+
+
+def _legs(problem: RouteProblem) -> list[Any]:
+    def fk(q: Array) -> tuple[Array, Array]:
+        R, p = forward(problem.solver.arm.chain, np.ascontiguousarray(q))
+        return R, p
+
+    start = None if problem.start_free else Pose(*fk(problem.q_start))
+    return list(legs_of(problem.path, start, fk))
+
+
+def _targets(problem: RouteProblem) -> list[Target]:
+    """The waypoints of the path, and places along its tool paths."""
+    freedom = freedom_of(problem.path)
+    counts = counts_orientation(problem.path)
+    poses: list[tuple[Any, Array]] = []
+    for leg in _legs(problem):
+        if isinstance(leg, JointLeg):
+            poses += [(t.pose.R, t.pose.p) for t in leg.targets if t.pose is not None]
+            continue
+        s = np.linspace(0.0, leg.path.length, _SAMPLES)
+        R, p = leg.path.poses(s)
+        mask = leg.path.orientation_mask(s)
+        poses += [(R[k] if mask[k] else None, p[k]) for k in range(len(s))]
+    return [pose_target(p, R if counts else None, freedom=freedom) for R, p in poses]

@@ -12,13 +12,14 @@ from numpy.typing import NDArray
 from ikplan import __version__
 from ikplan.certificate import Claim, certify
 from ikplan.documents import parse
+from ikplan.errors import Disconnected, Unreachable
 from ikplan.ik.arguments import check_start
 from ikplan.ik.solve import PoseSolver, pose_distance, solve_ik
 from ikplan.kinematics.arm import arm_of
 from ikplan.motion_limits import MotionLimits
 from ikplan.path import rotation_of
 from ikplan.path_checks import TimedSpan
-from ikplan.planning import Clock, Route, RouteProblem, lay_route
+from ikplan.planning import Clock, Route, RouteProblem, find_repairs, lay_route
 from ikplan.request import FkRequest, Frame, IkRequest, PlanRequest
 from ikplan.result import FkResult, IkSolution, Plan, Stats, WaypointResults
 from ikplan.robots import Robot, catalogue_robot
@@ -61,18 +62,21 @@ def plan(request: Mapping[str, Any] | PlanRequest, *, robot: Robot | None = None
 
     with clock.stage("ik"):
         arm_limits = joint_limits(robot, limits)
-        route = lay_route(
-            RouteProblem(
-                robot,
-                _pose_solver(robot, request),
-                request.path,
-                request.ik,
-                q_start,
-                start_free,
-                arm_limits,
-                clock,
-            )
+        problem = RouteProblem(
+            robot,
+            _pose_solver(robot, request),
+            request.path,
+            request.ik,
+            q_start,
+            start_free,
+            arm_limits,
+            clock,
         )
+        try:
+            route = lay_route(problem)
+        except (Unreachable, Disconnected) as error:
+            error.repairs = find_repairs(problem, error)
+            raise
     with clock.stage("planning"):
         path = JointPath.through(route.knots, arm_limits, rest_at=route.rest)
     with clock.stage("timing"):

@@ -17,8 +17,9 @@ from ikplan.path.items import Item, Mark
 from ikplan.path.piece import Pose
 from ikplan.path.rotation import quaternion_of
 from ikplan.path.shapes import CubicShape
+from ikplan.path.spline_turning import SplineTurning
 from ikplan.path.steady import line
-from ikplan.path.turning import SplineTurning, SteadyTurning, Turning
+from ikplan.path.turning import SteadyTurning, Turning
 
 __all__ = ["spline_items"]
 
@@ -26,7 +27,7 @@ Array = NDArray[np.float64]
 
 _SAME = 1e-9
 """Positions this near to one another are one place [m]."""
-_OFF_SPHERE = 0.5
+_OFF_SPHERE = 0.7
 """Quaternions farther than this from unit length turn back and forth when they are brought back."""
 
 

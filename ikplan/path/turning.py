@@ -6,13 +6,12 @@ from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.interpolate import CubicSpline
 
 from ikplan.path.arc_length import ArcLength, CurvePoints
 from ikplan.path.piece import dot
-from ikplan.path.rotation import exp, log, right_jacobian, right_jacobian_inverse, rotation_of
+from ikplan.path.rotation import exp, log, right_jacobian, right_jacobian_inverse
 
-__all__ = ["BlendTurning", "HeadingTurning", "SplineTurning", "SteadyTurning", "Turning"]
+__all__ = ["BlendTurning", "HeadingTurning", "SteadyTurning", "Turning"]
 
 Array = NDArray[np.float64]
 
@@ -74,44 +73,6 @@ class HeadingTurning:
         rate = np.cross(points.v, points.bend) @ self._axis
         R = exp(self._heading(points)[:, None] * self._axis) @ self._R0
         return R, rate[:, None] * self._axis
-
-
-class SplineTurning:
-    """Leads the orientation through rotations with continuous angular acceleration.
-
-    The natural cubic spline of the unit quaternions in R^4, each on the side of the one before,
-    brought back to unit length. Left and right multiplication by a unit quaternion are isometries
-    of R^4, so that the curve depends on no frame; neither does it on the direction of travel.
-    (Interpolation in the embedding space: Gawlik and Leok, Found. Comput. Math. 18, 2018.)
-
-    Args:
-        s: Arc lengths of the rotations, shape (k,), k >= 2, increasing [m].
-        quaternions: Unit quaternions (x, y, z, w), shape (k, 4), neighbours less than pi apart.
-
-    Attributes:
-        off_sphere: How far the spline in R^4 gets from unit length: far where a large turn within
-            a short way is next to a long way.
-        worst_span: Where, 0 for the span between the first two rotations.
-    """
-
-    def __init__(self, s: Array, quaternions: Array) -> None:
-        q = quaternions.copy()
-        signs = np.cumprod(np.where(dot(q[1:], q[:-1]) < 0.0, -1.0, 1.0))
-        q[1:] *= signs[:, None]
-        self._spline = CubicSpline(s, q, axis=0, bc_type="natural")
-        between = self._spline(np.linspace(s[:-1], s[1:], 9).ravel())
-        off = np.abs(np.linalg.norm(between, axis=1) - 1.0).reshape(9, -1).max(axis=0)
-        self.worst_span, self.off_sphere = int(np.argmax(off)), float(off.max())
-
-    def evaluate(self, points: CurvePoints) -> tuple[Array, Array]:
-        """See :class:`Turning`."""
-        q, dq = self._spline(points.s), self._spline(points.s, 1)
-        norm = np.linalg.norm(q, axis=1)[:, None]
-        q, dq = q / norm, dq / norm
-        # Angular rate 2 dq q*, of which the part of dq along q adds only to the real part.
-        v, w = q[:, :3], q[:, 3:]
-        rate = 2.0 * (w * dq[:, :3] - dq[:, 3:] * v - np.cross(dq[:, :3], v))
-        return rotation_of(q), rate
 
 
 class BlendTurning:

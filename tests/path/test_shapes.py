@@ -11,7 +11,7 @@ from scipy.spatial.transform import Rotation
 
 from ikplan import InvalidRequest
 from ikplan.path import Pose
-from ikplan.path.rotation import exp
+from ikplan.path.rotation import exp, log
 
 from .requests import START, of_segments, pose, quaternion, random_poses, seeds, through, tool_path
 
@@ -289,15 +289,34 @@ def test_a_half_turn_about_a_free_axis_is_no_question():
     assert not tool_path({**document, "orientation_free": "all"}, origin).any_oriented
 
 
-def test_orientations_that_would_swing_are_refused():
+def test_a_large_turn_on_a_short_way_does_not_swing():
     way = [(0.0, 0.0), (0.3, 0.1), (0.31, 1.1), (0.6, 1.2), (0.9, 1.3)]
-    poses = [pose([x, x * x, 0.0], [0.0, 0.1, turn]) for x, turn in way]
+    path = through([pose([x, x * x, 0.0], [0, 0, a]) for x, a in way], "spline", None)
+    angle = log(path.poses(np.linspace(0.0, path.length, 2001))[0])
+    assert (np.diff(angle[:, 2]) > 0.0).all()
+    assert_allclose(angle[:, :2], 0.0, atol=1e-12)
+    knots = path.waypoint_s[1:-1]
+    assert_allclose(log(path.poses(knots)[0])[:, 2], [0.1, 1.1, 1.2], atol=1e-12)
+    h, d = 1e-9, 1e-6
+    assert_allclose(path.motion(knots - h).w, path.motion(knots + h).w, atol=1e-4)
+    left = (path.motion(knots).w - path.motion(knots - d).w) / d
+    right = (path.motion(knots + d).w - path.motion(knots).w) / d
+    # Angular acceleration is continuous; it changes at a finite rate over 2d.
+    dense = path.motion(np.linspace(0.0, path.length, 20001)).w[:, 2]
+    jerk = np.abs(np.diff(dense, 2)).max() / (path.length / 20000) ** 2
+    assert_allclose(left, right, atol=4.0 * d * jerk)
+
+
+def test_orientations_that_would_swing_all_the_same_are_refused():
+    turns = [[0, 0, 0], [2.5, 0, 0], [0, 2.5, 0], [0, 0, 2.5], [-2.5, 0, 0]]
+    uneven, even = [0.0, 0.3, 0.301, 0.302, 0.9], [0.0, 0.2, 0.4, 0.6, 0.8]
+    poses = [pose([x, x * x, 0.0], turn) for x, turn in zip(uneven, turns, strict=True)]
     with pytest.raises(InvalidRequest, match="swinging") as caught:
         through(poses, "spline", None)
-    assert caught.value.field in {f"path.waypoints[{k}]" for k in (1, 2, 3)}
+    assert caught.value.field in {f"path.waypoints[{k}]" for k in range(1, 5)}
     assert through(poses, "line", None).length > 0.9
-    even = [pose([x, x * x, 0.0], [0.0, 0.1, x]) for x, _ in way]
-    assert through(even, "spline", None).any_oriented
+    poses = [pose([x, x * x, 0.0], turn) for x, turn in zip(even, turns, strict=True)]
+    assert through(poses, "spline", None).any_oriented
 
 
 def test_a_path_of_no_length_is_a_path():

@@ -5,16 +5,23 @@ Drawn on a Figure object, without pyplot's global state; the same plan gives the
 
 from __future__ import annotations
 
-from contextlib import AbstractContextManager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import matplotlib.style
 import numpy as np
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from ikplan.errors import InvalidRequest, RobotNotFound
+from ikplan.errors import RobotNotFound
+from ikplan.figure_style import (
+    COLOURS,
+    IMAGE_SUFFIXES,
+    METADATA,
+    check_image_suffix,
+    colour,
+    line_style,
+    style,
+)
 from ikplan.summary import certificate_rows
 
 if TYPE_CHECKING:
@@ -29,51 +36,6 @@ if TYPE_CHECKING:
 __all__ = ["IMAGE_SUFFIXES", "check_image_suffix", "draw_plan", "plot_plan"]
 
 Array = NDArray[np.float64]
-
-IMAGE_SUFFIXES = (".png", ".svg", ".pdf")
-
-# Okabe and Ito's palette: told apart by every kind of colour vision.
-_COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000", "#8A8A00")
-_STYLE: dict[str, Any] = {
-    "axes.edgecolor": "#888888",
-    "axes.grid": True,
-    "axes.spines.right": False,
-    "axes.spines.top": False,
-    "axes.titlelocation": "left",
-    "axes.titlesize": 10,
-    "axes.titleweight": "bold",
-    "font.size": 9,
-    "grid.color": "#E4E4E4",
-    "grid.linewidth": 0.7,
-    "legend.fontsize": 8,
-    "legend.frameon": False,
-    "lines.linewidth": 1.5,
-    "svg.hashsalt": "ikplan",
-    "xtick.color": "#555555",
-    "ytick.color": "#555555",
-}
-# Whatever would tell the time of day or the version of the library.
-_METADATA: dict[str, dict[str, Any]] = {
-    ".png": {"Software": None},
-    ".svg": {"Date": None, "Creator": None},
-    ".pdf": {"CreationDate": None, "Creator": None, "Producer": None},
-}
-
-
-def check_image_suffix(path: str | Path) -> str:
-    """Return the suffix of an image file.
-
-    Raises:
-        InvalidRequest: No image can be written with that suffix.
-    """
-    suffix = Path(path).suffix.lower()
-    if suffix not in IMAGE_SUFFIXES:
-        raise InvalidRequest(
-            f"cannot draw to {str(path)!r}; name the file with one of {', '.join(IMAGE_SUFFIXES)}",
-            field="plot",
-            allowed=list(IMAGE_SUFFIXES),
-        )
-    return suffix
 
 
 def plot_plan(plan: Plan, path: str | Path, *, robot: Robot | None = None) -> None:
@@ -92,19 +54,14 @@ def plot_plan(plan: Plan, path: str | Path, *, robot: Robot | None = None) -> No
     """
     suffix = check_image_suffix(path)
     figure = draw_plan(plan, robot=robot)
-    with _style():
-        figure.savefig(path, format=suffix[1:], dpi=150, metadata=_METADATA[suffix])
+    with style():
+        figure.savefig(path, format=suffix[1:], dpi=150, metadata=METADATA[suffix])
 
 
 def draw_plan(plan: Plan, *, robot: Robot | None = None) -> Figure:
     """Draw a plan; the arguments are those of :func:`plot_plan`."""
-    with _style():
+    with style():
         return _draw(plan, robot)
-
-
-def _style() -> AbstractContextManager[None]:
-    """Our style for what is drawn inside, whatever the user's own settings are."""
-    return matplotlib.style.context(["default", _STYLE])
 
 
 def _draw(plan: Plan, robot: Robot | None) -> Figure:
@@ -166,14 +123,6 @@ def _headline(plan: Plan) -> str:
     return f"{plan.robot}: {count} waypoint{'s' if count != 1 else ''} in {plan.duration:.3f} s"
 
 
-def _colour(joint: int) -> str:
-    return _COLOURS[joint % len(_COLOURS)]
-
-
-def _line_style(joint: int) -> str:
-    return ("-", "--", ":")[joint // len(_COLOURS) % 3]
-
-
 def _positions(axes: Axes, ranges: Axes, plan: Plan, robot: Robot | None, unit: str) -> None:
     """Positions over time, and beside them, on the same scale, the range of each joint."""
     scale = 180.0 / np.pi if unit == "rad" else 1.0
@@ -184,10 +133,10 @@ def _positions(axes: Axes, ranges: Axes, plan: Plan, robot: Robot | None, unit: 
         axes.plot(
             motion.time,
             scale * motion.q[:, j],
-            color=_colour(j),
-            ls=_line_style(j),
+            color=colour(j),
+            ls=line_style(j),
         )
-        axes.plot(plan.waypoints.time, scale * plan.waypoints.q[:, j], ".", ms=5, color=_colour(j))
+        axes.plot(plan.waypoints.time, scale * plan.waypoints.q[:, j], ".", ms=5, color=colour(j))
     axes.set_title("Joint positions, dots at the waypoints")
     axes.set_ylabel(f"position [{shown}]")
     ranges.set_title("used of limits" if robot is not None else "range used")
@@ -195,8 +144,8 @@ def _positions(axes: Axes, ranges: Axes, plan: Plan, robot: Robot | None, unit: 
         low, high = scale * motion.q[:, j].min(), scale * motion.q[:, j].max()
         if robot is not None and np.isfinite(robot.lower[j]) and np.isfinite(robot.upper[j]):
             limits = [scale * robot.lower[j], scale * robot.upper[j]]
-            ranges.plot([place, place], limits, color=_colour(j), lw=1.0, marker="_", ms=7)
-        ranges.plot([place, place], [low, high], color=_colour(j), lw=5.0, solid_capstyle="butt")
+            ranges.plot([place, place], limits, color=colour(j), lw=1.0, marker="_", ms=7)
+        ranges.plot([place, place], [low, high], color=colour(j), lw=5.0, solid_capstyle="butt")
     _joint_ticks(ranges, plan, joints)
 
 
@@ -206,10 +155,10 @@ def _velocities(axes: Axes, ranges: Axes, plan: Plan, robot: Robot | None) -> No
     limits = robot.velocity_limit if robot is not None else np.ones(len(plan.joint_names))
     ratio = motion.dq / limits
     for j in range(len(plan.joint_names)):
-        axes.plot(motion.time, ratio[:, j], color=_colour(j), ls=_line_style(j))
+        axes.plot(motion.time, ratio[:, j], color=colour(j), ls=line_style(j))
     joints = list(range(len(plan.joint_names)))
     peaks = np.abs(ratio).max(axis=0)
-    ranges.bar(joints, peaks, width=0.6, color=[_colour(j) for j in joints])
+    ranges.bar(joints, peaks, width=0.6, color=[colour(j) for j in joints])
     if robot is not None:
         for each in (axes, ranges):
             for limit in (-1.0, 1.0):
@@ -232,7 +181,7 @@ def _joint_ticks(axes: Axes, plan: Plan, joints: list[int]) -> None:
     axes.set_xlim(-0.7, len(joints) - 0.3)
     axes.grid(visible=False, axis="x")
     for tick, j in zip(axes.get_xticklabels(), joints, strict=True):
-        tick.set_color(_colour(j))
+        tick.set_color(colour(j))
 
 
 def _tool_path(axes: Any, plan: Plan, robot: Robot, *, tip: bool) -> None:
@@ -242,10 +191,10 @@ def _tool_path(axes: Any, plan: Plan, robot: Robot, *, tip: bool) -> None:
         samples = samples[np.linspace(0, len(samples) - 1, 600).astype(int)]
     path = np.array([robot.fk(q).translation for q in samples])
     marks = np.array([robot.fk(q).translation for q in plan.waypoints.q])
-    axes.plot(*path.T, color=_COLOURS[0], lw=1.6, label="path")
-    axes.plot(*marks.T, "o", color=_COLOURS[1], ms=4, label="waypoints")
-    axes.plot(*path[:1].T, "^", color=_COLOURS[2], ms=8, label="start")
-    axes.plot(*path[-1:].T, "s", color=_COLOURS[6], ms=6, label="end")
+    axes.plot(*path.T, color=COLOURS[0], lw=1.6, label="path")
+    axes.plot(*marks.T, "o", color=COLOURS[1], ms=4, label="waypoints")
+    axes.plot(*path[:1].T, "^", color=COLOURS[2], ms=8, label="start")
+    axes.plot(*path[-1:].T, "s", color=COLOURS[6], ms=6, label="end")
     frame = "tip" if tip else "tool"
     axes.set_title(f"Path of the {frame} in the base frame [m]", loc="left")
     axes.set_xlabel("x [m]")

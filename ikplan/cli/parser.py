@@ -143,6 +143,9 @@ def _outputs(parser: argparse.ArgumentParser) -> None:
         ".script)",
     )
     parser.add_argument("--plot", metavar="FILE", help="draw the plan there (.png, .svg, .pdf)")
+    parser.add_argument(
+        "--plot-timing", metavar="FILE", help="draw what it uses of its limits there"
+    )
     parser.add_argument("--server", metavar="URL", help="let the service at that address plan")
 
 

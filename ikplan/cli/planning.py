@@ -10,13 +10,15 @@ from typing import TYPE_CHECKING, Any
 from ikplan.cli.output import say, table
 from ikplan.documents import load_json, parse
 from ikplan.errors import InvalidRequest
+from ikplan.request import PlanRequest
 from ikplan.summary import certificate_rows
 
 if TYPE_CHECKING:
     from ikplan.result import Plan
     from ikplan.robots import Robot
+    from ikplan.timing_request import TimingRequest
 
-__all__ = ["check_outputs", "plan", "report"]
+__all__ = ["check_outputs", "draw", "plan", "report"]
 
 
 def plan(options: argparse.Namespace) -> None:
@@ -25,8 +27,7 @@ def plan(options: argparse.Namespace) -> None:
     document = _read(options.request)
     robot = _robot(options, document)
     made = _by_service(options.server, document) if options.server else _here(document, robot)
-    if options.plot is not None:
-        _plot(made, options.plot, document, robot)
+    draw(made, options, document, PlanRequest, robot)
     report(made, options)
 
 
@@ -36,10 +37,11 @@ def check_outputs(options: argparse.Namespace) -> None:
 
     for output in options.output:
         format_for(output)
-    if options.plot is not None:
-        from ikplan.plotting import check_image_suffix
+    for image in (options.plot, options.plot_timing):
+        if image is not None:
+            from ikplan.figure_style import check_image_suffix
 
-        check_image_suffix(options.plot)
+            check_image_suffix(image)
 
 
 def report(made: Plan, options: argparse.Namespace) -> None:
@@ -59,7 +61,7 @@ def report(made: Plan, options: argparse.Namespace) -> None:
         for wider in made.timing.what_if:
             limit = f"{wider.joint or ''} {wider.limit.replace('_', ' ')}".strip()
             say(f"  {limit} {wider.factor:g} times as wide: {wider.duration:.3f} s")
-    for output in [*options.output, *([options.plot] if options.plot else [])]:
+    for output in [*options.output, *filter(None, [options.plot, options.plot_timing])]:
         say(f"wrote {output}")
 
 
@@ -100,15 +102,26 @@ def _by_service(url: str, document: Any) -> Plan:
         return client.plan(document)
 
 
-def _plot(made: Plan, path: str, document: Any, robot: Robot | None) -> None:
-    """Draw the plan with the tool of its request, which a plan does not tell."""
+def draw(
+    made: Plan,
+    options: argparse.Namespace,
+    document: Any,
+    model: type[PlanRequest] | type[TimingRequest],
+    robot: Robot | None = None,
+) -> None:
+    """Draw a plan with the tool and the limits of its request, which a plan does not tell."""
+    if options.plot is None and options.plot_timing is None:
+        return
     from ikplan.plotting import plot_plan
-    from ikplan.request import PlanRequest
     from ikplan.robots import catalogue_robot, robot_names
+    from ikplan.timing_plot import plot_timing
 
-    tool = parse(PlanRequest, document).tool
+    request = parse(model, document)
     if robot is None and made.robot in robot_names():
         robot = catalogue_robot(made.robot)
     if robot is not None:
-        robot = robot.with_tool(tool.position, tool.quaternion_xyzw)
-    plot_plan(made, path, robot=robot)
+        robot = robot.with_tool(request.tool.position, request.tool.quaternion_xyzw)
+    if options.plot is not None:
+        plot_plan(made, options.plot, robot=robot)
+    if options.plot_timing is not None:
+        plot_timing(made, options.plot_timing, robot=robot, limits=request.limits)

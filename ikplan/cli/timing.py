@@ -9,9 +9,10 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ikplan.cli.planning import check_outputs, report
+from ikplan.cli.planning import check_outputs, draw, report
 from ikplan.documents import load_json
 from ikplan.errors import InvalidRequest
+from ikplan.timing_request import TimingRequest
 
 if TYPE_CHECKING:
     from ikplan.result import Plan
@@ -24,10 +25,7 @@ def time(options: argparse.Namespace) -> None:
     check_outputs(options)
     document = _document(options)
     made = _by_service(options.server, document) if options.server else _here(document)
-    if options.plot is not None:
-        from ikplan.plotting import plot_plan
-
-        plot_plan(made, options.plot)
+    draw(made, options, document, TimingRequest)
     report(made, options)
 
 

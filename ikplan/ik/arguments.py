@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ikplan.documents import MAX_NUMBER
 from ikplan.errors import InvalidRequest
+from ikplan.kinematics.bounds import clip_inside
 from ikplan.kinematics.target import ORIENTATION_WEIGHT, Target, no_freedom, pose_defect
 
 if TYPE_CHECKING:
@@ -77,9 +78,8 @@ def check_start(robot: Robot, start: ArrayLike, field: str = "start") -> Array:
             field=field,
             allowed=f"{robot.dof} numbers",
         )
-    outside = ~((q >= robot.lower - 1e-9) & (q <= robot.upper + 1e-9) & (abs(q) <= MAX_NUMBER))
-    if outside.any():
-        k = int(np.argmax(outside))
+    k = clip_inside(q, robot.lower, robot.upper, 1e-9, MAX_NUMBER)
+    if k >= 0:
         raise InvalidRequest(
             f"{field}[{k}]: joint {robot.joint_names[k]} is at {q[k]:.6g}, outside its limits "
             f"{robot.lower[k]:.6g} to {robot.upper[k]:.6g}",
@@ -89,7 +89,7 @@ def check_start(robot: Robot, start: ArrayLike, field: str = "start") -> Array:
                 min(float(robot.upper[k]), MAX_NUMBER),
             ],
         )
-    return np.clip(q, robot.lower, robot.upper)
+    return q
 
 
 _NO_FREEDOM = no_freedom()

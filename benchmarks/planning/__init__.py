@@ -1,0 +1,1 @@
+"""How well and how fast joint paths are chosen and followed."""

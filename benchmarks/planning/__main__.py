@@ -1,0 +1,58 @@
+"""Print how well paths are planned: ``python -m benchmarks.planning [PART ...] [--share S]``."""
+
+from __future__ import annotations
+
+import os
+
+for _name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "NUMBA_NUM_THREADS"):
+    os.environ.setdefault(_name, "1")
+
+import argparse  # noqa: E402 - the threads are counted when NumPy is imported
+from collections.abc import Callable, Iterator  # noqa: E402
+
+from benchmarks.planning import e9, helices, lines, nearest, scaling  # noqa: E402
+from benchmarks.speed.measure import Figure  # noqa: E402
+
+PARTS: dict[str, tuple[str, Callable[[float], Iterator[Figure]]]] = {
+    "helices": (
+        "five helices of the iiwa: best known length, waypoints exact",
+        lambda share: helices.figures(max(1, round(10 * share))),
+    ),
+    "nearest": (
+        "nearest solution to 500 random poses, from mid-range",
+        lambda share: nearest.figures(max(10, round(500 * share))),
+    ),
+    "lines": (
+        "200 random lines of 200 mm of the UR5",
+        lambda share: lines.figures(max(5, round(200 * share))),
+    ),
+    "free": (
+        "the same lines from any branch",
+        lambda share: lines.free_figures(max(5, round(200 * share))),
+    ),
+    "scaling": ("more and more waypoints", scaling.figures),
+    "e9": (
+        "trajectories of the EOD arm",
+        lambda share: e9.figures(e9.NAMES[: max(1, round(share * len(e9.NAMES)))]),
+    ),
+}
+
+
+def main() -> None:
+    """Print a table for each part."""
+    parser = argparse.ArgumentParser(prog="python -m benchmarks.planning", description=__doc__)
+    parser.add_argument("parts", nargs="*", metavar="PART", help=", ".join(PARTS))
+    parser.add_argument("--share", type=float, default=1.0, help="share of the effort, in (0, 1]")
+    arguments = parser.parse_args()
+    unknown = [name for name in arguments.parts if name not in PARTS]
+    if unknown or not 0.0 < arguments.share <= 1.0:
+        parser.error(f"parts are {', '.join(PARTS)}; share is in (0, 1]")
+    for name in arguments.parts or PARTS:
+        title, figures = PARTS[name]
+        print(f"{name}: {title}", flush=True)
+        for figure in figures(arguments.share):
+            print(figure, flush=True)
+
+
+if __name__ == "__main__":
+    main()

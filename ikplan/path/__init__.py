@@ -4,7 +4,6 @@ from ikplan.path.deviation import path_deviation
 from ikplan.path.legs import JointLeg, JointTarget, Leg, ToolLeg, legs_of
 from ikplan.path.piece import TURN_LENGTH, Motion, Piece, Pose
 from ikplan.path.rotation import rotation_of
-from ikplan.path.targets import targets_of
 from ikplan.path.tool_path import Corner, PathWaypoint, ToolPath
 from ikplan.path.waypoints_csv import read_waypoints_csv
 
@@ -24,5 +23,4 @@ __all__ = [
     "path_deviation",
     "read_waypoints_csv",
     "rotation_of",
-    "targets_of",
 ]

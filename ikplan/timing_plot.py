@@ -123,7 +123,7 @@ def _joints(panels: Any, plan: Plan, robot: Robot, limits: MotionLimits) -> None
         )
         title = "Torques (size) over their limits"
         if limits.torque is None:
-            title += ", which were not asked to be kept"
+            title += " (not asked for)"
         _ratios(panels[1, 1], plan, tau, title, lowest=0.0)
         return
     panels[1, 1].set_title("Torques")

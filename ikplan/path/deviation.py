@@ -17,6 +17,8 @@ Index = NDArray[np.int64]
 _BATCH = 2048
 _SPACINGS = 4
 """Stations in half a window."""
+_TIE = 1e-12
+"""Weight of the square of the way from the hint, where all else is equal."""
 
 
 def path_deviation(
@@ -42,7 +44,8 @@ def path_deviation(
         s_hint: Path length that each pose is about at, shape (m,) [m].
         window: How far from the hint to look on either side [m].
         rotation_weight: What a radian weighs against a metre [m/rad]; the ratio of the position
-            and the orientation tolerance is a good choice. 0: the nearest point.
+            and the orientation tolerance is a good choice. 0: the nearest point; on a turn on the
+            spot, the pose nearest to the hint.
 
     Returns:
         Distance, shape (m,) [m]; angle, shape (m,) [rad], 0 where the orientation is free; and
@@ -52,7 +55,7 @@ def path_deviation(
     hints = np.clip(np.asarray(s_hint, dtype=np.float64), 0.0, tool_path.length)
     batches = [slice(k, k + _BATCH) for k in range(0, len(p), _BATCH)]
     found = [
-        _Search(tool_path, p[b], R[b], rotation_weight).nearest(hints[b], window) for b in batches
+        _Search(tool_path, p[b], R[b], hints[b], rotation_weight).nearest(window) for b in batches
     ]
     if not found:
         return np.zeros(0), np.zeros(0), np.zeros(0)
@@ -63,14 +66,14 @@ def path_deviation(
 class _Search:
     """The search for one batch of poses."""
 
-    def __init__(self, path: ToolPath, p: Array, R: Array, weight: float) -> None:
-        self._path, self._p, self._R = path, p, R
+    def __init__(self, path: ToolPath, p: Array, R: Array, hints: Array, weight: float) -> None:
+        self._path, self._p, self._R, self._hints = path, p, R, hints
         self._weight = weight if path.any_oriented else 0.0
         self._oriented = np.array([piece.oriented for piece in path.pieces])
         self._turns = np.array([piece.turns for piece in path.pieces])
 
-    def nearest(self, hints: Array, window: float) -> tuple[Array, Array, Array]:
-        begins, count = self._path.begins, len(hints)
+    def nearest(self, window: float) -> tuple[Array, Array, Array]:
+        hints, begins, count = self._hints, self._path.begins, len(self._p)
         low, high = hints - window, hints + window
         last = len(begins) - 2
         first_piece = np.clip(np.searchsorted(begins, low, "right") - 1, 0, last)
@@ -81,7 +84,7 @@ class _Search:
         # At the end of a turn on the spot a span begins that leaves the orientation free: not that
         # the last of the turn be held to it.
         turning = self._turns[self._path.piece_at(hints)]
-        counts = ~turning[pose] | self._oriented[piece]
+        counts = ~turning[pose] | (self._oriented if self._weight > 0.0 else self._turns)[piece]
         pose, piece = pose[counts], piece[counts]
         lower = np.clip(low[pose] - begins[piece], 0.0, None)
         upper = np.minimum(high[pose], begins[piece + 1]) - begins[piece]
@@ -127,7 +130,13 @@ class _Search:
         square = self._weight**2
         value = dot(offset, offset) + square * dot(turn, turn)
         downhill = dot(offset, v) + square * dot(turn, w)
-        return value, downhill, dot(v, v) + square * dot(w, w)
+        rate = dot(v, v) + square * dot(w, w)
+        if self._weight == 0.0:
+            # A turn on the spot is all one point: the hint tells which of its poses is meant.
+            off = self._path.begins[piece] + s - self._hints[pose]
+            tie = np.where(self._turns[piece], _TIE, 0.0)
+            value, downhill, rate = value + tie * off * off, downhill - tie * off, rate + tie
+        return value, downhill, rate
 
     def _descend(
         self, pose: Index, piece: Index, a: Array, s: Array, b: Array

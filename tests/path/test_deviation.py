@@ -105,6 +105,17 @@ def test_a_turn_on_the_spot_is_measured_by_its_orientation():
     assert_allclose(at, s, atol=1e-3)
 
 
+def test_a_turn_on_the_spot_is_measured_at_its_hint_if_rotation_has_no_weight():
+    poses = [pose([0.1, 0, 0], [0, 0, 0]), pose([0.1, 0, 0], [0, 0, 1.0]), pose([0.1, 0.1, 0])]
+    path = through(poses, "line", Pose(np.eye(3), np.zeros(3)))
+    s = np.linspace(0.0, path.length, 101)
+    R, p = path.poses(s)
+    distance, angle, at = path_deviation(path, p, R, s, rotation_weight=0.0)
+    assert distance.max() < 1e-12
+    assert angle.max() < 1e-9
+    assert_allclose(at, s, atol=1e-9)
+
+
 def test_no_rotation_is_measured_where_none_is_asked_for():
     path = through(random_poses(1, 5, oriented=False), "spline")
     s = np.linspace(0.0, path.length, 50)

@@ -12,6 +12,7 @@ from ikplan.ik.solve import PoseSolver
 from ikplan.ik.verdict import explain_miss
 from ikplan.kinematics.arm import arm_of
 from ikplan.kinematics.target import pose_target
+from ikplan.path_checks import TimedSpan, follow_checks
 from ikplan.planning import Clock, RouteProblem, lay_route
 from ikplan.request import IkOptions, PathRequest, Waypoint
 from ikplan.robots import load_robot
@@ -50,6 +51,7 @@ def warm_up(method: str = "ik-ba") -> None:
         ("joint", "greedy"),
         ("joint", "global"),
         ("line", "global"),
+        ("spline", "global"),
     ]
     for interpolation, elongation in kinds:
         path = PathRequest(waypoints=waypoints, interpolation=interpolation)
@@ -59,7 +61,12 @@ def warm_up(method: str = "ik-ba") -> None:
         )
         route = lay_route(problem)
         joint_path = JointPath.through(route.knots, limits, rest_at=route.rest)
-        sample(time_joint_path(joint_path, limits), 250.0)
+        timed = time_joint_path(joint_path, limits)
+        spans = [
+            TimedSpan(x.path, timed.times[x.first : x.first + len(x.s)], x.s) for x in route.spans
+        ]
+        samples = sample(timed, 250.0)
+        follow_checks(robot, path, spans, samples.time, samples.q)
     # The verdict on a target out of reach has kernels of its own.
     far = pose_target(pose.translation + np.array([9.0, 0.0, 0.0]), pose.rotation)
     explain_miss(arm, far, q_start, q_start, restarts=0)

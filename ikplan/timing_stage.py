@@ -34,7 +34,7 @@ __all__ = ["Timing", "joint_limits", "time_motion", "warm_up_timing"]
 
 # How many of the limits that bind are asked what they cost, and how much of the time they must.
 _ASKED = 3
-_ASKED_OF_JERK = 1  # a jerk-limited motion takes much longer to time again
+_ASKED_OF_SLOW = 1  # where timing again takes long: limits of jerks, torques and the tool
 _LEAST_SHARE = 0.05
 _WIDER = 1.1
 
@@ -126,9 +126,9 @@ def _constraints(robot: Robot, limits: MotionLimits) -> Sequence[PathConstraint]
 def _report(timed: TimedPath) -> TimingReport:
     found = binding(timed)
     shares = found.summary()
-    asked = [s for s in shares if s.share >= _LEAST_SHARE][
-        : _ASKED_OF_JERK if timed.jerk_limited else _ASKED
-    ]
+    slow = timed.jerk_limited or any(span.problem.constraints for span in timed.spans)
+    most = _ASKED_OF_SLOW if slow else _ASKED
+    asked = [s for s in shares if s.share >= _LEAST_SHARE][:most]
     wider = [what_if(timed, s.limit, s.joint, _WIDER) for s in asked]
     return TimingReport(
         duration=timed.duration,

@@ -154,14 +154,15 @@ def _add_turns(chain: Chain, row: Array, count: int, lower: Array, upper: Array)
         return count
     own = count
     turn = 2.0 * math.pi
+    q = np.empty(row.shape[1])
     for d in range(row.shape[1]):
         if chain.prismatic[d] or upper[d] - lower[d] < turn:
             continue
         for i in range(own):
             for side in range(2):
                 value = row[i, d] + (turn if side == 0 else -turn)
-                if count < row.shape[0] and lower[d] <= value <= upper[d]:
-                    row[count] = row[i]
-                    row[count, d] = value
-                    count += 1
+                if lower[d] <= value <= upper[d]:
+                    q[:] = row[i]
+                    q[d] = value
+                    count = _keep(q, 1e-4, row, count)
     return count

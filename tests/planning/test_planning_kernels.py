@@ -1,0 +1,168 @@
+"""The kernels of the choice along the path, against SciPy, Pinocchio and brute force."""
+
+from __future__ import annotations
+
+import itertools
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.linalg import null_space, solveh_banded
+
+from ikplan.kinematics.arm import arm_of
+from ikplan.kinematics.target import no_freedom, pose_target
+from ikplan.planning.candidates import Candidates, grow_candidates
+from ikplan.planning.ladder import distinct_paths
+from ikplan.planning.least_motion import stack_targets
+from ikplan.planning.polish import motion_length, polish, solve_banded, tangent_basis
+from ikplan.robots import load_robot
+
+seeds = st.integers(0, 2**32 - 1)
+
+
+@settings(deadline=None)
+@given(seed=seeds, dof=st.integers(2, 9), rank=st.integers(0, 6), fixed=st.integers(0, 3))
+def test_the_tangent_basis_is_an_orthonormal_basis_of_the_null_space(seed, dof, rank, fixed):
+    rng = np.random.default_rng(seed)
+    rank = min(rank, dof)
+    J = rng.normal(size=(6, rank)) @ rng.normal(size=(rank, dof))
+    held = np.zeros(dof, dtype=bool)
+    held[rng.permutation(dof)[:fixed]] = True
+    basis = np.zeros((dof, dof))
+    count = tangent_basis(np.ascontiguousarray(J.T), held, basis)
+    B = basis[:count]
+    np.testing.assert_allclose(B @ B.T, np.eye(count), atol=1e-12)
+    np.testing.assert_allclose(J @ B.T, 0.0, atol=1e-6 * max(1.0, np.abs(J).max()))
+    assert np.abs(B[:, held]).max(initial=0.0) < 1e-12
+    assert count == null_space(np.vstack([J, np.eye(dof)[held]]), rcond=1e-9).shape[1]
+
+
+@settings(deadline=None)
+@given(seed=seeds, size=st.integers(1, 30), width=st.integers(0, 6))
+def test_a_band_matrix_is_solved_as_by_scipy(seed, size, width):
+    rng = np.random.default_rng(seed)
+    width = min(width, size - 1)
+    full = np.zeros((size, size))
+    for i, j in itertools.product(range(size), repeat=2):
+        if 0 < i - j <= width:
+            full[i, j] = full[j, i] = rng.normal()
+    full += np.diag(np.abs(full).sum(axis=1) + rng.uniform(0.1, 1.0, size))
+    A, upper = np.zeros((size, width + 1)), np.zeros((width + 1, size))
+    for i in range(size):
+        for j in range(max(0, i - width), i + 1):
+            A[i, width - (i - j)] = full[i, j]
+            upper[width - (i - j), i] = full[i, j]
+    b = rng.normal(size=size)
+    want = solveh_banded(upper, b)
+    assert solve_banded(A, b, size, width)
+    np.testing.assert_allclose(b, want, rtol=1e-9, atol=1e-12)
+
+
+def test_a_matrix_that_is_not_positive_definite_is_told() -> None:
+    assert not solve_banded(np.array([[0.0, 1.0], [2.0, 1.0]]), np.ones(2), 2, 1)
+
+
+@settings(deadline=None)
+@given(seed=seeds, free=st.booleans())
+def test_the_ladder_finds_the_shortest_path_of_all(seed, free):
+    rng = np.random.default_rng(seed)
+    counts = rng.integers(1, 5, size=4)
+    q = rng.normal(size=(4, 4, 3))
+    start = rng.normal(size=3)
+    candidates = Candidates(q, counts, np.zeros(1, dtype=np.int64))
+    paths = distinct_paths(candidates, start, free, 5, 1e-9, 10.0)
+    lengths = sorted(
+        motion_length(np.array([q[k, i] for k, i in enumerate(rows)]), start, free)
+        for rows in itertools.product(*map(range, counts))
+    )
+    found = [motion_length(path, start, free) for path in paths]
+    assert found[0] == pytest.approx(lengths[0], rel=1e-12)
+    assert (np.diff(found) >= -1e-12).all()
+    for a, b in itertools.combinations(paths, 2):
+        assert np.abs(a - b).max() >= 1e-9
+
+
+def along(name, count, seed, step=0.25):
+    """Targets that the robot passes, and where it starts."""
+    robot = load_robot(name)
+    rng = np.random.default_rng(seed)
+    q, targets = np.array(robot.home), []
+    for _ in range(count):
+        q = robot.clip(q + step * rng.uniform(-1, 1, robot.dof))
+        T = robot.fk(q)
+        targets.append(pose_target(T.translation, T.rotation))
+    return robot, targets
+
+
+def grown(robot, targets, first=64):
+    arm = arm_of(robot)
+    lower, upper = arm.search_bounds(np.array(robot.home))
+    no_seeds = np.empty((len(targets), 0, arm.dof))
+    home = np.array(robot.home)
+    stacked = stack_targets(targets)
+    found = grow_candidates(
+        arm.chain, stacked, no_seeds, home, lower, upper, 40, first, 4, 0.5, 1e-9
+    )
+    return found, stacked, lower, upper, home
+
+
+@pytest.mark.parametrize("name", ["iiwa14", "ur5", "tiago", "dobot_magician"])
+def test_candidates_are_different_solutions_within_limits(name: str) -> None:
+    robot, targets = along(name, 4, 7)
+    found, _, lower, upper, _ = grown(robot, targets)
+    for k, target in enumerate(targets):
+        rows = found.q[k, : found.counts[k]]
+        assert len(rows) >= 1
+        for q in rows:
+            T = robot.fk(q)
+            np.testing.assert_allclose(T.translation, target.p, atol=1e-8)
+            np.testing.assert_allclose(T.rotation, target.R, atol=1e-8)
+            assert ((lower <= q) & (q <= upper)).all()
+        for a, b in itertools.combinations(rows, 2):
+            assert np.abs(a - b).max() >= 1e-4
+
+
+def test_the_branches_of_the_ur5_are_all_found() -> None:
+    robot, targets = along("ur5", 1, 11, step=0.6)
+    found, *_ = grown(robot, targets, first=300)
+    turns = np.round(np.mod(found.q[0, : found.counts[0]] + 1e-6, 2.0 * np.pi), 4)
+    assert len({tuple(row) for row in turns}) == 8  # shoulder, elbow, wrist
+
+
+@pytest.mark.parametrize("start_free", [False, True])
+@pytest.mark.parametrize(("name", "seed"), [("iiwa14", 1), ("panda", 2), ("xarm7", 3)])
+def test_the_polish_shortens_to_a_stationary_point(name: str, seed: int, start_free: bool) -> None:
+    robot, targets = along(name, 6, seed)
+    found, stacked, lower, upper, home = grown(robot, targets)
+    q = distinct_paths(found, home, start_free, 1, 0.6, 0.1)[0]
+    before = motion_length(q, home, start_free)
+    length, _ = polish(arm_of(robot).chain, stacked, q, home, start_free, lower, upper, 200, 1e-12)
+    assert length <= before
+    assert length == pytest.approx(motion_length(q, home, start_free), rel=1e-12)
+    for k, target in enumerate(targets):
+        T = robot.fk(q[k])
+        np.testing.assert_allclose(T.translation, target.p, atol=1e-8)
+        np.testing.assert_allclose(T.rotation, target.R, atol=1e-8)
+        assert ((lower <= q[k]) & (q[k] <= upper)).all()
+    # No way of sliding a waypoint within the limits shortens the motion to first order.
+    path = np.vstack([q[:1] if start_free else home[None], q])
+    for k in range(len(q)):
+        gradient = np.zeros(robot.dof)
+        for other in (path[k], path[k + 2] if k + 2 < len(path) else q[k]):
+            apart = q[k] - other
+            if np.linalg.norm(apart) > 1e-6:
+                gradient += apart / np.linalg.norm(apart)
+        held = ((q[k] <= lower + 1e-9) & (gradient > 0)) | ((q[k] >= upper - 1e-9) & (gradient < 0))
+        motions = null_space(np.vstack([robot.jacobian(q[k]), np.eye(robot.dof)[held]]))
+        assert np.linalg.norm(motions.T @ gradient) < 1e-3
+
+
+def test_the_polish_leaves_the_only_solution_alone() -> None:
+    robot, targets = along("ur5", 3, 5)
+    found, stacked, lower, upper, home = grown(robot, targets)
+    q = distinct_paths(found, home, False, 1, 0.6, 0.1)[0]
+    before = q.copy()
+    polish(arm_of(robot).chain, stacked, q, home, False, lower, upper, 50, 1e-9)
+    np.testing.assert_array_equal(q, before)
+    assert stacked.freedom.axis == no_freedom().axis

@@ -26,7 +26,7 @@ from typing import Any, ParamSpec, TypeVar, cast
 import numba
 from numba.core import caching
 
-__all__ = ["cache_folder", "kernel"]
+__all__ = ["cache_folder", "kernel", "leaf_kernel"]
 
 P = ParamSpec("P")
 R = TypeVar("R")
@@ -188,7 +188,28 @@ def kernel(function: Callable[P, R]) -> Callable[P, R]:
     Returns:
         The compiled function.
     """
-    dispatcher = numba.njit(nogil=True, error_model="numpy")(function)
+    return _compiled(function, counting=True)
+
+
+def leaf_kernel(function: Callable[P, R]) -> Callable[P, R]:
+    """Compile ``function`` like :func:`kernel`, without counting references to arrays.
+
+    In a kernel of a microsecond that takes arrays out of named tuples, the counting costs as much
+    as the work. numba refuses to compile such a function if it makes an array, also for the
+    copy of an array into another (``a[:] = b``).
+
+    Args:
+        function: A function that makes no array and returns scalars.
+
+    Returns:
+        The compiled function.
+    """
+    return _compiled(function, counting=False)
+
+
+def _compiled(function: Callable[P, R], *, counting: bool) -> Callable[P, R]:
+    # Said explicitly, since a kernel compiled on behalf of a leaf would inherit its option.
+    dispatcher = numba.njit(nogil=True, error_model="numpy", _nrt=counting)(function)
     if os.environ.get("NUMBA_DISABLE_JIT", "0") in ("", "0"):
         dispatcher._cache = _KernelCache(function)
     return cast("Callable[P, R]", dispatcher)

@@ -254,7 +254,7 @@ def absolute_imports(file: Path) -> set[str]:
     return found
 
 
-KERNEL_FILES = [f for f in sorted(SOURCE.rglob("*.py")) if "\n@kernel\n" in f.read_text()]
+KERNEL_FILES = [f for f in sorted(SOURCE.rglob("*.py")) if "kernel\ndef " in f.read_text()]
 
 
 @pytest.mark.parametrize("file", KERNEL_FILES, ids=lambda f: str(f.relative_to(SOURCE)))
@@ -289,3 +289,59 @@ def test_a_digest_changes_with_the_content_of_what_is_imported(
     other.write(factor=2.5)
     assert first.digest() == same.digest()
     assert first.digest() != other.digest()
+
+
+LEAF = """
+import numpy as np
+
+from ikplan._jit import kernel, leaf_kernel
+
+
+@kernel
+def total_of_copy(a):
+    return a.copy().sum()
+
+
+@leaf_kernel
+def total(a):
+    s = 0.0
+    for i in range(a.shape[0]):
+        s += a[i]
+    return s + total_of_copy(a)
+
+
+@leaf_kernel
+def makes_an_array(a):
+    return np.empty(3)[0]
+
+
+@leaf_kernel
+def copies_an_array(a):
+    a[:] = a
+    return 0.0
+"""
+LEAF_SCRIPT = """
+import json
+import numpy as np
+from numba.core.errors import NumbaError
+from ikplan import leaves
+
+a = np.arange(4.0)
+refused = []
+for name in ("makes_an_array", "copies_an_array"):
+    try:
+        getattr(leaves, name)(a)
+    except NumbaError:
+        refused.append(name)
+print(json.dumps({"total": leaves.total(a), "refused": refused}))
+"""
+
+
+def test_a_leaf_kernel_that_makes_an_array_is_refused_and_one_that_calls_such_is_not(
+    tmp_path: Path, forge: Forge
+) -> None:
+    package = Package(tmp_path, forge)
+    (package.root / "ikplan" / "leaves.py").write_text(LEAF)
+    for _ in range(2):  # compiled, and from the cache
+        answer, _ = forge.run(LEAF_SCRIPT, package.root, package.cache)
+        assert answer == {"total": 12.0, "refused": ["makes_an_array", "copies_an_array"]}

@@ -7,7 +7,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from ikplan._jit import kernel
+from ikplan._jit import kernel, leaf_kernel
 from ikplan.ik.workspace import Workspace
 from ikplan.kinematics.target import Target
 
@@ -16,7 +16,7 @@ __all__ = ["box_error", "free_rows", "lean_error"]
 Array = NDArray[np.float64]
 
 
-@kernel
+@leaf_kernel
 def lean_error(target: Target, e: Array, w: Workspace) -> float:
     """Write the rotation that brings the free axis into its cone to ``e[3:]``.
 

@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ikplan._jit import kernel
+from ikplan._jit import kernel, leaf_kernel
 from ikplan.kinematics.chain import Chain
 from ikplan.kinematics.forward import Frame, moved, placed
 from ikplan.kinematics.wrist import SphericalWrist, nearest_wrist
@@ -77,7 +77,7 @@ class Objective(NamedTuple):
     wrist: Array
 
 
-@kernel
+@leaf_kernel
 def _tool_frame(objective: Objective, x: Array) -> Frame:
     """Return the end of the chain searched over."""
     T, joints = objective.placements, objective.joints
@@ -94,7 +94,7 @@ def _tool_frame(objective: Objective, x: Array) -> Frame:
     return placed(T, n, frame)
 
 
-@kernel
+@leaf_kernel
 def _test_function(kind: int, x: Array) -> float:
     """Return the value of a test function."""
     total = 0.0
@@ -129,7 +129,7 @@ def _wrist_inside(objective: Objective, frame: Frame) -> bool:
     return nearest_wrist(wrist, R_arm, R_target, w[33:36], np.empty(3))
 
 
-@kernel
+@leaf_kernel
 def evaluate(objective: Objective, x: Array) -> float:
     """Return the objective's value of one candidate.
 

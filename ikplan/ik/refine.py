@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ikplan._jit import kernel
+from ikplan._jit import kernel, leaf_kernel
 from ikplan.ik.freedom import box_error, free_rows, lean_error
 from ikplan.ik.workspace import Workspace, new_workspace
 from ikplan.kinematics.chain import Chain
@@ -47,7 +47,7 @@ class Effort(NamedTuple):
     patience: int
 
 
-@kernel
+@leaf_kernel
 def residual(
     chain: Chain, target: Target, q: Array, e: Array, w: Workspace
 ) -> tuple[float, float, float]:
@@ -70,7 +70,7 @@ def residual(
     return distance, angle, 0.5 * (distance * distance + weight * weight * angle * angle)
 
 
-@kernel
+@leaf_kernel
 def differentiate(chain: Chain, target: Target, w: Workspace) -> None:
     """Write the transposed Jacobian of the weighted error at the last :func:`residual`."""
     jacobian_into(chain, w.R, w.p, w.z, w.o, w.Jt)
@@ -94,7 +94,7 @@ def target_error(chain: Chain, target: Target, q: Array) -> tuple[float, float]:
 # rows are zero, and the damping keeps the matrix regular.
 
 
-@kernel
+@leaf_kernel
 def normal_matrix(w: Workspace) -> None:
     """Write A = J J^T over the free joints, lower triangle."""
     A, Jt, free = w.A, w.Jt, w.free
@@ -109,7 +109,7 @@ def normal_matrix(w: Workspace) -> None:
                     A[i, k] += a * Jt[j, k]
 
 
-@kernel
+@leaf_kernel
 def solve_rows(damping: float, w: Workspace) -> None:
     """Write y = (A + damping I)^-1 y, by Cholesky."""
     A, L, y = w.A, w.L, w.y
@@ -135,7 +135,7 @@ def solve_rows(damping: float, w: Workspace) -> None:
         y[i] = total * L[i, i]
 
 
-@kernel
+@leaf_kernel
 def _damped_step(q: Array, lower: Array, upper: Array, damping: float, w: Workspace) -> None:
     """Write the damped least-squares step to ``w.dq``; joints it would push out of limits rest."""
     Jt, y, dq, free = w.Jt, w.y, w.dq, w.free
@@ -161,7 +161,7 @@ def _damped_step(q: Array, lower: Array, upper: Array, damping: float, w: Worksp
             return
 
 
-@kernel
+@leaf_kernel
 def refine(
     chain: Chain,
     target: Target,
@@ -207,8 +207,10 @@ def refine(
         evaluations += 1
         if new_error < error:
             gain = new_error / error
-            q[:] = w.trial
-            w.e[:] = w.e_trial
+            for j in range(q.shape[0]):
+                q[j] = w.trial[j]
+            for i in range(6):
+                w.e[i] = w.e_trial[i]
             distance, angle, error = new_distance, new_angle, new_error
             rejected = 0
             if gain > 0.9 and error < 1e-20:

@@ -12,7 +12,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from ikplan._jit import kernel
+from ikplan._jit import kernel, leaf_kernel
 from ikplan.ik.refine import (
     Effort,
     Workspace,
@@ -36,7 +36,7 @@ _AT_LIMIT = 1e-6
 """Nearer to a limit than this, a joint that is pushed out rests on it [rad or m]."""
 
 
-@kernel
+@leaf_kernel
 def _pull(q: Array, q_start: Array, lower: Array, upper: Array, w: Workspace) -> float:
     """Write to ``w.dq`` the way to the start that leaves the target alone; return its length.
 
@@ -76,7 +76,7 @@ def _pull(q: Array, q_start: Array, lower: Array, upper: Array, w: Workspace) ->
     return math.sqrt(length)
 
 
-@kernel
+@leaf_kernel
 def _step(q: Array, q_start: Array, lower: Array, upper: Array, scale: float, w: Workspace) -> None:
     """Scale ``w.dq``; a joint it would take past a limit stops there, and the others make up."""
     Jt, y, dq, free = w.Jt, w.y, w.dq, w.free

@@ -7,7 +7,7 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -38,8 +38,7 @@ _SLIDES = 8
 """Solutions that are slid along their self-motion."""
 
 
-@dataclass(frozen=True)
-class Solved:
+class Solved(NamedTuple):
     """Solutions of one target, nearest to the start first.
 
     Attributes:

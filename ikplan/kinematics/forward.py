@@ -11,7 +11,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from ikplan._jit import kernel
+from ikplan._jit import kernel, leaf_kernel
 from ikplan.kinematics.chain import Chain
 
 __all__ = [
@@ -33,7 +33,7 @@ Frame = tuple[float, float, float, float, float, float, float, float, float, flo
 """Columns x, y and z of a frame's rotation, and its origin [m], in the base."""
 
 
-@kernel
+@leaf_kernel
 def placed(T: Array, i: int, frame: Frame) -> Frame:
     """Return the frame moved by the constant placement i."""
     x0, x1, x2, y0, y1, y2, z0, z1, z2, p0, p1, p2 = frame
@@ -49,7 +49,7 @@ def placed(T: Array, i: int, frame: Frame) -> Frame:
     return u0, u1, u2, v0, v1, v2, z0, z1, z2, p0, p1, p2
 
 
-@kernel
+@leaf_kernel
 def moved(frame: Frame, value: float, slides: bool) -> Frame:
     """Return the frame turned about its z axis by ``value``, or slid along it."""
     x0, x1, x2, y0, y1, y2, z0, z1, z2, p0, p1, p2 = frame
@@ -64,7 +64,7 @@ def moved(frame: Frame, value: float, slides: bool) -> Frame:
     return u0, u1, u2, v0, v1, v2, z0, z1, z2, p0, p1, p2
 
 
-@kernel
+@leaf_kernel
 def forward_into(chain: Chain, q: Array, R: Array, p: Array, z: Array, o: Array) -> None:
     """Write the tool pose and every joint's axis and origin.
 
@@ -98,7 +98,7 @@ def forward_into(chain: Chain, q: Array, R: Array, p: Array, z: Array, o: Array)
     p[0], p[1], p[2] = frame[9], frame[10], frame[11]
 
 
-@kernel
+@leaf_kernel
 def jacobian_into(chain: Chain, R: Array, p: Array, z: Array, o: Array, Jt: Array) -> None:
     """Write the transposed tool-frame Jacobian from what :func:`forward_into` left.
 
@@ -188,7 +188,7 @@ def jacobian(chain: Chain, q: Array) -> Array:
     return Jt.T.copy()
 
 
-@kernel
+@leaf_kernel
 def rotation_log(R: Array, out: Array) -> float:
     """Write the rotation vector of a rotation matrix; return its angle.
 
@@ -226,7 +226,7 @@ def rotation_log(R: Array, out: Array) -> float:
     return angle
 
 
-@kernel
+@leaf_kernel
 def pose_error(
     R: Array, p: Array, R_target: Array, p_target: Array, E: Array, e: Array, turn: Array
 ) -> tuple[float, float]:

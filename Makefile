@@ -4,7 +4,7 @@ VENV   := .venv
 BIN    := $(VENV)/bin
 STAMP  := $(VENV)/.ready
 
-.PHONY: help setup demo test check ci serve bench clean
+.PHONY: help setup demo test check ci serve bench papers clean
 help:            ## list the targets
 	@grep -E '^[a-z]+: .*##|^[a-z]+:  *##' $(MAKEFILE_LIST) | sed 's/:.*##/\t/'
 
@@ -32,6 +32,9 @@ serve: $(STAMP)  ## start the service on 127.0.0.1:8000
 
 bench: $(STAMP)  ## print the speed ratios
 	$(BIN)/python -m benchmarks.speed
+
+papers: $(STAMP) ## run a reduced version of the papers' experiments into out/papers
+	$(BIN)/python -m benchmarks.papers --runs 3 --thin 10 --jobs 2
 
 clean:           ## remove the environment and every output
 	rm -rf $(VENV) out build dist

@@ -114,6 +114,25 @@ def _overview(study: Study, results: Results, document: Document) -> None:
     )
 
 
+def _misses(study: Study, results: Results, document: Document) -> None:
+    """Why the mean of IK-BA is what it is: solves that end at a joint limit."""
+    case = study.case
+    lower, upper = case.arm.lower[: case.width], case.arm.upper[: case.width]
+    for series in (IK_BA, CALIBRATED):
+        table = results.tables[case.name, series.name]
+        error = 100.0 * table["eps_p"]
+        x = table.q[:, : case.width]
+        at_limit = ((x <= lower + 1e-6) | (x >= upper - 1e-6)).any(axis=1)
+        missed = error > MISS
+        runs = np.array([bool((run > MISS).any()) for run in 100.0 * table.grid("eps_p")])
+        document.say(
+            f"{series.name}: {int(missed.sum())} of {len(error)} solves miss by more than {MISS} "
+            f"cm, in {int(runs.sum())} of {len(runs)} runs; {int((missed & at_limit).sum())} of "
+            "them have a searched joint at its limit. The other solves have a mean error of "
+            f"{error[~missed].mean():.4g} cm."
+        )
+
+
 def _beside_published(study: Study, results: Results, document: Document) -> None:
     """Table 3: per run (the mean over 20 points), published beside ours, and per point."""
     case = study.case
@@ -236,7 +255,8 @@ def _figures(study: Study, results: Results, document: Document) -> None:
     figure, axes = new_figure(11.0, 3.2, 3)
     for ax, name in zip(axes, (IK_BA.name, "DE", WHOLE.name), strict=True):
         q = np.degrees(results.tables[case.name, name].q[:20])
-        curves(ax, {f"q{k + 1}": q[:, k] for k in range(7)}, "point", f"{name} [deg]", first=1)
+        lines = {f"q{k + 1}": q[:, k] for k in range(7)}
+        curves(ax, lines, "point", f"{name} [deg]", first=1, legend=ax is axes[0])
     document.figure(figure, f"{case.name}-joints", f"{case.name}: joints, first run (Figure 9)")
     panels = []
     for name in (IK_BA.name, "BA", WHOLE.name):
@@ -267,10 +287,12 @@ def report(studies: list[Study], results: Results, document: Document) -> None:
         _overview(study, results, document)
         if case.name in ("E1a", "E1b"):
             _ranking(study, results, document)
-        if case.name == "E1b":
+        if case.name in ("E1a", "E1b"):
+            _misses(study, results, document)
             _beside_published(study, results, document)
             if results.runs >= 3:
                 _analysis(study, results, document)
+        if case.name == "E1b":
             _figures(study, results, document)
 
 

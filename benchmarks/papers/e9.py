@@ -21,7 +21,7 @@ __all__ = ["EXPERIMENT"]
 
 N, T = 60, 100
 NAMES = ("1", "2", "3", "4")
-PAPER = [replace(s, max_runs=10) for s in li_series(N, T)]
+PAPER = [replace(s, max_runs=5) for s in li_series(N, T)]
 WARM = [
     replace(
         s,
@@ -29,12 +29,12 @@ WARM = [
         params={**s.params, "warm": "individual"},
         tracks=True,
         paper=False,
-        max_runs=3,
+        max_runs=2,
     )
     for s in PAPER
 ]
 OWN = Series("ikplan, greedy", PLANNER, params={"elongation": "tracking"}, paper=False, max_runs=1)
-SIDE = [replace(s, max_runs=3) for s in PAPER if s.name in ("BODE-CS", "DE/best/1", "CS")]
+SIDE = [replace(s, max_runs=2) for s in PAPER if s.name in ("BODE-CS", "DE/best/1", "CS")]
 
 
 def studies(thin: int) -> list[Study]:
@@ -137,8 +137,8 @@ def _figures(main: list[Study], results: Results, document: Document) -> None:
 def report(studies: list[Study], results: Results, document: Document) -> None:
     """Write the section."""
     document.say(
-        "200 points each, N = 60, T = 100, cold start at each point, at most 10 runs; `warm`: at "
-        "most 3 runs, individual 0 is the solution of the point before. Eq. 47 is no rotation (its "
+        "200 points each, N = 60, T = 100, cold start at each point, at most 5 runs; `warm`: at "
+        "most 2 runs, individual 0 is the solution of the point before. Eq. 47 is no rotation (its "
         "determinant is 0.134): pattern A of its possible repairs is used, and not one repair "
         "makes all points reachable within the limits. Reachable and unreachable points are apart."
     )

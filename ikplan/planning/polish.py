@@ -22,6 +22,10 @@ __all__ = ["motion_length", "polish"]
 
 Array = NDArray[np.float64]
 
+_AT_LIMIT = 1e-4
+"""Nearer to a limit than this, a joint that is pushed out rests: cut short by the limit, its steps
+would gain nothing [rad or m]."""
+
 
 @kernel
 def motion_length(q: Array, q_start: Array, start_free: bool) -> float:
@@ -156,7 +160,7 @@ def _free_basis(
 ) -> int:
     """Write a basis of the motions that keep the target and the limits; return its dimension.
 
-    A joint at a limit is fixed if the steepest descent within the basis would push it out.
+    A joint next to a limit is fixed if the steepest descent within the basis would push it out.
     """
     dof = q.shape[0]
     fixed[:] = False
@@ -164,7 +168,8 @@ def _free_basis(
         rank = tangent_basis(Jt, fixed, basis)
         changed = False
         for d in range(dof):
-            if fixed[d] or (lower[d] < q[d] < upper[d]):
+            low, high = q[d] <= lower[d] + _AT_LIMIT, q[d] >= upper[d] - _AT_LIMIT
+            if fixed[d] or not (low or high):
                 continue
             move = 0.0
             for i in range(rank):
@@ -172,7 +177,7 @@ def _free_basis(
                 for m in range(dof):
                     along -= basis[i, m] * g[m]
                 move += along * basis[i, d]
-            if (q[d] <= lower[d] and move < -1e-12) or (q[d] >= upper[d] and move > 1e-12):
+            if (low and move < -1e-12) or (high and move > 1e-12):
                 fixed[d] = True
                 changed = True
         if not changed:

@@ -59,3 +59,12 @@ def test_a_path_that_cannot_be_is_refused_with_its_cause(name: str) -> None:
         assert words in caught.value.detail
     for field, value in expected.get("data", {}).items():
         assert getattr(caught.value, field) == value
+
+
+@pytest.mark.parametrize("seed", [1, 2, 3])
+@pytest.mark.parametrize("name", [name for name in GOOD if name.startswith("helix_")])
+def test_every_seed_comes_within_half_a_percent_of_the_best_known(name: str, seed: int) -> None:
+    vector = VECTORS[name]
+    plan = ikplan.plan({**vector["request"], "ik": {"seed": seed}})
+    best = vector["expect"]["elongation_deg"]
+    assert math.degrees(plan.certificate.elongation_sum) <= 1.005 * best

@@ -24,7 +24,7 @@ def spline_request(count: int, interpolation: str = "spline") -> dict[str, objec
     waypoints = []
     for k in range(count):
         a = 4.0 * math.pi * k / (count - 1)
-        p = [0.5 + 0.12 * math.cos(a), 0.12 * math.sin(a), 0.35 + 0.05 * math.sin(3.5 * a)]
+        p = [0.58 + 0.12 * math.cos(a), 0.12 * math.sin(a), 0.35 + 0.05 * math.sin(3.5 * a)]
         waypoints.append(pose_document(R, np.array(p)))
     return {
         "robot": "iiwa14",

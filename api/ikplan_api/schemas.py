@@ -50,6 +50,10 @@ class Problem(BaseModel):
 
 
 _Names = list[str]
+_REPAIRS = (
+    list[dict[str, Any]],
+    Field(description="Changes of the request that were planned and make it feasible."),
+)
 _DATA: dict[type[errors.IkplanError], dict[str, Any]] = {
     errors.InvalidRequest: {
         "field": (str, Field(description="Path of the first wrong field.")),
@@ -76,11 +80,13 @@ _DATA: dict[type[errors.IkplanError], dict[str, Any]] = {
         "reason": (str, Field(description="Why, as far as it is known.")),
         "limits": (_Names, Field(description="Joints at a position limit in q.")),
         "waypoints": (list[dict[str, Any]], Field(description="Every unreachable waypoint.")),
+        "repairs": _REPAIRS,
     },
     errors.Disconnected: {
         "waypoints": (list[int], Field(description="The two waypoints; -1 is the start.")),
         "jump": (float | None, Field(description="Joint difference needed [rad or m].")),
         "reason": (str, Field(description="Why the motion is not possible.")),
+        "repairs": _REPAIRS,
     },
     errors.TimingFailed: {
         "position": (float | None, Field(description="Where on the path, 0..1.")),

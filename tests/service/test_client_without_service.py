@@ -123,7 +123,7 @@ def test_a_circular_request_is_an_invalid_request():
                 content=json.dumps(
                     {"type": "urn:ikplan:unreachable", "detail": "?", "waypoint": 0,
                      "position_error": 1, "orientation_error": 1, "q": "x", "reason": 1,
-                     "limits": 3, "waypoints": 4}
+                     "limits": 3, "waypoints": 4, "repairs": 5}
                 ),
                 headers={"content-type": "application/problem+json"},
             ),

@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from typing import Annotated, Any, Literal
 
-from pydantic import Discriminator, Field, PlainValidator, Tag, field_validator
+from pydantic import Discriminator, Field, PlainValidator, Tag, field_validator, model_validator
 
 from ikplan.documents import Document, Floats, Vec3, content_hash
 from ikplan.limit_request import LimitOptions, SamplingOptions
@@ -65,6 +65,10 @@ def _scalar(value: Any) -> bool | int | float | str:
 Scalar = Annotated[bool | int | float | str, PlainValidator(_scalar)]
 
 
+MAX_EVALUATIONS = 10_000_000
+"""Most evaluations of one search."""
+
+
 class IkOptions(Document):
     """How joint solutions are looked for."""
 
@@ -73,7 +77,8 @@ class IkOptions(Document):
     population: Budget | None = Field(
         None,
         description="Candidates per iteration, 1 to 100000; null: the planner's own, as small as "
-        'keeps its promises; "paper": the number of the method\'s paper.',
+        'keeps its promises; "paper": the number of the method\'s paper. Times the iterations, '
+        "at most 10,000,000.",
     )
     iterations: Budget | None = Field(
         None,
@@ -88,6 +93,21 @@ class IkOptions(Document):
         description='How joint motion is kept small: "global" over the whole path, "greedy" '
         "waypoint by waypoint.",
     )
+
+    @model_validator(mode="after")
+    def _affordable(self) -> IkOptions:
+        # A search runs to its end, whatever the time budget: seconds at most, not hours.
+        most = {"population": 100, "iterations": 1000}
+        asked = [
+            budget if isinstance(budget, int) else most[name] if budget == "paper" else 50
+            for name, budget in (("population", self.population), ("iterations", self.iterations))
+        ]
+        if asked[0] * asked[1] > MAX_EVALUATIONS:
+            raise ValueError(
+                f"population times iterations must be at most {MAX_EVALUATIONS:,}, "
+                f"not {asked[0] * asked[1]:,}"
+            )
+        return self
 
 
 class PlanRequest(Document):

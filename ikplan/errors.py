@@ -426,7 +426,10 @@ def error_from_problem(problem: Mapping[str, Any], *, url: str = "") -> IkplanEr
         try:
             return cls(detail, **{name: problem[name] for name in cls.fields})
         except (TypeError, ValueError):
-            pass  # a document of that type with other data is none of ours either
+            # A document of that type with other data is none of ours either.
+            detail = (
+                f"{url or 'the service'} answered a problem with data of another kind: {detail}"
+            )
     status = problem.get("status")
     return ServiceUnavailable(
         detail, url=url, status_code=status if isinstance(status, int) else None

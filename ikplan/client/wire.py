@@ -132,7 +132,14 @@ def _verdict(response: httpx.Response, url: str) -> IkplanError:
     media_type = response.headers.get("content-type", "").partition(";")[0].strip().lower()
     if media_type == PROBLEM:
         with contextlib.suppress(ValueError, TypeError, AttributeError):
-            error = error_from_problem(response.json(), url=url)
+            problem = response.json()
+            error = error_from_problem(problem, url=url)
+            ours = isinstance(problem.get("type"), str) and problem["type"].startswith(
+                "urn:ikplan:"
+            )
+            if isinstance(error, ServiceUnavailable) and ours:
+                # A type of ours whose data made no sense comes back as this class as well.
+                error = error if problem["type"] == error.problem_type() else None
         if isinstance(error, ServiceUnavailable):
             error.url = url  # the service cannot know by which address it is reached
             error.status_code = error.status_code or status

@@ -24,7 +24,9 @@ __all__ = ["errors_at", "first_break", "onto_targets", "track"]
 
 Array = NDArray[np.float64]
 
-HALF_WAY = 0.2
+_ASIDE = 0.02
+"""How far to step aside from a singular configuration [rad or m]."""
+HALF_WAY = 0.25
 """Share of a step by which the half-way configuration may be off the middle."""
 
 
@@ -132,10 +134,18 @@ def track(
             trial[d] = min(max(trial[d], lower[d]), upper[d])
         if redundant:
             _lean_from_limits(chain, targets, k + 2, trial, lower, upper, w)
-        distance, angle, spent = refine(
-            chain, target_at(targets, k + 2), trial, lower, upper, Effort(15, 8), w
-        )
+        target = target_at(targets, k + 2)
+        distance, angle, spent = refine(chain, target, trial, lower, upper, Effort(15, 8), w)
         evaluations += spent
+        for side in range(2):
+            if distance <= tolerance and angle <= tolerance:
+                break
+            # A singular configuration has no slope towards the target: step aside from it.
+            for d in range(dof):
+                aside = _ASIDE if (d + side) % 2 == 0 else -_ASIDE
+                trial[d] = min(max(q[k, d] + aside, lower[d]), upper[d])
+            distance, angle, spent = refine(chain, target, trial, lower, upper, Effort(25, 8), w)
+            evaluations += spent
         if distance > tolerance or angle > tolerance:
             return k, evaluations
         holds, spent = _half_way_holds(

@@ -2,53 +2,28 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
-from numpy.typing import NDArray
 
 from benchmarks.papers import published
 from benchmarks.papers.document import Document, slashed
+from benchmarks.papers.e1_figures import draw
+from benchmarks.papers.e1_series import (
+    CALIBRATED,
+    CONTROLS,
+    GREEDY,
+    IK_BA,
+    LEAST,
+    MISS,
+    OWN,
+    PAPER,
+    WRIST,
+    per_run,
+)
 from benchmarks.papers.experiment import Experiment, Results, Study
 from benchmarks.papers.helix import helix_cases
-from benchmarks.papers.plots import boxes, curves, new_figure, paths_3d
-from benchmarks.papers.rows import Table
-from benchmarks.papers.series import OPTIMUM, PLANNER, Series
 from benchmarks.papers.statistics import anova, holm, paired, summary
-from ikplan.kinematics.forward import forward_batch
 
 __all__ = ["EXPERIMENT"]
-
-Array = NDArray[np.float64]
-
-N, T = 50, 200
-MISS = 0.05
-"""Error that counts as a miss [cm]: several times what the noise of IK-BA explains."""
-IK_BA = Series("IK-BA", "ik-ba", N, T)
-CALIBRATED = Series("IK-BA, eps 0.15", "ik-ba", N, T, {"eps_scale": 0.15}, paper=False)
-RIVALS = [
-    Series("BA", "ba", N, T),
-    Series("DE", "de-rand-1", N, T, {"preset": "slim"}),
-    Series("PSO", "pso", N, T, {"preset": "slim"}),
-    Series("ABC", "abc", N, T),
-    Series("MO-PSO", "mo-pso", N, T),
-]
-PAPER = [IK_BA, *RIVALS]
-CONTROLS = [
-    CALIBRATED,
-    Series("IK-BA, loudness", "ik-ba", N, T, {"accept": "loudness"}, paper=False),
-    Series("BA, tuned", "ba", N, T, {"alpha": 0.97, "gamma": 0.1}, paper=False),
-    Series("MO-PSO, knee", "mo-pso", N, T, {"choice": "knee"}, paper=False),
-    *(
-        replace(s, name=f"{s.name}, warm", params={**s.params, "warm": "individual"}, paper=False)
-        for s in RIVALS
-    ),
-]
-WRIST = Series("IK-BA, wrist limits", "ik-ba", N, T, {"wrist_limits": "penalise"}, paper=False)
-WHOLE = Series("ikplan", PLANNER, params={"elongation": "global"}, paper=False)
-GREEDY = Series("ikplan, greedy", PLANNER, params={"elongation": "tracking"}, paper=False)
-LEAST = Series("least motion", OPTIMUM, paper=False)
-OWN = [WHOLE, GREEDY, LEAST]
 
 
 def studies(_thin: int) -> list[Study]:
@@ -62,11 +37,6 @@ def studies(_thin: int) -> list[Study]:
         Study(built["E1d"], [*decoupled, GREEDY]),
         Study(built["E1b-bent"], [*PAPER, CALIBRATED, *OWN]),
     ]
-
-
-def _per_run(table: Table, column: str, factor: float = 1.0) -> Array:
-    values: Array = factor * table.grid(column).mean(axis=1)
-    return values
 
 
 def _overview(study: Study, results: Results, document: Document) -> None:
@@ -144,7 +114,7 @@ def _beside_published(study: Study, results: Results, document: Document) -> Non
         rows = []
         for series in [*PAPER, CALIBRATED]:
             table = results.tables[case.name, series.name]
-            runs = summary(_per_run(table, column, factor))
+            runs = summary(per_run(table, column, factor))
             points = summary(factor * table.grid(column).mean(axis=0))
             given = published.SLIM_TABLE_3[column].get(series.name)
             rows.append([series.name, slashed(given), slashed(runs), slashed(points)])
@@ -162,7 +132,7 @@ def _analysis(study: Study, results: Results, document: Document) -> None:
     ):
         given = published.SLIM_ANOVA[column]
         rows.append([f"{title}, published", *given, None, None, None])
-        groups = [_per_run(results.tables[case.name, s.name], column, factor) for s in PAPER]
+        groups = [per_run(results.tables[case.name, s.name], column, factor) for s in PAPER]
         a = anova(groups)
         ours = [a.ss_between, a.ss_within, a.F, a.p, a.levene, a.welch, a.kruskal]
         rows.append([f"{title}, ours", *ours])
@@ -182,8 +152,8 @@ def _analysis(study: Study, results: Results, document: Document) -> None:
     adjusted, effects = {}, {}
     others = [s for s in study.series if s.name not in (IK_BA.name, LEAST.name)]
     for column, _ in columns:
-        own = _per_run(results.tables[case.name, IK_BA.name], column)
-        tests = [paired(own, _per_run(results.tables[case.name, s.name], column)) for s in others]
+        own = per_run(results.tables[case.name, IK_BA.name], column)
+        tests = [paired(own, per_run(results.tables[case.name, s.name], column)) for s in others]
         adjusted[column] = holm([p for p, _ in tests])
         effects[column] = [effect for _, effect in tests]
     for i, series in enumerate(others):
@@ -206,67 +176,6 @@ def _ranking(study: Study, results: Results, document: Document) -> None:
         document.say(
             f"Order by mean {title}: published {' < '.join(theirs)}; ours {' < '.join(ours)}."
         )
-
-
-def _figures(study: Study, results: Results, document: Document) -> None:
-    case = study.case
-    tables = {s.name: results.tables[case.name, s.name] for s in [*PAPER, CALIBRATED]}
-    figure, axes = new_figure(11.0, 3.4, 3)
-    boxes(
-        axes[0],
-        {n: _per_run(t, "eps_p", 100.0) for n, t in tables.items()},
-        "position error [cm]",
-        log=True,
-    )
-    boxes(
-        axes[1],
-        {n: _per_run(t, "elongation_deg") for n, t in tables.items()},
-        "joint variation [deg]",
-    )
-    boxes(
-        axes[2],
-        {n: _per_run(t, "cpu_seconds", 1e3) for n, t in tables.items()},
-        "processor time [ms]",
-    )
-    document.figure(
-        figure,
-        f"{case.name}-boxes",
-        f"{case.name}: means over the path of each run (Figures 10-12 of the paper)",
-    )
-    every = {s.name: results.tables[case.name, s.name] for s in [*PAPER, CALIBRATED, WHOLE]}
-    figure, axes = new_figure(10.0, 3.6, 2)
-    curves(
-        axes[0],
-        {n: np.maximum(100.0 * t.grid("eps_p").mean(axis=0), 1e-14) for n, t in every.items()},
-        "point",
-        "mean position error [cm]",
-        log=True,
-        first=1,
-    )
-    curves(
-        axes[1],
-        {n: t.grid("elongation_deg").mean(axis=0) for n, t in every.items()},
-        "point",
-        "mean joint variation [deg]",
-        first=1,
-        legend=False,
-    )
-    document.figure(figure, f"{case.name}-points", f"{case.name}: by point (Figures 6-8)")
-    figure, axes = new_figure(11.0, 3.2, 3)
-    for ax, name in zip(axes, (IK_BA.name, "DE", WHOLE.name), strict=True):
-        q = np.degrees(results.tables[case.name, name].q[:20])
-        lines = {f"q{k + 1}": q[:, k] for k in range(7)}
-        curves(ax, lines, "point", f"{name} [deg]", first=1, legend=ax is axes[0])
-    document.figure(figure, f"{case.name}-joints", f"{case.name}: joints, first run (Figure 9)")
-    panels = []
-    for name in (IK_BA.name, "BA", WHOLE.name):
-        _, p = forward_batch(case.arm.chain, results.tables[case.name, name].q[:20].copy())
-        panels.append((name, {"asked": case.p, "reached": p}))
-    document.figure(
-        paths_3d(panels, 10.0, 3.4, "m"),
-        f"{case.name}-paths",
-        f"{case.name}: paths of the first run",
-    )
 
 
 def report(studies: list[Study], results: Results, document: Document) -> None:
@@ -293,7 +202,7 @@ def report(studies: list[Study], results: Results, document: Document) -> None:
             if results.runs >= 3:
                 _analysis(study, results, document)
         if case.name == "E1b":
-            _figures(study, results, document)
+            draw(study, results, document)
 
 
 def _split(study: Study, results: Results, document: Document) -> None:

@@ -134,7 +134,7 @@ def report(studies: list[Study], results: Results, document: Document) -> None:
     }
     curves(axes[0], lines, "iteration", "mean error [cm]", log=True)
     axes[0].axhline(MACHINE, color="black", linewidth=0.8, linestyle=":")
-    axes[0].annotate("precision of the arm", (T, MACHINE), fontsize=7, ha="right", va="bottom")
+    axes[0].annotate("precision of the arm", (T, MACHINE), fontsize=7, ha="right", va="top")
     document.figure(figure, "E3-convergence", "E3: mean error over the iterations (Figure 18)")
 
 

@@ -81,12 +81,13 @@ def report(studies: list[Study], results: Results, document: Document) -> None:
     figure, axes = new_figure(12.0, 3.3, 4)
     for i, (ax, study) in enumerate(zip(axes, studies, strict=True)):
         lines = {
-            s.name: np.exp(np.log(results.curves[study.case.name, s.name][:, 0]).mean(axis=0))
+            s.name: np.exp(np.log(results.curves[study.case.name, s.name][:, 0, 1:]).mean(axis=0))
             for s in SERIES
             if s.name not in ("PSO, scalar draws", "WOA, literal")
         }
-        curves(ax, lines, "iteration", "error [m]" if i == 0 else "", log=True, legend=i == 0)
-        ax.set_xscale("symlog", linthresh=1)
+        label = "error [m]" if i == 0 else ""
+        curves(ax, lines, "iteration", label, log=True, first=1, legend=i == 0)
+        ax.set_xscale("log")
         ax.set_title(study.case.title, fontsize=9)
     document.figure(
         figure, "E5-convergence", "E5: geometric mean of the error over the runs (Figure 6)"

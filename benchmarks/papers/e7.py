@@ -51,11 +51,12 @@ def report(studies: list[Study], results: Results, document: Document) -> None:
     """Write the section."""
     by_name = {study.case.name: study for study in studies}
     document.say(
-        "N = 30, T = 100, stop at a fitness of 1e-6 mm; E7c and E7f: at most 10 runs. The poses are in `data/eod_arm_poses.csv`. "
-        "omega_R = 0.0384167, so that ignoring the orientation altogether costs no more than 0.11 "
-        "mm. A maximum over 100 poses is made by single failures: mind the quantiles. Solved: "
-        "within 0.1 mm and 0.1 deg. For Newton-Raphson and the project's own planner evaluations "
-        "count poses and Jacobians."
+        "N = 30, T = 100, stop at a fitness of 1e-6 mm; E7c and E7f: at most 10 runs. The poses "
+        "are in `data/eod_arm_poses.csv`. omega_R = 0.0384167, so that ignoring the orientation "
+        "altogether costs no more than 0.11 mm. A maximum over 100 poses is made by single "
+        "failures: mind the quantiles. Solved: within 0.1 mm and 0.1 deg. For Newton-Raphson and "
+        "the project's own planner evaluations count poses and Jacobians; Newton-Raphson does not "
+        "know the joint limits unless it is clipped."
     )
     document.heading("E7a, E7b: Tables 4 and 5", 3)
     main = by_name["E7a"]

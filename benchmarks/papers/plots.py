@@ -73,6 +73,16 @@ def paths_3d(
             ax.plot(p[:, 0], p[:, 1], p[:, 2], style, label=name, markersize=4, **colour)
         ax.set_title(title, fontsize=9)
         ax.tick_params(labelsize=6)
+        # One scale for all axes: what is asked for, and a margin.
+        asked = next(iter(paths.values()))
+        middle = 0.5 * (asked.max(axis=0) + asked.min(axis=0))
+        reach = 0.6 * float(np.ptp(asked, axis=0).max())
+        ax.set(
+            xlim=(middle[0] - reach, middle[0] + reach),
+            ylim=(middle[1] - reach, middle[1] + reach),
+            zlim=(middle[2] - reach, middle[2] + reach),
+        )
+        ax.locator_params(nbins=4)
         for axis, letter in zip((ax.xaxis, ax.yaxis, ax.zaxis), "xyz", strict=True):
             axis.set_label_text(f"{letter} [{unit}]", fontsize=7)
         ax.legend(fontsize=7, loc="upper left")

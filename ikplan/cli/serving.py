@@ -24,14 +24,14 @@ def serve(options: argparse.Namespace) -> None:
     """
     if not 0 <= options.port <= 65535:
         raise InvalidRequest("--port: 0..65535 is allowed", field="--port", allowed="0..65535")
-    # The service reads its settings from the environment, however it is started.
-    os.environ["IKPLAN_HOST"], os.environ["IKPLAN_PORT"] = options.host, str(options.port)
-    if options.workers is not None:
-        os.environ["IKPLAN_WORKERS"] = str(options.workers)
     import uvicorn
 
     config = uvicorn.Config(APP, factory=True, host=options.host, port=options.port)
     with _listen(options.host, options.port) as listening:
+        # The service reads its settings from the environment, however it is started.
+        os.environ["IKPLAN_HOST"], os.environ["IKPLAN_PORT"] = options.host, str(options.port)
+        if options.workers is not None:
+            os.environ["IKPLAN_WORKERS"] = str(options.workers)
         config.load()
         sys.stderr.write(f"ikplan: listening on {_address(listening)} (manual at /docs)\n")
         with contextlib.suppress(KeyboardInterrupt):

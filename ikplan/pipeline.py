@@ -60,11 +60,12 @@ def plan(request: Mapping[str, Any] | PlanRequest, *, robot: Robot | None = None
     q_start = check_start(robot, robot.home if asked is None else asked)
     limits = MotionLimits.of(robot, request.limits)
 
-    with clock.stage("ik"):
+    solver = _pose_solver(robot, request)
+    with clock.stage("ik"), clock.cutting(solver.cut):
         arm_limits = joint_limits(robot, limits)
         problem = RouteProblem(
             robot,
-            _pose_solver(robot, request),
+            solver,
             request.path,
             request.ik,
             q_start,

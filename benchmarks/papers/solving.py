@@ -41,6 +41,7 @@ def _search(
         series.population or 1,
         series.iterations,
         case.stop_value,
+        np.zeros(1, dtype=np.bool_),
     )
     outcome: Outcome = solver.load()(problem, solver.pack(values), rng)
     return outcome

@@ -149,6 +149,7 @@ def newton_raphson(problem: Problem, params: NewtonParams, rng: np.random.Genera
         1,
         starts * T,
         problem.stop_value,
+        problem.cut,
     )
     out = new_outcome(whole, 1)
     best = best_of(out)

@@ -26,7 +26,7 @@ from ikplan.kinematics.forward import forward
 from ikplan.kinematics.target import Target
 from ikplan.kinematics.wrist import nearest_wrist
 
-__all__ = ["Searcher", "generator"]
+__all__ = ["SearchCut", "Searcher", "generator"]
 
 Array = NDArray[np.float64]
 
@@ -41,8 +41,15 @@ def generator(seed: int, *context: int) -> np.random.Generator:
     return np.random.Generator(np.random.PCG64(np.random.SeedSequence([seed, *context])))
 
 
+class SearchCut(Exception):
+    """A search was cut short by its clock; an answer would depend on the time, so there is none."""
+
+
 class Searcher:
     """A metaheuristic set up for an arm.
+
+    Attributes:
+        cut: Shape (1,); once another thread makes it true, every search ends early and raises.
 
     Raises:
         InvalidRequest: A population too small for the method, or a decoupling asked of an arm
@@ -97,6 +104,7 @@ class Searcher:
         self._kernel = solver.load()
         self._packed = solver.pack(values)
         self._rng = generator(seed)
+        self.cut = np.zeros(1, dtype=np.bool_)
 
     def objective(self, target: Target, q_start: Array) -> Objective:
         """Return what is minimised for a target.
@@ -161,6 +169,9 @@ class Searcher:
 
         Returns:
             The outcome, over the joints searched: without the last three when decoupled.
+
+        Raises:
+            SearchCut: ``cut`` became true.
         """
         objective = self.objective(target, q_start)
         d = objective.joints.shape[1] - 2
@@ -174,8 +185,11 @@ class Searcher:
             self.population,
             self.iterations,
             stop_value,
+            self.cut,
         )
         outcome: Outcome = self._kernel(problem, self._packed, self._rng)
+        if self.cut[0]:
+            raise SearchCut
         return outcome
 
     def complete(self, x: Array, target: Target, q_start: Array) -> Array:

@@ -115,6 +115,11 @@ class PoseSolver:
                 f"ik.population: {self.method} has no population", field="ik.population"
             )
 
+    @property
+    def cut(self) -> NDArray[np.bool_]:
+        """Flag that ends searches early, shape (1,); see :class:`ikplan.ik.search.Searcher`."""
+        return np.zeros(1, dtype=np.bool_) if self.searcher is None else self.searcher.cut
+
     def solve(self, target: Target, q_start: Array) -> Solved:
         """Return solutions of a target, the one nearest to ``q_start`` first.
 

@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+import threading
 import time
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from typing import Any
 
+import numpy as np
+from numpy.typing import NDArray
+
 from ikplan.errors import BudgetExceeded
+from ikplan.ik.search import SearchCut
 
 __all__ = ["Clock"]
 
@@ -24,6 +29,7 @@ class Clock:
         self.seconds: dict[str, float] = {}
         self._begin = time.perf_counter()
         self._stage = ""
+        self._best: Mapping[str, Any] | None = None
 
     @contextmanager
     def stage(self, name: str) -> Iterator[None]:
@@ -46,12 +52,36 @@ class Clock:
         return self.budget_s - (time.perf_counter() - self._begin)
 
     def check(self, best: Mapping[str, Any] | None = None) -> None:
-        """Raise BudgetExceeded, with the best so far, when the budget has run out."""
+        """Raise BudgetExceeded, with the best known so far, when the budget has run out."""
+        self._best = best or self._best
         if self.left < 0.0:
-            raise BudgetExceeded(
-                f"the budget of {self.budget_s:g} s ran out in the stage {self._stage!r}; "
-                "a larger budget_s, fewer waypoints or a faster ik.method would help",
-                stage=self._stage,
-                budget_s=self.budget_s,
-                best=best,
-            )
+            raise self._exceeded()
+
+    @contextmanager
+    def cutting(self, cut: NDArray[np.bool_]) -> Iterator[None]:
+        """End long searches when the budget has run out.
+
+        Args:
+            cut: Shape (1,): the flag that searches look at.
+
+        Raises:
+            BudgetExceeded: A search was cut short; with the last best that was known.
+        """
+        timer = threading.Timer(min(max(self.left, 0.0), threading.TIMEOUT_MAX), cut.fill, [True])
+        timer.daemon = True
+        timer.start()
+        try:
+            yield
+        except SearchCut as short:
+            raise self._exceeded() from short
+        finally:
+            timer.cancel()
+
+    def _exceeded(self) -> BudgetExceeded:
+        return BudgetExceeded(
+            f"the budget of {self.budget_s:g} s ran out in the stage {self._stage!r}; "
+            "a larger budget_s, fewer waypoints or a faster ik.method would help",
+            stage=self._stage,
+            budget_s=self.budget_s,
+            best=self._best,
+        )

@@ -84,6 +84,8 @@ def gsa(problem: Problem, params: GsaParams, rng: np.random.Generator) -> Outcom
         heaviest = ascending(F)[:K]
         here[:] = X
         for i in range(N):
+            if problem.cut[0]:  # an iteration of a large population takes minutes
+                break
             a[:] = 0.0
             for k in heaviest:
                 if k == i:

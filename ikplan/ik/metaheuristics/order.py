@@ -9,13 +9,19 @@ from ikplan._jit import kernel
 
 __all__ = ["ascending"]
 
+MERGED = 500
+"""More values than this are sorted by merging."""
+
 
 @kernel
 def ascending(values: NDArray[np.float64]) -> NDArray[np.int64]:
     """Return the indices of ``values``, shape (n,), least value first; equal ones in order.
 
-    By insertion: populations are small and mostly in order already.
+    By insertion: populations are small and mostly in order already. Large ones are merged, to the
+    same order.
     """
+    if values.shape[0] > MERGED:
+        return np.argsort(values, kind="mergesort")
     order = np.empty(values.shape[0], dtype=np.int64)
     for i in range(values.shape[0]):
         place = i

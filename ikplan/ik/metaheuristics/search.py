@@ -57,6 +57,8 @@ class Problem(NamedTuple):
         population: N, the number of individuals.
         iterations: T, the largest number of iterations.
         stop_value: The search ends once the best value is this small.
+        cut: Shape (1,); once another thread makes it true, the search ends at the next chance, and
+            what it found depends on the clock: it must not be used.
     """
 
     objective: Objective
@@ -68,6 +70,7 @@ class Problem(NamedTuple):
     population: int
     iterations: int
     stop_value: float
+    cut: NDArray[np.bool_]
 
 
 class Best(NamedTuple):
@@ -164,7 +167,7 @@ def end_iteration(problem: Problem, out: Outcome, t: int) -> bool:
     out.iterations[0] = t
     out.history[t] = out.f[0]
     out.history_evaluations[t] = out.evaluations[0]
-    return bool(out.f[0] <= problem.stop_value)
+    return bool(out.f[0] <= problem.stop_value or problem.cut[0])
 
 
 @kernel

@@ -39,6 +39,7 @@ def problem(
         population,
         iterations,
         stop_value,
+        np.zeros(1, dtype=np.bool_),
     )
 
 

@@ -1,7 +1,7 @@
 """The certificate's measures of limits other than those of single joints, by Pinocchio.
 
-No code of the planner or the timing is used: torques by ``pinocchio.rnea``, tool speeds by the
-robot's Jacobian, tool accelerations of a frame of Pinocchio's own, jerks by finite differences.
+No code of the planner or the timing is used: torques by ``pinocchio.rnea``, tool speeds and
+accelerations of a frame of Pinocchio's own, jerks by finite differences.
 """
 
 from __future__ import annotations
@@ -119,12 +119,8 @@ def torque_ratios(
         body = pin.Inertia(mass, centre_of_mass, np.zeros((3, 3)))
         model.inertias[tip.parentJoint] = model.inertias[tip.parentJoint] + body
     data = model.createData()
-    tau = np.array(
-        [
-            coupling.T @ pin.rnea(model, data, robot.configuration(a), coupling @ b, coupling @ c)
-            for a, b, c in zip(q, dq, ddq, strict=True)
-        ]
-    )
+    motions = zip(robot.configurations(q), dq @ coupling.T, ddq @ coupling.T, strict=True)
+    tau = np.array([pin.rnea(model, data, *motion) for motion in motions]) @ coupling
     return np.asarray(np.abs(tau) / limit)
 
 
@@ -140,8 +136,13 @@ def tool_speed_ratios(robot: Robot, q: Array, dq: Array, limit: tuple[float, flo
     Returns:
         The larger of both shares, shape (m,).
     """
-    twists = np.array([robot.jacobian(a) @ b for a, b in zip(q, dq, strict=True)])
-    return _larger(twists, limit)
+    model, frame = _with_tool_frame(robot)
+    data = model.createData()
+    velocities = np.empty((len(q), 6))
+    for i, motion in enumerate(zip(robot.configurations(q), dq @ robot.coupling.T, strict=True)):
+        pin.forwardKinematics(model, data, *motion)
+        velocities[i] = pin.getFrameVelocity(model, data, frame, pin.ReferenceFrame.LOCAL).vector
+    return _larger(velocities, limit)
 
 
 def tool_acceleration_ratios(
@@ -152,25 +153,27 @@ def tool_acceleration_ratios(
     Returns:
         The larger of the linear and the angular share, shape (m,).
     """
-    model, coupling = robot.model.copy(), robot.coupling
-    tip = model.frames[robot.tip_frame_id]
-    tool = pin.Frame(
-        "certified tool",
-        tip.parentJoint,
-        robot.tip_frame_id,
-        tip.placement * robot.T_tip_tool,
-        pin.FrameType.OP_FRAME,
-    )
-    frame = model.addFrame(tool)
-    data = model.createData()
+    model, frame = _with_tool_frame(robot)
+    data, coupling = model.createData(), robot.coupling
     accelerations = np.empty((len(q), 6))
-    for i in range(len(q)):
-        configuration = robot.configuration(q[i])
-        pin.forwardKinematics(model, data, configuration, coupling @ dq[i], coupling @ ddq[i])
+    motions = zip(robot.configurations(q), dq @ coupling.T, ddq @ coupling.T, strict=True)
+    for i, motion in enumerate(motions):
+        pin.forwardKinematics(model, data, *motion)
         accelerations[i] = pin.getFrameClassicalAcceleration(
             model, data, frame, pin.ReferenceFrame.LOCAL
         ).vector
     return _larger(accelerations, limit)
+
+
+def _with_tool_frame(robot: Robot) -> tuple[pin.Model, int]:
+    """A copy of the robot's model that has the tool as a frame, and the frame's index."""
+    model = robot.model.copy()
+    tip = model.frames[robot.tip_frame_id]
+    placement = tip.placement * robot.T_tip_tool
+    tool = pin.Frame(
+        "certified tool", tip.parentJoint, robot.tip_frame_id, placement, pin.FrameType.OP_FRAME
+    )
+    return model, model.addFrame(tool)
 
 
 def _larger(twists: Array, limit: tuple[float, float]) -> Array:

@@ -120,15 +120,29 @@ class Robot:
         """
         return self._configuration(finite_vector(q, self.dof, "q", self.joint_names).copy())
 
+    def configurations(self, q: Array) -> Array:
+        """Pinocchio's configurations of many joint values at once, unchecked.
+
+        Args:
+            q: Joint values, shape (m, dof) [rad or m].
+
+        Returns:
+            Shape (m, nq), as :meth:`configuration` returns them.
+        """
+        if self._identity_map:
+            return np.ascontiguousarray(q)
+        serial = q @ self.coupling.T + self.coupling_offset
+        configurations = np.empty((len(q), self.model.nq))
+        bounded = self._bounded
+        configurations[:, self._index[bounded]] = serial[:, bounded]
+        configurations[:, self._index[~bounded]] = np.cos(serial[:, ~bounded])
+        configurations[:, self._index[~bounded] + 1] = np.sin(serial[:, ~bounded])
+        return configurations
+
     def _configuration(self, q: Array) -> Array:
         if self._identity_map:
             return q
-        serial = self.coupling @ q + self.coupling_offset
-        configuration = np.empty(self.model.nq)
-        bounded = self._bounded
-        configuration[self._index[bounded]] = serial[bounded]
-        configuration[self._index[~bounded]] = np.cos(serial[~bounded])
-        configuration[self._index[~bounded] + 1] = np.sin(serial[~bounded])
+        configuration: Array = self.configurations(q[None])[0]
         return configuration
 
     def fk(self, q: ArrayLike) -> pin.SE3:

@@ -13,6 +13,10 @@ __all__ = ["CompiledEngine"]
 
 Array = NDArray[np.float64]
 
+# A row whose coefficient of u is this much smaller than that of another bounds x alone: where it
+# binds, (1 - b x) / a would be rounding over nothing.
+_NO_MATTER = 1e-10
+
 
 @kernel
 def _accelerations(a: Array, b: Array, x: float) -> tuple[float, float, int, int]:
@@ -62,8 +66,17 @@ def _largest_controllable(a: Array, b: Array, h: float, x_max: float, x_next: fl
 
 
 @kernel
-def _solve(s: Array, a: Array, b: Array, x_max: Array) -> Array:
-    n = a.shape[0]
+def _solve(s: Array, rows_a: Array, b: Array, x_max: Array) -> Array:
+    n, m = rows_a.shape
+    a = rows_a.copy()
+    for i in range(n):
+        least = 0.0
+        for r in range(m):
+            least = max(least, abs(a[i, r]))
+        least *= _NO_MATTER
+        for r in range(m):
+            if abs(a[i, r]) < least:
+                a[i, r] = 0.0
     controllable = np.zeros(n + 1)
     for i in range(n - 1, -1, -1):
         h = s[i + 1] - s[i]

@@ -145,7 +145,9 @@ def least_motion(case: Case, n: int, restarts: int) -> tuple[list[Array], int]:
         )
         evaluations += int(candidates.evaluations[0])
         polished = []
-        for q in distinct_paths(candidates, q_start, False, 24, 0.6, 0.1):
+        for q in distinct_paths(
+            case.arm.chain, candidates, q_start, False, lower, upper, 24, 0.6, 0.1
+        ):
             length, spent = polish(
                 case.arm.chain, targets, q, q_start, False, lower, upper, 200, 1e-7
             )

@@ -24,6 +24,10 @@ __all__ = ["Candidates", "Targets", "grow_candidates", "target_at"]
 
 Array = NDArray[np.float64]
 
+_FAR = 0.6
+"""Where every solution moves a joint by more than this on the way to the next waypoint, the ones
+found there are no guide to all there are [rad or m]."""
+
 
 class Targets(NamedTuple):
     """The targets of a path as arrays.
@@ -66,15 +70,21 @@ def target_at(targets: Targets, k: int) -> Target:
 
 
 @kernel
+def _apart(a: Array, b: Array) -> float:
+    """Return the largest difference of a joint."""
+    apart = 0.0
+    for k in range(a.shape[0]):
+        apart = max(apart, abs(a[k] - b[k]))
+    return apart
+
+
+@kernel
 def _keep(q: Array, spacing: float, row: Array, count: int) -> int:
     """Add q to the solutions of a waypoint unless one is nearer than ``spacing``; the new count."""
     if count == row.shape[0]:
         return count
     for i in range(count):
-        apart = 0.0
-        for k in range(q.shape[0]):
-            apart = max(apart, abs(row[i, k] - q[k]))
-        if apart < spacing:
+        if _apart(row[i], q) < spacing:
             return count
     row[count] = q
     return count + 1
@@ -101,16 +111,17 @@ def grow_candidates(
         targets: The n targets.
         seeds: Further seeds of each waypoint, shape (n, k, dof) [rad or m].
         q_start: Configuration to be near to, shape (dof,) [rad or m].
-        lower: Lower bounds, finite, shape (dof,) [rad or m].
-        upper: Upper bounds, finite, shape (dof,) [rad or m].
+        lower: Lower position limits, -inf for a joint without, shape (dof,) [rad or m].
+        upper: Upper position limits, inf for a joint without, shape (dof,) [rad or m].
         cap: Most solutions kept of a waypoint.
-        first: Evenly spread seeds of the first waypoint, and of one after a waypoint without any.
+        first: Evenly spread seeds of the first waypoint, and of one far from the one before.
         fresh: Evenly spread seeds of every other waypoint.
         shift: Shift of the spread seeds, in [0, 1).
         tolerance: Error that counts as solved [m and rad].
 
     Returns:
-        The solutions; those that follow the ones before come first, in their order.
+        The solutions, each joint at its 2 pi copy nearest to the start; those that follow the ones
+        before come first, in their order.
     """
     n, dof = targets.p.shape[0], q_start.shape[0]
     found = Candidates(
@@ -118,16 +129,21 @@ def grow_candidates(
     )
     w: Workspace = new_workspace(chain)
     q = np.empty(dof)
+    spread_lower, spread_upper = lower.copy(), upper.copy()
+    for d in range(dof):
+        if not math.isfinite(upper[d] - lower[d]):
+            spread_lower[d], spread_upper[d] = q_start[d] - math.pi, q_start[d] + math.pi
     spread = 0
     for k in range(n):
         target = target_at(targets, k)
         redundant = dof > constraint_rows(target)
         spacing = 0.08 if redundant else 1e-4
         before = found.counts[k - 1] if k > 0 else 0
-        fresh_here = fresh if before > 0 else first
         given = before + 1 + seeds.shape[1]
-        count = 0
-        for s in range(given + fresh_here):
+        count, nearest = 0, np.inf
+        for s in range(given + max(first, fresh)):
+            if s == given + fresh and nearest <= _FAR:
+                break
             if s < before:
                 q[:] = found.q[k - 1, s]
             elif s == before:
@@ -135,34 +151,14 @@ def grow_candidates(
             elif s < given:
                 q[:] = seeds[k, s - before - 1]
             else:
-                restart_into(spread, shift, lower, upper, q)
+                restart_into(spread, shift, spread_lower, spread_upper, q)
                 spread += 1
             distance, angle, spent = refine(chain, target, q, lower, upper, Effort(25, 5), w)
             found.evaluations[0] += spent
             if distance <= tolerance and angle <= tolerance:
-                if s >= before:
-                    nearest_turns(chain, q, q_start, lower, upper)
+                if s < before:
+                    nearest = min(nearest, _apart(q, found.q[k - 1, s]))
+                nearest_turns(chain, q, q_start, lower, upper)
                 count = _keep(q, spacing, found.q[k], count)
-        found.counts[k] = _add_turns(chain, found.q[k], count, lower, upper)
+        found.counts[k] = count
     return found
-
-
-@kernel
-def _add_turns(chain: Chain, row: Array, count: int, lower: Array, upper: Array) -> int:
-    """Fill up with the 2 pi copies of single joints that the limits allow; the new count."""
-    if chain.coupled:
-        return count
-    own = count
-    turn = 2.0 * math.pi
-    q = np.empty(row.shape[1])
-    for d in range(row.shape[1]):
-        if chain.prismatic[d] or upper[d] - lower[d] < turn:
-            continue
-        for i in range(own):
-            for side in range(2):
-                value = row[i, d] + (turn if side == 0 else -turn)
-                if lower[d] <= value <= upper[d]:
-                    q[:] = row[i]
-                    q[d] = value
-                    count = _keep(q, 1e-4, row, count)
-    return count

@@ -15,8 +15,8 @@ __all__ = ["choose_least_motion", "stack_targets"]
 
 _CAP = 40
 """Candidates kept of a waypoint."""
-_FIRST = 64
-"""Evenly spread seeds of the first waypoint."""
+_FIRST = 100
+"""Evenly spread seeds of the first waypoint, and of one far from the one before."""
 _FRESH = 4
 """Evenly spread seeds of every further waypoint."""
 _PATHS = 6
@@ -50,8 +50,8 @@ def choose_least_motion(problem: WaypointProblem) -> Chosen:
         targets,
         seeds,
         problem.q_start,
-        lower,
-        upper,
+        arm.lower,
+        arm.upper,
         _CAP,
         _FIRST,
         _FRESH,
@@ -60,7 +60,17 @@ def choose_least_motion(problem: WaypointProblem) -> Chosen:
     )
     problem.clock.check()
     evaluations += int(candidates.evaluations[0]) + _rescue(problem, candidates)
-    paths = distinct_paths(candidates, problem.q_start, problem.start_free, _PATHS, 0.6, 0.1)
+    paths = distinct_paths(
+        arm.chain,
+        candidates,
+        problem.q_start,
+        problem.start_free,
+        arm.lower,
+        arm.upper,
+        _PATHS,
+        0.6,
+        0.1,
+    )
     best, best_length = paths[0], np.inf
     for q in paths:
         problem.clock.check({"q": best.tolist()})
@@ -70,8 +80,8 @@ def choose_least_motion(problem: WaypointProblem) -> Chosen:
             q,
             problem.q_start,
             problem.start_free,
-            lower,
-            upper,
+            arm.lower,
+            arm.upper,
             60,
             1e-5,
         )

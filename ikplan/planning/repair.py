@@ -18,6 +18,7 @@ from ikplan.planning.candidates import grow_candidates
 from ikplan.planning.freedom import counts_orientation, freedom_of
 from ikplan.planning.least_motion import stack_targets
 from ikplan.planning.route import Route, RouteProblem, lay_route
+from ikplan.planning.turns import with_copies
 from ikplan.request import Frame, PathRequest
 
 __all__ = ["find_repairs"]
@@ -84,21 +85,20 @@ def _other_branch(problem: RouteProblem) -> Iterator[_Try]:
         return
     arm = problem.solver.arm
     R, p = forward(arm.chain, problem.q_start)
-    lower, upper = arm.search_bounds(problem.q_start)
     found = grow_candidates(
         arm.chain,
         stack_targets([pose_target(p, R)]),
         np.empty((1, 0, arm.dof)),
         problem.q_start,
-        lower,
-        upper,
+        arm.lower,
+        arm.upper,
         40,
         100,
         0,
         0.5,
         1e-9,
     )
-    branches = found.q[0, : found.counts[0]]
+    branches = with_copies(arm, found.q[0, : found.counts[0]])
     order = np.argsort(np.linalg.norm(branches - problem.q_start, axis=1), kind="stable")
     for q in branches[order][:_MOST_BRANCHES]:
         if np.abs(q - problem.q_start).max() < 1e-3:

@@ -20,6 +20,7 @@ from ikplan.planning.least_motion import stack_targets
 from ikplan.planning.lost import lost_path
 from ikplan.planning.problem import WaypointProblem
 from ikplan.planning.single import solve_waypoint
+from ikplan.planning.turns import with_copies
 from ikplan.request import IkOptions, PathRequest
 from ikplan.robots import Robot
 from ikplan.timing import JointLimits
@@ -240,14 +241,13 @@ class _Layer:
     def _branches(self, waypoints: WaypointProblem) -> tuple[Array, int]:
         """Solutions of the one target there is, nearest first, shape (c, dof); evaluations."""
         arm = self.problem.solver.arm
-        lower, upper = arm.search_bounds(waypoints.q_start)
         found = grow_candidates(
             arm.chain,
             stack_targets(waypoints.targets),
             np.empty((1, 0, arm.dof)),
             waypoints.q_start,
-            lower,
-            upper,
+            arm.lower,
+            arm.upper,
             2 * _STARTS,
             150,
             0,
@@ -255,7 +255,7 @@ class _Layer:
             1e-9,
         )
         evaluations = int(found.evaluations[0])
-        q = found.q[0, : found.counts[0]]
+        q = with_copies(arm, found.q[0, : found.counts[0]])
         if len(q) == 0:
             one, spent = solve_waypoint(waypoints, 0, waypoints.q_start)
             return one[None], evaluations + spent

@@ -72,7 +72,9 @@ def test_the_ladder_finds_the_shortest_path_of_all(seed, free):
     q = rng.normal(size=(4, 4, 3))
     start = rng.normal(size=3)
     candidates = Candidates(q, counts, np.zeros(1, dtype=np.int64))
-    paths = distinct_paths(candidates, start, free, 5, 1e-9, 10.0)
+    chain = arm_of(load_robot("eod_arm")).chain
+    limits = np.full(3, 3.0)  # no room for a full turn
+    paths = distinct_paths(chain, candidates, start, free, -limits, limits, 5, 1e-9, 10.0)
     lengths = sorted(
         motion_length(np.array([q[k, i] for k, i in enumerate(rows)]), start, free)
         for rows in itertools.product(*map(range, counts))
@@ -138,7 +140,7 @@ def test_the_branches_of_the_ur5_are_all_found() -> None:
 def test_the_polish_shortens_to_a_stationary_point(name: str, seed: int, start_free: bool) -> None:
     robot, targets = along(name, 6, seed)
     found, stacked, lower, upper, home = grown(robot, targets)
-    q = distinct_paths(found, home, start_free, 1, 0.6, 0.1)[0]
+    q = distinct_paths(arm_of(robot).chain, found, home, start_free, lower, upper, 1, 0.6, 0.1)[0]
     before = motion_length(q, home, start_free)
     length, _ = polish(arm_of(robot).chain, stacked, q, home, start_free, lower, upper, 200, 1e-12)
     assert length <= before
@@ -169,7 +171,7 @@ def test_the_polish_shortens_to_a_stationary_point(name: str, seed: int, start_f
 def test_the_polish_leaves_the_only_solution_alone() -> None:
     robot, targets = along("ur5", 3, 5)
     found, stacked, lower, upper, home = grown(robot, targets)
-    q = distinct_paths(found, home, False, 1, 0.6, 0.1)[0]
+    q = distinct_paths(arm_of(robot).chain, found, home, False, lower, upper, 1, 0.6, 0.1)[0]
     before = q.copy()
     polish(arm_of(robot).chain, stacked, q, home, False, lower, upper, 50, 1e-9)
     np.testing.assert_array_equal(q, before)

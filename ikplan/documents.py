@@ -32,6 +32,7 @@ __all__ = [
     "Document",
     "Floats",
     "Matrix",
+    "Number",
     "Vec3",
     "Vector",
     "content_hash",

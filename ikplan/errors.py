@@ -95,6 +95,10 @@ class IkplanError(Exception):
         return _rebuild, (type(self), self.detail, self.data)
 
 
+def _shortened(text: str, length: int = 4000) -> str:
+    return text if len(text) <= length else f"{text[:length]}..."
+
+
 def _rebuild(cls: type[IkplanError], detail: str, data: Mapping[str, Any]) -> IkplanError:
     return cls(detail, **data)
 
@@ -199,10 +203,11 @@ class InvalidRobot(IkplanError):
         value: Any = None,
         valid: Sequence[str] = (),
     ) -> None:
-        super().__init__(detail)
+        # A description may put a megabyte where a number belongs; who reads this needs its start.
+        super().__init__(_shortened(detail))
         self.robot = robot
         self.joint = joint
-        self.value = value
+        self.value = _shortened(value) if isinstance(value, str) else value
         self.valid = list(valid)
 
 

@@ -109,7 +109,8 @@ def _torque(robot: Robot, asked: bool | list[float]) -> Array:
     info = robot.info()
     if not info.inertias_sourced:
         raise InvalidRequest(
-            f"limits.torque: {robot.name} has no sourced inertias, so its torques cannot be known",
+            f"limits.torque: {robot.name} has no sourced inertias, so its torques cannot be known"
+            + "".join(f" ({note})" for note in info.notes if note.startswith("torques ")),
             field="limits.torque",
             allowed="robots whose description gives the inertias of every link; or false",
         )

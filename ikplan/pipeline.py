@@ -161,10 +161,12 @@ def _pose_solver(robot: Robot, request: PlanRequest) -> PoseSolver:
     )
 
 
-def solve_ik_request(request: Mapping[str, Any] | IkRequest) -> IkSolution:
+def solve_ik_request(
+    request: Mapping[str, Any] | IkRequest, *, robot: Robot | None = None
+) -> IkSolution:
     """Solve the single pose of an IK request; see :func:`ikplan.solve_ik`."""
     request = parse(IkRequest, request)
-    robot = catalogue_robot(request.robot)
+    robot = robot or catalogue_robot(request.robot)
     robot = _with_tool(robot, request.tool)
     pose: Any = np.array(request.position)
     if request.quaternion_xyzw is not None:
@@ -184,10 +186,10 @@ def solve_ik_request(request: Mapping[str, Any] | IkRequest) -> IkSolution:
     )
 
 
-def fk_request(request: Mapping[str, Any] | FkRequest) -> FkResult:
+def fk_request(request: Mapping[str, Any] | FkRequest, *, robot: Robot | None = None) -> FkResult:
     """Return the tool pose of the joint values of an FK request."""
     request = parse(FkRequest, request)
-    robot = catalogue_robot(request.robot)
+    robot = robot or catalogue_robot(request.robot)
     robot = _with_tool(robot, request.tool)
     q = np.array(request.q)
     pose = pin.SE3ToXYZQUAT(robot.fk(q))

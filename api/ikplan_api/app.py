@@ -13,6 +13,8 @@ import ikplan
 from ikplan_api import openapi, problems
 from ikplan_api.middleware import RequestIdMiddleware
 from ikplan_api.planner import Planner, ThreadPlanner
+from ikplan_api.robot_builder import RobotBuilder
+from ikplan_api.robot_store import MemoryRobotStore, RobotStore
 from ikplan_api.routes import ROUTERS
 from ikplan_api.settings import Settings, load_settings
 from ikplan_api.store import MemoryStore, PlanStore
@@ -27,6 +29,7 @@ def create_app(
     *,
     planner: Planner | None = None,
     store: PlanStore | None = None,
+    robots: RobotStore | None = None,
 ) -> FastAPI:
     """Put the service together.
 
@@ -34,6 +37,7 @@ def create_app(
         settings: What the operator set; None: read from the environment.
         planner: Who plans; None: as many threads as the settings say.
         store: Where finished plans are kept; None: in memory.
+        robots: Where uploaded robots are kept; None: in memory.
 
     Returns:
         The application. Its lifespan warms the planner up in the background, so that ``/livez``
@@ -60,6 +64,8 @@ def create_app(
     app.state.settings = settings
     app.state.planner = planner or ThreadPlanner(settings.worker_count, settings.max_queued)
     app.state.store = store or MemoryStore(settings.store_plans, settings.store_bytes)
+    app.state.robots = robots or MemoryRobotStore(settings.store_robots, settings.store_robot_bytes)
+    app.state.robot_builder = RobotBuilder(settings.robot_memory_bytes, settings.robot_timeout_s)
     for router in ROUTERS:
         app.include_router(router)
     problems.install(app)

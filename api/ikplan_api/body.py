@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from fastapi import Request
 
 from ikplan.errors import InvalidRequest
 from ikplan_api.problems import Refusal
 
-__all__ = ["read_json_body"]
+__all__ = ["media_type_of", "read_body", "read_json_body"]
+
+_JSON = "application/json"
 
 
 async def read_json_body(request: Request) -> bytes:
@@ -16,16 +20,34 @@ async def read_json_body(request: Request) -> bytes:
     Raises:
         Refusal: 415, not JSON; 413, too long, told as soon as it is known.
     """
-    limit: int = request.app.state.settings.max_body_bytes
-    media_type = request.headers.get("content-type", "").partition(";")[0].strip().lower()
-    if media_type != "application/json":
+    return await read_body(request, [_JSON], request.app.state.settings.max_body_bytes)
+
+
+def media_type_of(request: Request) -> str:
+    """Return what a request says its body is, without parameters."""
+    return request.headers.get("content-type", "").partition(";")[0].strip().lower()
+
+
+async def read_body(request: Request, accepted: Sequence[str], limit: int) -> bytes:
+    """Return the body of a request, as it came.
+
+    Args:
+        request: The request.
+        accepted: Media types that it may say it is.
+        limit: Longest body [bytes].
+
+    Raises:
+        Refusal: 415, of another type; 413, too long, told as soon as it is known.
+    """
+    media_type = media_type_of(request)
+    if media_type not in accepted:
         # Also what keeps a foreign web page from posting here without asking the browser.
         got = f"not {media_type!r}" if media_type else "and there is none"
         raise Refusal(
             InvalidRequest(
-                f"the header Content-Type must be application/json, {got}",
+                f"the header Content-Type must be {' or '.join(accepted)}, {got}",
                 field="",
-                allowed="application/json",
+                allowed=accepted[0] if len(accepted) == 1 else list(accepted),
             ),
             status=415,
         )

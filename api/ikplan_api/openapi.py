@@ -13,14 +13,21 @@ from pydantic.json_schema import models_json_schema
 
 from ikplan import errors
 from ikplan.request import FkRequest, IkRequest, PlanRequest
+from ikplan.robots import RobotUpload
 from ikplan.timing_request import TimingRequest
 from ikplan_api.problems import PROBLEM
 from ikplan_api.schemas import PROBLEMS, Problem
 
-__all__ = ["install", "operation_id", "problems", "request_body"]
+__all__ = ["install", "operation_id", "problems", "request_body", "upload_body"]
 
 _REF = "#/components/schemas/{model}"
-_REQUESTS: tuple[type[BaseModel], ...] = (PlanRequest, TimingRequest, IkRequest, FkRequest)
+_REQUESTS: tuple[type[BaseModel], ...] = (
+    PlanRequest,
+    TimingRequest,
+    IkRequest,
+    FkRequest,
+    RobotUpload,
+)
 
 
 def operation_id(route: APIRoute) -> str:
@@ -36,6 +43,25 @@ def request_body(model: type[BaseModel], example: dict[str, Any]) -> dict[str, A
     """Document a JSON body that the route reads by itself."""
     content = {"application/json": {"schema": _ref(model), "example": example}}
     return {"requestBody": {"required": True, "content": content}}
+
+
+def upload_body(
+    model: type[BaseModel], example: dict[str, Any], xml: Sequence[str], query: Sequence[str]
+) -> dict[str, Any]:
+    """Document a body that is JSON, or XML with some fields of the JSON in the query."""
+    made = request_body(model, example)
+    text = {"schema": {"type": "string"}, "example": example["urdf"]}
+    made["requestBody"]["content"] |= dict.fromkeys(xml, text)
+    made["parameters"] = [
+        {
+            "name": name,
+            "in": "query",
+            "description": f"With an XML body: {model.model_fields[name].description}",
+            "schema": {"type": "string", "minLength": 1, "maxLength": 200},
+        }
+        for name in query
+    ]
+    return made
 
 
 def problems(*classes: type[errors.IkplanError]) -> dict[int | str, dict[str, Any]]:

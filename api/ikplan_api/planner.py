@@ -26,8 +26,13 @@ class Planner(Protocol):
     def ready(self) -> bool:
         """Whether a request would be answered without waiting for a compiler."""
 
-    async def run(self, kind: str, document: bytes) -> Answer:
+    async def run(self, kind: str, document: bytes, *, robot: bytes | None = None) -> Answer:
         """Do one task of :data:`ikplan_api.tasks.TASKS`.
+
+        Args:
+            kind: Name of the task.
+            document: The request document as it came in.
+            robot: The upload of the robot that it names; None: it names one of the catalogue.
 
         Raises:
             IkplanError: The verdict on the request.
@@ -65,8 +70,13 @@ class ThreadPlanner:
         """Whether the kernels are compiled and the robots loaded."""
         return self._ready
 
-    async def run(self, kind: str, document: bytes) -> Answer:
+    async def run(self, kind: str, document: bytes, *, robot: bytes | None = None) -> Answer:
         """Do one task of :data:`ikplan_api.tasks.TASKS`.
+
+        Args:
+            kind: Name of the task.
+            document: The request document as it came in.
+            robot: The upload of the robot that it names; None: it names one of the catalogue.
 
         Raises:
             IkplanError: The verdict on the request.
@@ -82,7 +92,7 @@ class ThreadPlanner:
                 )
             self._taken += 1
         try:
-            future = self._executor.submit(tasks.run_task, kind, document)
+            future = self._executor.submit(tasks.run_task, kind, document, robot)
         except RuntimeError as error:  # shut down
             self._release()
             raise ServiceUnavailable(

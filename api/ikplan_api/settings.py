@@ -8,6 +8,7 @@ from pydantic import Field, ValidationError
 from pydantic_settings import BaseSettings, SettingsConfigDict
 
 from ikplan.errors import InvalidRequest
+from ikplan.robots.safe_xml import MAX_BYTES
 
 __all__ = ["Settings", "load_settings"]
 
@@ -30,6 +31,19 @@ class Settings(BaseSettings):
     max_body_bytes: int = Field(8 * 2**20, ge=1024, description="Largest request body [bytes].")
     store_plans: int = Field(256, ge=0, description="Finished plans kept for GET /v1/plans/{id}.")
     store_bytes: int = Field(256 * 2**20, ge=0, description="Size of all plans kept [bytes].")
+    max_urdf_bytes: int = Field(
+        2**20, ge=1024, le=MAX_BYTES, description="Largest URDF or SRDF uploaded [bytes]."
+    )
+    store_robots: int = Field(64, ge=1, description="Uploaded robots kept.")
+    store_robot_bytes: int = Field(
+        64 * 2**20, ge=8 * 2**20, description="Size of all uploaded robots kept [bytes]."
+    )
+    robot_memory_bytes: int = Field(
+        2**30, ge=2**29, description="Memory for building an uploaded robot [bytes]."
+    )
+    robot_timeout_s: float = Field(
+        20.0, gt=0, le=600, description="Time for building an uploaded robot [s]."
+    )
 
     @property
     def worker_count(self) -> int:

@@ -17,7 +17,7 @@ from ikplan.ik.registry import find_solver, solvers
 from ikplan.pipeline import fk_request, plan, solve_ik_request
 from ikplan.request import FkRequest, IkRequest, PlanRequest
 from ikplan.retiming import time_request
-from ikplan.robots import catalogue_robot, robot_names
+from ikplan.robots import Robot, RobotUpload, catalogue_robot, robot_names
 from ikplan.timing_request import TimingRequest
 
 __all__ = ["TASKS", "Answer", "robots_document", "run_task", "solvers_document", "warm_up"]
@@ -35,36 +35,49 @@ class Answer(NamedTuple):
     plan_id: str | None = None
 
 
-def make_plan(body: bytes) -> Answer:
+def make_plan(body: bytes, upload: bytes | None = None) -> Answer:
     """Answer ``POST /v1/plans``."""
     request = parse_json(PlanRequest, body)
-    # The catalogue's, always: a name that is a path never reaches the file system.
-    made = plan(request, robot=catalogue_robot(request.robot))
+    made = plan(request, robot=_robot(request.robot, upload))
     return Answer(made.model_dump_json().encode(), made.id)
 
 
-def make_timing(body: bytes) -> Answer:
+def make_timing(body: bytes, upload: bytes | None = None) -> Answer:
     """Answer ``POST /v1/timings``."""
     request = parse_json(TimingRequest, body)
-    made = time_request(request, robot=catalogue_robot(request.robot))  # never a path
+    made = time_request(request, robot=_robot(request.robot, upload))
     return Answer(made.model_dump_json().encode(), made.id)
 
 
-def answer_ik(body: bytes) -> Answer:
+def answer_ik(body: bytes, upload: bytes | None = None) -> Answer:
     """Answer ``POST /v1/ik``."""
     request = parse_json(IkRequest, body)
-    catalogue_robot(request.robot)  # never a path
-    return Answer(solve_ik_request(request).model_dump_json().encode())
+    made = solve_ik_request(request, robot=_robot(request.robot, upload))
+    return Answer(made.model_dump_json().encode())
 
 
-def answer_fk(body: bytes) -> Answer:
+def answer_fk(body: bytes, upload: bytes | None = None) -> Answer:
     """Answer ``POST /v1/fk``."""
     request = parse_json(FkRequest, body)
-    catalogue_robot(request.robot)  # never a path
-    return Answer(fk_request(request).model_dump_json().encode())
+    made = fk_request(request, robot=_robot(request.robot, upload))
+    return Answer(made.model_dump_json().encode())
 
 
-TASKS: dict[str, Callable[[bytes], Answer]] = {
+def _robot(name: str, upload: bytes | None) -> Robot:
+    """The robot of a request: of the catalogue or uploaded, so that a name is never a path."""
+    if upload is not None:
+        robot = _uploaded(upload)
+        if robot.name == name:
+            return robot
+    return catalogue_robot(name)
+
+
+@functools.lru_cache(maxsize=64)
+def _uploaded(document: bytes) -> Robot:
+    return parse_json(RobotUpload, document).robot()
+
+
+TASKS: dict[str, Callable[[bytes, bytes | None], Answer]] = {
     "plan": make_plan,
     "time": make_timing,
     "ik": answer_ik,
@@ -72,17 +85,18 @@ TASKS: dict[str, Callable[[bytes], Answer]] = {
 }
 
 
-def run_task(kind: str, body: bytes) -> Answer:
+def run_task(kind: str, body: bytes, upload: bytes | None = None) -> Answer:
     """Do one task.
 
     Args:
         kind: Name of the task, a key of :data:`TASKS`.
         body: The request document as it came in.
+        upload: The robot that it names, as uploaded; None: it names one of the catalogue.
 
     Raises:
         IkplanError: The verdict on the request.
     """
-    return TASKS[kind](body)
+    return TASKS[kind](body, upload)
 
 
 @functools.cache

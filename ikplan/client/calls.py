@@ -12,7 +12,19 @@ from ikplan.request import FkRequest, IkRequest, PlanRequest
 from ikplan.result import FkResult, IkSolution, Plan
 from ikplan.timing_request import TimingRequest
 
-__all__ = ["fk", "get_plan", "ik", "plan", "robot", "robots", "solvers", "time", "version"]
+__all__ = [
+    "delete_robot",
+    "fk",
+    "get_plan",
+    "ik",
+    "plan",
+    "robot",
+    "robots",
+    "solvers",
+    "time",
+    "upload_robot",
+    "version",
+]
 
 
 def plan(request: Mapping[str, Any] | PlanRequest) -> Call[Plan]:
@@ -48,6 +60,17 @@ def robots() -> Call[list[dict[str, Any]]]:
 def robot(name: str) -> Call[dict[str, Any]]:
     """Describe a robot."""
     return Call("GET", f"/v1/robots/{quote(name, safe='')}", _object)
+
+
+def upload_robot(urdf: str | bytes, options: Mapping[str, Any]) -> Call[dict[str, Any]]:
+    """Upload a robot."""
+    text = urdf.decode() if isinstance(urdf, bytes) else urdf
+    return Call("POST", "/v1/robots", _object, encode({"urdf": text, **options}))
+
+
+def delete_robot(name: str) -> Call[None]:
+    """Forget an uploaded robot."""
+    return Call("DELETE", f"/v1/robots/{quote(name, safe='')}", lambda _: None)
 
 
 def solvers() -> Call[list[dict[str, Any]]]:

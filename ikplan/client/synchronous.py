@@ -128,6 +128,30 @@ class Client:
         """
         return self._send(calls.robot(name))
 
+    def upload_robot(self, urdf: str | bytes, **options: Any) -> dict[str, Any]:
+        """Upload a robot of one's own.
+
+        Args:
+            urdf: The content of the URDF.
+            **options: What goes with it: ``srdf``, ``group``, ``base``, ``tip``, ``title``,
+                ``tool``, ``joints``, ``home``.
+
+        Returns:
+            What :meth:`robot` tells; its ``name`` is what requests call the robot.
+
+        Raises:
+            InvalidRobot: The description makes no sense: which joint or link, and why.
+        """
+        return self._send(calls.upload_robot(urdf, options))
+
+    def delete_robot(self, name: str) -> None:
+        """Forget an uploaded robot.
+
+        Raises:
+            RobotNotFound: The service keeps no robot of that name.
+        """
+        self._send(calls.delete_robot(name))
+
     def solvers(self) -> list[dict[str, Any]]:
         """List the solvers, with their parameters and defaults."""
         return self._send(calls.solvers())

@@ -8,13 +8,17 @@ from ikplan.robots.folders import robot_names
 from ikplan.robots.info import JointInfo, LimitSourceInfo, RobotInfo
 from ikplan.robots.load import catalogue_robot, load_robot, robot_from_urdf
 from ikplan.robots.robot import Robot
+from ikplan.robots.upload import JointLimits, RobotUpload, is_upload_id
 
 __all__ = [
     "JointInfo",
+    "JointLimits",
     "LimitSourceInfo",
     "Robot",
     "RobotInfo",
+    "RobotUpload",
     "catalogue_robot",
+    "is_upload_id",
     "load_robot",
     "robot_from_urdf",
     "robot_names",

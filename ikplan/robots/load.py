@@ -9,7 +9,8 @@ from pathlib import Path
 
 from ikplan.errors import InvalidRobot
 from ikplan.robots.chains import axes_tree, dh_tree
-from ikplan.robots.describe import describe_file, describe_urdf
+from ikplan.robots.describe import describe_file
+from ikplan.robots.describe_urdf import describe_urdf
 from ikplan.robots.folders import package_file, robot_folder
 from ikplan.robots.robot import Robot
 from ikplan.robots.safe_xml import MAX_BYTES

@@ -58,7 +58,7 @@ def gate(monkeypatch: pytest.MonkeyPatch):
     """Makes every task wait until the gate is opened."""
     opened = threading.Event()
 
-    def wait(_: bytes) -> Answer:
+    def wait(*_: object) -> Answer:
         assert opened.wait(30)
         return Answer(b"{}")
 
@@ -110,7 +110,7 @@ def test_the_client_learns_when_to_ask_a_busy_service_again(gate):
 
 
 def test_room_is_given_back_whatever_becomes_of_a_task(monkeypatch: pytest.MonkeyPatch):
-    def fail(_: bytes) -> Answer:
+    def fail(*_: object) -> Answer:
         raise IkplanError("no")
 
     monkeypatch.setitem(tasks.TASKS, "fk", fail)
@@ -130,7 +130,7 @@ def test_room_is_given_back_whatever_becomes_of_a_task(monkeypatch: pytest.Monke
 
 
 def test_an_unforeseen_fault_is_a_problem_without_a_traceback(monkeypatch: pytest.MonkeyPatch):
-    def crash(_: bytes) -> Answer:
+    def crash(*_: object) -> Answer:
         raise ZeroDivisionError("secret")
 
     monkeypatch.setitem(tasks.TASKS, "fk", crash)
@@ -153,7 +153,7 @@ class Unready:
 
     ready = False
 
-    async def run(self, kind: str, document: bytes) -> Answer:
+    async def run(self, kind: str, document: bytes, *, robot: bytes | None = None) -> Answer:
         raise NotImplementedError
 
     async def warm_up(self) -> None:

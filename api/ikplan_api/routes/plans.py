@@ -11,6 +11,7 @@ from ikplan_api.body import read_json_body
 from ikplan_api.openapi import problems, request_body
 from ikplan_api.planner import Planner
 from ikplan_api.store import PlanStore
+from ikplan_api.uploads import robot_document
 
 __all__ = ["router"]
 
@@ -50,7 +51,8 @@ async def create_plan(request: Request) -> Response:
     """
     planner: Planner = request.app.state.planner
     store: PlanStore = request.app.state.store
-    answer = await planner.run("plan", await read_json_body(request))
+    body = await read_json_body(request)
+    answer = await planner.run("plan", body, robot=await robot_document(request, body))
     headers = {}
     if answer.plan_id is not None:
         await store.put(answer.plan_id, answer.document)

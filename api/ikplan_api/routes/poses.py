@@ -10,6 +10,7 @@ from ikplan.result import FkResult, IkSolution
 from ikplan_api.body import read_json_body
 from ikplan_api.openapi import problems, request_body
 from ikplan_api.planner import Planner
+from ikplan_api.uploads import robot_document
 
 __all__ = ["router"]
 
@@ -18,7 +19,8 @@ router = APIRouter(prefix="/v1", tags=["poses"])
 
 async def _answer(request: Request, kind: str) -> Response:
     planner: Planner = request.app.state.planner
-    answer = await planner.run(kind, await read_json_body(request))
+    body = await read_json_body(request)
+    answer = await planner.run(kind, body, robot=await robot_document(request, body))
     return Response(answer.document, media_type="application/json")
 
 

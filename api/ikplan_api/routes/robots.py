@@ -1,27 +1,84 @@
-"""What there is to plan with: robots and solvers."""
+"""What there is to plan with: robots, uploaded ones too, and solvers."""
 
 from __future__ import annotations
 
 import asyncio
+import json
 
-from fastapi import APIRouter, Response
+from fastapi import APIRouter, Request, Response
 
 from ikplan import errors
-from ikplan.robots import RobotInfo, catalogue_robot
+from ikplan.robots import RobotInfo, RobotUpload, catalogue_robot, is_upload_id
 from ikplan_api import tasks
-from ikplan_api.openapi import problems
+from ikplan_api.openapi import problems, upload_body
+from ikplan_api.problems import Refusal
+from ikplan_api.robot_builder import RobotBuilder
+from ikplan_api.robot_store import RobotStore, StoredRobot
 from ikplan_api.schemas import RobotList, SolverList
+from ikplan_api.uploads import QUERY, XML, read_upload, stored_robot
 
 __all__ = ["router"]
 
 router = APIRouter(prefix="/v1", tags=["robots and solvers"])
 
+_JSON = "application/json"
+_URDF = (
+    '<robot name="two"><link name="base"/><link name="arm"/><link name="tool"/>'
+    '<joint name="shoulder" type="revolute"><parent link="base"/><child link="arm"/>'
+    '<axis xyz="0 0 1"/><limit lower="-3" upper="3" velocity="2" effort="0"/></joint>'
+    '<joint name="elbow" type="revolute"><origin xyz="0.4 0 0"/><parent link="arm"/>'
+    '<child link="tool"/><axis xyz="0 1 0"/>'
+    '<limit lower="-2" upper="2" velocity="2" effort="0"/></joint></robot>'
+)
+_EXAMPLE = {"urdf": _URDF, "title": "Two joints", "tool": {"position": [0.3, 0.0, 0.0]}}
+
 
 @router.get("/robots", summary="List the robots", response_model=RobotList, responses=problems())
-async def list_robots() -> Response:
-    """Return every robot of the catalogue with its joints, limits, home, frames and sources."""
+async def list_robots(request: Request) -> Response:
+    """Return every robot with its joints, limits, home, frames and sources; uploads come last."""
     document = await asyncio.to_thread(tasks.robots_document)
-    return Response(document, media_type="application/json")
+    store: RobotStore = request.app.state.robots
+    kept = [await store.get(name) for name in await store.names()]
+    uploads = [robot.info for robot in kept if robot is not None]
+    if uploads:
+        document = document.removesuffix(b"]}") + b"," + b",".join(uploads) + b"]}"
+    return Response(document, media_type=_JSON)
+
+
+@router.post(
+    "/robots",
+    summary="Upload a robot",
+    response_model=RobotInfo,
+    status_code=201,
+    responses={
+        200: {"model": RobotInfo, "description": "The robot was there already"},
+        **problems(errors.InvalidRequest, errors.InvalidRobot, errors.ServiceUnavailable),
+    },
+    openapi_extra=upload_body(RobotUpload, _EXAMPLE, XML, QUERY),
+)
+async def upload_robot(request: Request) -> Response:
+    """Take a URDF, as it is or in a JSON document with an SRDF, limits, home and tool.
+
+    The ``name`` in the answer is the robot's id, for the field ``robot`` of any request: a hash
+    of the upload, so that the same upload has the same name. Meshes are never opened.
+    """
+    upload = await read_upload(request)
+    # Bounded and checked here; only what passes reaches Pinocchio, in a process of its own.
+    await asyncio.to_thread(upload.describe)
+    name, document = upload.content_id(), upload.canonical()
+    builder: RobotBuilder = request.app.state.robot_builder
+    store: RobotStore = request.app.state.robots
+    known = await store.get(name)
+    if known is None:
+        info = await builder.build(document, name=name)
+        known = StoredRobot(document, json.dumps(info, allow_nan=False).encode())
+    new = await store.put(name, known)
+    return Response(
+        known.info,
+        status_code=201 if new else 200,
+        media_type=_JSON,
+        headers={"location": f"{router.prefix}/robots/{name}"},
+    )
 
 
 @router.get(
@@ -30,14 +87,40 @@ async def list_robots() -> Response:
     response_model=RobotInfo,
     responses=problems(errors.RobotNotFound),
 )
-async def get_robot(name: str) -> Response:
+async def get_robot(request: Request, name: str) -> Response:
     """Return one robot with its joints, limits, home, frames and sources."""
+    if is_upload_id(name):
+        return Response((await stored_robot(request, name)).info, media_type=_JSON)
     robot = await asyncio.to_thread(catalogue_robot, name)
-    return Response(robot.info().model_dump_json(), media_type="application/json")
+    return Response(robot.info().model_dump_json(), media_type=_JSON)
+
+
+@router.delete(
+    "/robots/{name}",
+    summary="Forget an uploaded robot",
+    status_code=204,
+    response_class=Response,
+    responses=problems(errors.RobotNotFound, errors.InvalidRequest),
+)
+async def delete_robot(request: Request, name: str) -> Response:
+    """Forget an uploaded robot; plans already made stay. Robots of the catalogue stay too."""
+    if not is_upload_id(name):
+        robot = await asyncio.to_thread(catalogue_robot, name)
+        raise Refusal(
+            errors.InvalidRequest(
+                f"{robot.name!r} is a robot of the catalogue; only uploaded ones can be deleted",
+                field="name",
+            ),
+            status=403,
+        )
+    await stored_robot(request, name)
+    store: RobotStore = request.app.state.robots
+    await store.delete(name)
+    return Response(status_code=204)
 
 
 @router.get("/solvers", summary="List the solvers", response_model=SolverList, responses=problems())
 async def list_solvers() -> Response:
     """Return every solver with its source, its parameters and their defaults."""
     document = await asyncio.to_thread(tasks.solvers_document)
-    return Response(document, media_type="application/json")
+    return Response(document, media_type=_JSON)

@@ -1,0 +1,180 @@
+"""Robots of one's own, over HTTP: in, used, described, forgotten."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator
+
+import httpx
+import numpy as np
+import pytest
+
+import ikplan
+from ikplan import Client, InvalidRobot, RobotNotFound
+from ikplan.robots import robot_from_urdf
+from ikplan_api.build_robot import _build
+from ikplan_api.robot_builder import RobotBuilder
+from ikplan_api.robot_store import MemoryRobotStore, StoredRobot
+
+from .urdfs import ARM, chain
+
+XML = {"content-type": "application/xml"}
+Q = [0.1, 0.5, -0.2, 0.7, 0.3, 0.6]
+
+
+@pytest.fixture(scope="module")
+def arm(client: Client) -> Iterator[str]:
+    name = client.upload_robot(ARM, title="Arm")["name"]
+    yield name
+    client.delete_robot(name)
+
+
+def test_an_upload_is_described_listed_and_answered_again(http, arm):
+    again = http.post("/v1/robots", json={"urdf": ARM, "title": "Arm"})
+    assert again.status_code == 200
+    assert again.headers["location"] == f"/v1/robots/{arm}"
+    described = http.get(again.headers["location"]).json()
+    assert described == again.json()
+    assert (described["name"], described["title"], described["dof"]) == (arm, "Arm", 6)
+    assert http.get("/v1/robots").json()["robots"][-1] == described
+
+
+def test_a_urdf_can_be_sent_as_it_is(http):
+    answer = http.post("/v1/robots?tip=l4&title=Short", content=ARM, headers=XML)
+    assert answer.status_code == 201
+    info = answer.json()
+    assert (info["tip_frame"], info["dof"], info["title"]) == ("l4", 4, "Short")
+    twin = http.post("/v1/robots", json={"urdf": ARM, "tip": "l4", "title": "Short"})
+    assert (twin.status_code, twin.json()) == (200, info)
+    assert http.delete(f"/v1/robots/{info['name']}").status_code == 204
+
+
+def test_every_request_can_name_it(client, arm):
+    local = robot_from_urdf(ARM)
+    pose = local.fk(Q)
+    assert np.array_equal(client.fk({"robot": arm, "q": Q}).position, pose.translation)
+    target = {"position": pose.translation, "quaternion_xyzw": [0, 0, 0, 1]}
+    solution = client.ik({"robot": arm, "position": target["position"], "start": Q})
+    reached = local.fk(solution.q).translation
+    assert np.linalg.norm(reached - pose.translation) <= 1e-6
+    path = {"waypoints": [{"position": pose.translation}, {"position": local.fk([0] * 6)}]}
+    path["waypoints"][1]["position"] = local.fk([v + 0.1 for v in Q]).translation
+    plan = client.plan({"robot": arm, "start": Q, "path": path})
+    assert plan.certificate.valid
+    assert plan.robot == arm
+    ends = local.fk(plan.trajectory.q[-1]).translation
+    assert np.linalg.norm(ends - path["waypoints"][1]["position"]) <= 1e-4
+    assert client.plan({"robot": arm, "start": Q, "path": path}).id == plan.id
+    timed = client.time({"robot": arm, "waypoints": [Q, [0.0] * 6]})
+    assert timed.certificate.valid
+
+
+def test_torques_of_a_robot_without_inertias_are_refused_with_the_reason(client, arm):
+    request = {"robot": arm, "waypoints": [Q, [0.0] * 6], "limits": {"torque": True}}
+    with pytest.raises(ikplan.InvalidRequest, match=r"link 'l1' .on joint 'j1'. has no mass"):
+        client.time(request)
+
+
+def test_a_forgotten_robot_is_not_found_and_neither_is_one_never_seen(client, http):
+    name = client.upload_robot(chain(3))["name"]
+    client.delete_robot(name)
+    for gone in (name, "urdf-" + "0" * 32):
+        for call in (client.robot, client.delete_robot):
+            with pytest.raises(RobotNotFound):
+                call(gone)
+        with pytest.raises(RobotNotFound, match="upload it again") as caught:
+            client.fk({"robot": gone, "q": [0.0] * 3})
+        assert "iiwa14" in caught.value.valid
+    assert name not in http.get("/v1/robots").text
+
+
+def test_the_catalogue_cannot_be_deleted(http):
+    answer = http.delete("/v1/robots/iiwa14")
+    assert answer.status_code == 403
+    assert "catalogue" in answer.json()["detail"]
+    assert http.delete("/v1/robots/iiwa41").status_code == 404
+    assert http.get("/v1/robots/iiwa14").status_code == 200
+
+
+@pytest.mark.parametrize(
+    ("query", "headers", "body", "status", "said"),
+    [
+        ("", {"content-type": "text/plain"}, ARM, 415, "application/json or application/xml"),
+        ("", {}, ARM, 415, "there is none"),
+        ("?home=1", XML, ARM, 422, "home: unknown field; known fields: base, tip, title"),
+        ("?tip=l3", {"content-type": "application/json"}, "{}", 422, "into the document"),
+        ("?tip=zz", XML, ARM, 422, "no link 'zz' to be the tip"),
+        ("", {"content-type": "application/json"}, '{"urdf": 1}', 422, "urdf"),
+        ("", {"content-type": "application/json"}, '{"urdf": "<a/>", "x": 1}', 422, "unknown"),
+        ("", XML, ARM.encode("utf-16"), 422, "not UTF-8"),
+        ("", XML, "", 422, "urdf: wants at least 1 character"),
+    ],
+)
+def test_a_wrong_upload_is_told_what_is_wrong(http, query, headers, body, status, said):
+    answer = http.post(f"/v1/robots{query}", content=body, headers=headers)
+    assert (answer.status_code, said in answer.json()["detail"]) == (status, True), answer.text
+
+
+def test_the_client_raises_what_python_raises(client):
+    broken = ARM.replace('lower="-2.5"', 'lower="3"')
+    with pytest.raises(InvalidRobot) as local:
+        ikplan.robots.robot_from_urdf(broken, name="robot")
+    with pytest.raises(InvalidRobot) as remote:
+        client.upload_robot(broken)
+    assert (remote.value.joint, remote.value.value) == (local.value.joint, local.value.value)
+    assert remote.value.detail.partition(": ")[2] == local.value.detail.partition(": ")[2]
+
+
+def robot(size: int) -> StoredRobot:
+    return StoredRobot(b"d" * size, b"")
+
+
+@pytest.mark.anyio
+async def test_the_store_is_bounded_and_forgets_what_was_unused_for_longest():
+    store = MemoryRobotStore(max_robots=2, max_bytes=10)
+    assert [await store.put(n, robot(1)) for n in ("a", "b", "a")] == [True, True, False]
+    await store.get("b")
+    await store.put("c", robot(1))
+    assert await store.names() == ["b", "c"]
+    await store.put("d", robot(10))
+    assert await store.names() == ["d"]
+    await store.put("e", robot(11))
+    assert await store.names() == []
+    assert not await store.delete("e")
+    assert await store.put("f", robot(10))
+    assert await store.names() == ["f"]
+
+
+def document(urdf: str) -> bytes:
+    return json.dumps({"urdf": urdf}).encode()
+
+
+@pytest.mark.anyio
+async def test_a_robot_that_needs_too_much_memory_ends_only_its_own_process():
+    builder = RobotBuilder(max_bytes=200 * 2**20, timeout_s=20.0)
+    with pytest.raises(InvalidRobot, match="more than 200 MiB of memory"):
+        await builder.build(document(ARM), name="urdf-x")
+    roomy = RobotBuilder(max_bytes=2**30, timeout_s=20.0)
+    info = await roomy.build(document(ARM), name="urdf-x")
+    assert info == _build(document(ARM))["info"]
+
+
+@pytest.mark.anyio
+async def test_a_robot_that_takes_too_long_is_given_up():
+    builder = RobotBuilder(max_bytes=2**30, timeout_s=0.05)
+    with pytest.raises(InvalidRobot, match=r"longer than 0\.05 s"):
+        await builder.build(document(ARM), name="urdf-x")
+
+
+@pytest.mark.anyio
+async def test_the_disposable_process_says_what_is_wrong_with_a_robot():
+    builder = RobotBuilder(max_bytes=2**30, timeout_s=20.0)
+    with pytest.raises(InvalidRobot, match="no link 'x' to be the tip") as caught:
+        await builder.build(json.dumps({"urdf": ARM, "tip": "x"}).encode(), name="urdf-x")
+    assert caught.value.valid == [f"l{i}" for i in range(7)]
+
+
+def test_64_joints_are_built(http):
+    answer: httpx.Response = http.post("/v1/robots", content=chain(64), headers=XML)
+    assert answer.status_code == 201
+    assert http.delete(answer.headers["location"]).status_code == 204

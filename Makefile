@@ -4,7 +4,7 @@ VENV   := .venv
 BIN    := $(VENV)/bin
 STAMP  := $(VENV)/.ready
 
-.PHONY: help setup demo test check ci serve bench papers clean
+.PHONY: help setup demo page test check ci serve bench papers clean
 help:            ## list the targets
 	@grep -E '^[a-z]+: .*##|^[a-z]+:  *##' $(MAKEFILE_LIST) | sed 's/:.*##/\t/'
 
@@ -18,6 +18,9 @@ setup: $(STAMP)  ## make the virtual environment in .venv
 
 demo: $(STAMP)   ## plan the helix of examples/ and write out/helix.{json,csv,png}
 	$(BIN)/python examples/demo.py
+
+page: $(STAMP)   ## check and bundle the page that the service shows at /
+	$(BIN)/python web/build.py
 
 test: $(STAMP)   ## run the tests
 	$(BIN)/python -m pytest
@@ -37,4 +40,4 @@ papers: $(STAMP) ## run a reduced version of the papers' experiments into out/pa
 	$(BIN)/python -m benchmarks.papers --runs 3 --thin 10 --jobs 2
 
 clean:           ## remove the environment and every output
-	rm -rf $(VENV) out build dist
+	rm -rf $(VENV) out build dist web/dist web/node_modules

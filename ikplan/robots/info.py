@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pydantic import BaseModel, ConfigDict, Field
 
-__all__ = ["JointInfo", "LimitSourceInfo", "RobotInfo"]
+__all__ = ["CouplingInfo", "JointInfo", "LimitSourceInfo", "RobotInfo"]
 
 
 class JointInfo(BaseModel):
@@ -33,6 +33,16 @@ class LimitSourceInfo(BaseModel):
     verified: bool = Field(description="whether the source could be confirmed")
 
 
+class CouplingInfo(BaseModel):
+    """How serial joints follow the user's joints: their values are ``matrix @ q + offset``."""
+
+    model_config = ConfigDict(extra="forbid")
+
+    serial: list[str] = Field(description="the serial joints, from base to tip")
+    matrix: list[list[float]] = Field(description="one row a serial joint, one column a joint")
+    offset: list[float] = Field(description="one number a serial joint [rad or m]")
+
+
 class RobotInfo(BaseModel):
     """A robot: names, limits, frames and where they come from."""
 
@@ -45,6 +55,7 @@ class RobotInfo(BaseModel):
     base_frame: str
     tip_frame: str
     coupled: bool = Field(description="whether the serial joints follow a linear coupling")
+    coupling: CouplingInfo | None = Field(None, description="that coupling; null: none")
     tool_position: list[float] = Field(description="tool frame in the tip frame [m]")
     tool_quaternion_xyzw: list[float] = Field(description="tool frame in the tip frame")
     limit_sources: list[LimitSourceInfo]

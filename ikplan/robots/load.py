@@ -18,7 +18,7 @@ from ikplan.robots.schema import RobotFile, read_robot_file
 from ikplan.robots.tree import KinematicTree
 from ikplan.robots.urdf import parse_urdf
 
-__all__ = ["catalogue_robot", "load_robot", "robot_from_urdf"]
+__all__ = ["catalogue_documents", "catalogue_robot", "load_robot", "robot_from_urdf"]
 
 _FILE = "robot.yaml"
 
@@ -105,6 +105,26 @@ def _from_folder(
     path: Path, base: str | None, tip: str | None, name: str | None, expected: str | None = None
 ) -> Robot:
     """The robot of a ``robot.yaml`` and the URDF it may name."""
+    return _file_robot(*_documents(path, expected), base, tip, name)
+
+
+def catalogue_documents(name: str) -> tuple[bytes, bytes]:
+    """Return the ``robot.yaml`` of a robot of the catalogue and the URDF it names.
+
+    Args:
+        name: Name in the catalogue.
+
+    Returns:
+        Both as they are; no bytes for a robot that names no URDF.
+
+    Raises:
+        RobotNotFound: No robot of that name.
+        InvalidRobot: A file cannot be read, or the ``robot.yaml`` makes no sense.
+    """
+    return _documents(robot_folder(name) / _FILE, name)
+
+
+def _documents(path: Path, expected: str | None) -> tuple[bytes, bytes]:
     text = _read(path, str(path))
     file = _parsed_file(text, expected or path.parent.name or str(path))
     if expected is not None and file.name != expected:
@@ -118,7 +138,7 @@ def _from_folder(
         package, relative = file.kinematics.urdf.package, file.kinematics.urdf.path
         urdf = package_file(package, relative) if package else path.parent / relative
         document = _read(urdf, file.name)
-    return _file_robot(text, document, base, tip, name)
+    return text, document
 
 
 @functools.lru_cache(maxsize=64)

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ikplan.robots.checks import finite_vector, positive_vector, unit_quaternion
 from ikplan.robots.description import RobotDescription, Tool
-from ikplan.robots.info import JointInfo, LimitSourceInfo, RobotInfo
+from ikplan.robots.info import CouplingInfo, JointInfo, LimitSourceInfo, RobotInfo
 from ikplan.robots.model import build_model, coupling_arrays, frame_id
 
 __all__ = ["Robot"]
@@ -275,6 +275,13 @@ class Robot:
             base_frame=d.base,
             tip_frame=d.tip,
             coupled=d.coupling is not None,
+            coupling=None
+            if d.coupling is None
+            else CouplingInfo(
+                serial=list(d.coupling.serial),
+                matrix=[list(row) for row in d.coupling.matrix],
+                offset=list(d.coupling.offset),
+            ),
             tool_position=list(d.tool.position),
             tool_quaternion_xyzw=list(d.tool.quaternion_xyzw),
             limit_sources=[

@@ -20,6 +20,7 @@ OPERATIONS = {
     "upload_robot": ("post", "/v1/robots"),
     "get_robot": ("get", "/v1/robots/{name}"),
     "delete_robot": ("delete", "/v1/robots/{name}"),
+    "get_robot_visual": ("get", "/v1/robots/{name}/visual"),
     "list_solvers": ("get", "/v1/solvers"),
     "livez": ("get", "/livez"),
     "readyz": ("get", "/readyz"),

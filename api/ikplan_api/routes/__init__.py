@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from fastapi import APIRouter
 
-from ikplan_api.routes import docs, health, plans, poses, robots, timings
+from ikplan_api.routes import docs, health, page, plans, poses, robots, timings, visuals
 
 __all__ = ["ROUTERS"]
 
@@ -13,6 +13,8 @@ ROUTERS: tuple[APIRouter, ...] = (
     timings.router,
     poses.router,
     robots.router,
+    visuals.router,
     health.router,
     docs.router,
+    page.router,
 )

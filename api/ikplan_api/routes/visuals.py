@@ -1,0 +1,60 @@
+"""What robots look like: a URDF to draw, and the meshes it names."""
+
+from __future__ import annotations
+
+import asyncio
+import hashlib
+
+from fastapi import APIRouter, HTTPException, Request, Response
+
+from ikplan import errors
+from ikplan.robots import RobotVisual, catalogue_visual
+from ikplan_api.files import file_answer
+from ikplan_api.openapi import problems
+
+__all__ = ["router"]
+
+router = APIRouter(prefix="/v1/robots", tags=["robots and solvers"])
+
+_URDF = {"application/xml": {"schema": {"type": "string"}}}
+_MEDIA = {".dae": "model/vnd.collada+xml", ".obj": "model/obj", ".stl": "model/stl"}
+_A_WEEK = "max-age=604800"
+
+
+@router.get(
+    "/{name}/visual",
+    summary="Draw a robot",
+    response_class=Response,
+    responses={
+        **problems(errors.RobotNotFound),
+        200: {"description": "A URDF", "content": _URDF},
+    },
+)
+async def get_robot_visual(request: Request, name: str) -> Response:
+    """Return a URDF of the robot's links, joints and visual shapes.
+
+    Its meshes are addresses of this service. A robot without shapes has links and joints only.
+    """
+    visual = await asyncio.to_thread(_visual, request, name)
+    document = visual.urdf.encode()
+    tag = f'"{hashlib.sha256(document).hexdigest()[:32]}"'
+    headers = {"etag": tag, "cache-control": "no-cache"}
+    if tag in request.headers.get("if-none-match", ""):
+        return Response(status_code=304, headers=headers)
+    return Response(document, media_type="application/xml", headers=headers)
+
+
+@router.get("/{name}/meshes/{path:path}", include_in_schema=False)
+async def get_robot_mesh(request: Request, name: str, path: str) -> Response:
+    """Return a mesh that the robot's URDF names; there is no way to any other file."""
+    visual = await asyncio.to_thread(_visual, request, name)
+    # Looked up among the files found, never joined to a folder.
+    file = visual.meshes.get(path)
+    if file is None:
+        raise HTTPException(404)
+    return file_answer(request, file, _MEDIA[file.suffix.lower()], _A_WEEK)
+
+
+def _visual(request: Request, name: str) -> RobotVisual:
+    prefix = f"{request.scope.get('root_path', '')}{router.prefix}/{name}/meshes/"
+    return catalogue_visual(name, lambda path: prefix + path)

@@ -1,0 +1,117 @@
+/** The documents of the service, as far as the page reads them. SI units. */
+
+export interface JointInfo {
+  name: string;
+  type: "revolute" | "continuous" | "prismatic";
+  lower: number | null;
+  upper: number | null;
+  velocity: number;
+  acceleration: number;
+  home: number;
+}
+
+export interface RobotInfo {
+  name: string;
+  title: string;
+  joints: JointInfo[];
+  base_frame: string;
+  tip_frame: string;
+  coupling: { serial: string[]; matrix: number[][]; offset: number[] } | null;
+  tool_position: number[];
+  tool_quaternion_xyzw: number[];
+}
+
+export interface Place {
+  joint: string;
+  time: number;
+}
+
+export interface Certificate {
+  valid: boolean;
+  max_position_error: number | null;
+  max_orientation_error: number | null;
+  max_path_deviation: number | null;
+  max_orientation_deviation: number | null;
+  max_path_deviation_time: number | null;
+  max_orientation_deviation_time: number | null;
+  position_limit_ratio: number;
+  position_limit_at: Place | null;
+  velocity_limit_ratio: number;
+  velocity_limit_at: Place;
+  acceleration_limit_ratio: number;
+  acceleration_limit_at: Place;
+  jerk_limited: boolean;
+  jerk_limit_ratio: number | null;
+  jerk_limit_at: Place | null;
+  torque_limit_ratio: number | null;
+  torque_limit_at: Place | null;
+  tool_speed_ratio: number | null;
+  tool_speed_time: number | null;
+  tool_acceleration_ratio: number | null;
+  tool_acceleration_time: number | null;
+  min_singular_value: number;
+  min_singular_value_time: number;
+  elongation_sum: number;
+  elongation_lower_bound: number;
+}
+
+export interface Trajectory {
+  time: number[];
+  q: number[][];
+  dq: number[][];
+  ddq: number[][];
+}
+
+export interface Timing {
+  duration: number;
+  binding: { limit: string; joint: string | null; share: number }[];
+  summary: string;
+  what_if: { limit: string; joint: string | null; factor: number; duration: number }[];
+}
+
+export interface Plan {
+  id: string;
+  version: string;
+  robot: string;
+  joint_names: string[];
+  joint_units: ("rad" | "m")[];
+  waypoints: { q: number[][]; time: number[] };
+  trajectory: Trajectory;
+  certificate: Certificate;
+  timing: Timing | null;
+}
+
+export interface Repair {
+  change: Record<string, unknown>;
+  detail: string;
+}
+
+/** An RFC 9457 document with the data of one class of error; which, its type says. */
+export interface Problem {
+  type: string;
+  title: string;
+  status: number;
+  detail: string;
+  waypoint?: number;
+  waypoints?: unknown[];
+  q?: number[];
+  reason?: string;
+  field?: string;
+  errors?: { field: string; detail: string }[];
+  repairs?: Repair[];
+}
+
+/** What the user wrote: an object, of which nothing else is known. */
+export type Request = Record<string, unknown>;
+
+export function isObject(value: unknown): value is Record<string, unknown> {
+  return typeof value === "object" && value !== null && !Array.isArray(value);
+}
+
+export function isNumbers(value: unknown, length?: number): value is number[] {
+  return (
+    Array.isArray(value) &&
+    (length === undefined || value.length === length) &&
+    value.every((v) => typeof v === "number" && Number.isFinite(v))
+  );
+}

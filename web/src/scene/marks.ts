@@ -1,0 +1,85 @@
+/** What is drawn around the arm: the path of the tool, its waypoints, and where planning failed. */
+
+import {
+  ArrowHelper, Group, InstancedMesh, Matrix4, Mesh, MeshBasicMaterial, SphereGeometry,
+  TorusGeometry, Vector3, type Object3D,
+} from "three";
+import { Line2 } from "three/examples/jsm/lines/Line2.js";
+import { LineGeometry } from "three/examples/jsm/lines/LineGeometry.js";
+import { LineMaterial } from "three/examples/jsm/lines/LineMaterial.js";
+
+import type { Target } from "../targets";
+import { palette } from "./palette";
+
+const AXIS_COLOURS = ["#d3493f", "#3f9a4d", "#3b78d8"];
+
+/** Three arrows, red, green and blue for x, y and z. */
+export function triad(length: number): Group {
+  const group = new Group();
+  for (const [i, colour] of AXIS_COLOURS.entries()) {
+    const direction = new Vector3().setComponent(i, 1);
+    group.add(new ArrowHelper(direction, new Vector3(), length, colour, length * 0.28, length * 0.16));
+  }
+  return group;
+}
+
+export class Marks {
+  readonly group = new Group();
+  private done: Line2 | null = null;
+
+  clear(): void {
+    this.group.traverse((part) => {
+      if (part instanceof Mesh) part.geometry.dispose();
+    });
+    this.group.clear();
+    this.done = null;
+  }
+
+  /** Marks waypoints with small balls. */
+  showWaypoints(positions: Vector3[], size: number): void {
+    if (positions.length === 0) return;
+    const material = new MeshBasicMaterial({ color: palette().waypoint });
+    const balls = new InstancedMesh(new SphereGeometry(size, 16, 12), material, positions.length);
+    for (const [i, p] of positions.entries()) balls.setMatrixAt(i, new Matrix4().setPosition(p));
+    this.group.add(balls);
+  }
+
+  /** Draws the tool's way through the points. */
+  showTrace(points: Vector3[]): void {
+    if (points.length < 2) return;
+    const geometry = (): LineGeometry => new LineGeometry().setPositions(points.flatMap((p) => p.toArray()));
+    const { ahead, done } = palette();
+    this.group.add(new Line2(geometry(), new LineMaterial({ color: ahead, linewidth: 1.6 })));
+    this.done = new Line2(geometry(), new LineMaterial({ color: done, linewidth: 3.2 }));
+    this.group.add(this.done);
+  }
+
+  /** Says how many pieces of the trace have been passed. */
+  setPassed(pieces: number): void {
+    if (this.done === null) return;
+    this.done.visible = pieces > 0;
+    this.done.geometry.instanceCount = Math.max(pieces, 1);
+  }
+
+  /** Marks a waypoint that cannot be reached, and how far from it the tool stays. */
+  showFailure(target: Target, tool: Vector3, size: number): void {
+    const material = new MeshBasicMaterial({ color: palette().fault });
+    const mark: Object3D[] = [new Mesh(new SphereGeometry(size * 1.5, 20, 14), material)];
+    for (const turn of [0, Math.PI / 2]) {
+      const ring = new Mesh(new TorusGeometry(size * 4, size * 0.35, 10, 48), material);
+      ring.rotation.x = turn;
+      mark.push(ring);
+    }
+    if (target.quaternion !== null) {
+      const frame = triad(size * 9);
+      frame.quaternion.copy(target.quaternion);
+      mark.push(frame);
+    }
+    for (const part of mark) part.position.copy(target.position);
+    const gap = new LineGeometry().setPositions([...tool.toArray(), ...target.position.toArray()]);
+    const line = new LineMaterial({
+      color: palette().fault, linewidth: 3, dashed: true, dashSize: size * 2, gapSize: size * 1.4,
+    });
+    this.group.add(...mark, new Line2(gap, line).computeLineDistances());
+  }
+}

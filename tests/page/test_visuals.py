@@ -202,3 +202,18 @@ def test_an_unknown_robot_has_no_visual_and_no_mesh(http: httpx.Client) -> None:
         answer = http.get(f"/v1/robots/xarm8/{address}")
         assert answer.status_code == 404
         assert answer.json()["type"] == "urn:ikplan:robot-not-found"
+
+
+def test_an_uploaded_robot_is_drawn_with_meshes_of_the_package_only(http: httpx.Client) -> None:
+    shapes = "".join(
+        f'<geometry><mesh filename="{uri}"/></geometry></visual><visual>'
+        for uri in (GOOD_URI, "package://xarm_description/meshes/none.stl")
+    )
+    document = URDF.format(visual=shapes)
+    sent = http.post("/v1/robots", content=document, headers={"content-type": "application/xml"})
+    name = sent.json()["name"]
+    (address,) = mesh_names(http.get(f"/v1/robots/{name}/visual").text)
+    assert address == f"/v1/robots/{name}/meshes/{GOOD_PATH}"
+    assert http.get(address).status_code == 200
+    other = GOOD_PATH.replace("link1", "link2")
+    assert http.get(f"/v1/robots/{name}/meshes/{other}").status_code == 404

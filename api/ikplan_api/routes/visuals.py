@@ -8,9 +8,16 @@ import hashlib
 from fastapi import APIRouter, HTTPException, Request, Response
 
 from ikplan import errors
-from ikplan.robots import RobotVisual, catalogue_visual
+from ikplan.robots import (
+    RobotUpload,
+    RobotVisual,
+    catalogue_visual,
+    is_upload_id,
+    robot_visual,
+)
 from ikplan_api.files import file_answer
 from ikplan_api.openapi import problems
+from ikplan_api.uploads import stored_robot
 
 __all__ = ["router"]
 
@@ -26,7 +33,7 @@ _A_WEEK = "max-age=604800"
     summary="Draw a robot",
     response_class=Response,
     responses={
-        **problems(errors.RobotNotFound),
+        **problems(errors.RobotNotFound, errors.InvalidRobot),
         200: {"description": "A URDF", "content": _URDF},
     },
 )
@@ -35,7 +42,7 @@ async def get_robot_visual(request: Request, name: str) -> Response:
 
     Its meshes are addresses of this service. A robot without shapes has links and joints only.
     """
-    visual = await asyncio.to_thread(_visual, request, name)
+    visual = await _visual(request, name)
     document = visual.urdf.encode()
     tag = f'"{hashlib.sha256(document).hexdigest()[:32]}"'
     headers = {"etag": tag, "cache-control": "no-cache"}
@@ -47,7 +54,7 @@ async def get_robot_visual(request: Request, name: str) -> Response:
 @router.get("/{name}/meshes/{path:path}", include_in_schema=False)
 async def get_robot_mesh(request: Request, name: str, path: str) -> Response:
     """Return a mesh that the robot's URDF names; there is no way to any other file."""
-    visual = await asyncio.to_thread(_visual, request, name)
+    visual = await _visual(request, name)
     # Looked up among the files found, never joined to a folder.
     file = visual.meshes.get(path)
     if file is None:
@@ -55,6 +62,14 @@ async def get_robot_mesh(request: Request, name: str, path: str) -> Response:
     return file_answer(request, file, _MEDIA[file.suffix.lower()], _A_WEEK)
 
 
-def _visual(request: Request, name: str) -> RobotVisual:
+async def _visual(request: Request, name: str) -> RobotVisual:
     prefix = f"{request.scope.get('root_path', '')}{router.prefix}/{name}/meshes/"
-    return catalogue_visual(name, lambda path: prefix + path)
+    if not is_upload_id(name):
+        return await asyncio.to_thread(catalogue_visual, name, prefix.__add__)
+    document = (await stored_robot(request, name)).document
+
+    def draw() -> RobotVisual:
+        upload = RobotUpload.model_validate_json(document)
+        return robot_visual(upload.robot(), upload.urdf.encode(), prefix.__add__)
+
+    return await asyncio.to_thread(draw)

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from ikplan.client import AsyncClient, Client
     from ikplan.errors import (
+        AccessDenied,
         BudgetExceeded,
         CertificateViolated,
         Disconnected,
@@ -18,6 +19,7 @@ if TYPE_CHECKING:
         InvalidRequest,
         InvalidRobot,
         PlanNotFound,
+        RateLimited,
         RobotNotFound,
         ServiceUnavailable,
         TimingFailed,
@@ -32,6 +34,7 @@ if TYPE_CHECKING:
     from ikplan.timing_request import TimingRequest
 
 _HOMES = {
+    "AccessDenied": "errors",
     "AsyncClient": "client",
     "BudgetExceeded": "errors",
     "Certificate": "result",
@@ -48,6 +51,7 @@ _HOMES = {
     "Plan": "result",
     "PlanNotFound": "errors",
     "PlanRequest": "request",
+    "RateLimited": "errors",
     "Robot": "robots",
     "RobotNotFound": "errors",
     "ServiceUnavailable": "errors",
@@ -63,6 +67,7 @@ _HOMES = {
 }
 
 __all__ = [
+    "AccessDenied",
     "AsyncClient",
     "BudgetExceeded",
     "Certificate",
@@ -79,6 +84,7 @@ __all__ = [
     "Plan",
     "PlanNotFound",
     "PlanRequest",
+    "RateLimited",
     "Robot",
     "RobotNotFound",
     "ServiceUnavailable",

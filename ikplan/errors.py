@@ -12,6 +12,8 @@
     ├── TimingFailed          no timing under the limits
     ├── BudgetExceeded        the time budget ran out
     ├── CertificateViolated   a finished plan broke a promise: a bug of ours
+    ├── AccessDenied          the service wants a key that it knows
+    ├── RateLimited           the key asks more often than it may
     └── ServiceUnavailable    the client cannot reach the service, or it answers no document of ours
 
 Every class has one problem ``type`` (RFC 9457), so that an error raised by the service is raised
@@ -25,6 +27,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any, ClassVar
 
 __all__ = [
+    "AccessDenied",
     "BudgetExceeded",
     "CertificateViolated",
     "Disconnected",
@@ -32,6 +35,7 @@ __all__ = [
     "InvalidRequest",
     "InvalidRobot",
     "PlanNotFound",
+    "RateLimited",
     "RobotNotFound",
     "ServiceUnavailable",
     "TimingFailed",
@@ -369,6 +373,35 @@ class CertificateViolated(IkplanError):
         self.violations = list(violations)
 
 
+class AccessDenied(IkplanError):
+    """The service wants a key that it knows."""
+
+    slug = "access-denied"
+    title = "Access denied"
+    status = 401
+
+
+class RateLimited(IkplanError):
+    """The key asks more often than it may.
+
+    Attributes:
+        limit: How often it may, in words.
+        retry_after_s: When to ask again [s].
+    """
+
+    slug = "rate-limited"
+    title = "Too many requests"
+    status = 429
+    fields = ("limit", "retry_after_s")
+
+    def __init__(self, detail: str = "", *, limit: str, retry_after_s: float) -> None:
+        super().__init__(
+            detail or f"this key may ask {limit}; ask again in {retry_after_s:.0f} s or later"
+        )
+        self.limit = limit
+        self.retry_after_s = retry_after_s
+
+
 class ServiceUnavailable(IkplanError):
     """The client cannot reach the service, or got an answer that is no document of ours.
 
@@ -409,6 +442,8 @@ _BY_TYPE: dict[str, type[IkplanError]] = {
         TimingFailed,
         BudgetExceeded,
         CertificateViolated,
+        AccessDenied,
+        RateLimited,
         ServiceUnavailable,
     )
 }

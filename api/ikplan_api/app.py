@@ -11,13 +11,13 @@ from fastapi import FastAPI
 
 import ikplan
 from ikplan_api import openapi, problems
-from ikplan_api.middleware import RequestIdMiddleware
 from ikplan_api.planner import Planner, ThreadPlanner
 from ikplan_api.robot_builder import RobotBuilder
 from ikplan_api.robot_store import MemoryRobotStore, RobotStore
 from ikplan_api.routes import ROUTERS
 from ikplan_api.settings import Settings, load_settings
 from ikplan_api.store import MemoryStore, PlanStore
+from ikplan_api.wrapping import wrap
 
 __all__ = ["create_app"]
 
@@ -70,7 +70,7 @@ def create_app(
         app.include_router(router)
     problems.install(app)
     openapi.install(app)
-    app.add_middleware(RequestIdMiddleware)
+    wrap(app, settings)
     return app
 
 

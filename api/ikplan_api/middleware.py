@@ -40,9 +40,7 @@ class RequestIdMiddleware:
             nonlocal started
             if message["type"] == "http.response.start":
                 started = True
-                headers = MutableHeaders(scope=message)
-                headers[_HEADER] = request_id
-                headers["x-content-type-options"] = "nosniff"
+                MutableHeaders(scope=message)[_HEADER] = request_id
             await send(message)
 
         try:

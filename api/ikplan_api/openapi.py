@@ -95,6 +95,25 @@ def _answer(description: str, models: Sequence[type[Problem]]) -> dict[str, Any]
     return {"description": description, "content": {PROBLEM: {"schema": schema}}}
 
 
+def _describe_access(document: dict[str, Any]) -> None:
+    """Tell of the keys: wherever plans and robots are, if the service has any."""
+    document["components"]["securitySchemes"] = {
+        "key": {
+            "type": "http",
+            "scheme": "bearer",
+            "description": "Needed where the service has keys; on loopback it may have none.",
+        }
+    }
+    refusals = {
+        "401": _answer(errors.AccessDenied.title, [PROBLEMS[errors.AccessDenied]]),
+        "429": _answer(errors.RateLimited.title, [PROBLEMS[errors.RateLimited]]),
+    }
+    for path, methods in document["paths"].items():
+        for operation in methods.values() if path.startswith("/v1/") else ():
+            operation["security"] = [{}, {"key": []}]
+            operation["responses"] = dict(sorted({**refusals, **operation["responses"]}.items()))
+
+
 def install(app: FastAPI) -> None:
     """Make the app's document hold the schemas that the routes refer to."""
 
@@ -114,6 +133,7 @@ def install(app: FastAPI) -> None:
             )
             schemas = made.setdefault("components", {}).setdefault("schemas", {})
             made["components"]["schemas"] = dict(sorted((schemas | extra["$defs"]).items()))
+            _describe_access(made)
             app.openapi_schema = made
         return app.openapi_schema
 

@@ -12,9 +12,15 @@ from fastapi import FastAPI, Request, Response
 from fastapi.exceptions import RequestValidationError
 from starlette.exceptions import HTTPException
 
-from ikplan.errors import IkplanError, InvalidRequest, ServiceUnavailable
+from ikplan.errors import (
+    AccessDenied,
+    IkplanError,
+    InvalidRequest,
+    RateLimited,
+    ServiceUnavailable,
+)
 
-__all__ = ["PROBLEM", "Refusal", "install", "problem_response"]
+__all__ = ["PROBLEM", "Refusal", "error_response", "install", "problem_response"]
 
 PROBLEM = "application/problem+json"
 
@@ -67,11 +73,12 @@ def error_response(request: Request, error: IkplanError, status: int | None = No
     headers = {}
     if status is not None:
         document["status"] = status
-    if isinstance(error, ServiceUnavailable):
-        if not error.url:
-            document["url"] = request.url.path
-        if error.retry_after_s is not None:
-            headers["retry-after"] = str(math.ceil(error.retry_after_s))
+    if isinstance(error, ServiceUnavailable) and not error.url:
+        document["url"] = request.url.path
+    if isinstance(error, ServiceUnavailable | RateLimited) and error.retry_after_s is not None:
+        headers["retry-after"] = str(math.ceil(error.retry_after_s))
+    if isinstance(error, AccessDenied) and document["status"] == AccessDenied.status:
+        headers["www-authenticate"] = 'Bearer realm="ikplan"'
     return problem_response(document, request_id_of(request), headers)
 
 

@@ -102,6 +102,11 @@ _DATA: dict[type[errors.IkplanError], dict[str, Any]] = {
         "certificate": (dict[str, Any], Field(description="The certificate.")),
         "violations": (_Names, Field(description="The promises broken.")),
     },
+    errors.AccessDenied: {},
+    errors.RateLimited: {
+        "limit": (str, Field(description="How often the key may ask.")),
+        "retry_after_s": (float, Field(description="When to ask again [s].")),
+    },
     errors.ServiceUnavailable: {
         "url": (str, Field(description="The path asked.")),
         "status_code": (int | None, Field(description="The HTTP status.")),

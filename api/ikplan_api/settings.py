@@ -5,22 +5,22 @@ from __future__ import annotations
 import os
 
 from pydantic import Field, ValidationError
-from pydantic_settings import BaseSettings, SettingsConfigDict
+from pydantic_settings import SettingsConfigDict
 
 from ikplan.errors import InvalidRequest
 from ikplan.robots.safe_xml import MAX_BYTES
+from ikplan_api.access_settings import AccessSettings
 
 __all__ = ["Settings", "load_settings"]
 
 _PREFIX = "IKPLAN_"
 
 
-class Settings(BaseSettings):
+class Settings(AccessSettings):
     """What an operator can set, each as an environment variable ``IKPLAN_<NAME>``."""
 
     model_config = SettingsConfigDict(env_prefix=_PREFIX, frozen=True)
 
-    host: str = Field("127.0.0.1", description="Address to listen on.")
     port: int = Field(8000, ge=0, le=65535, description="Port to listen on; 0: any free one.")
     workers: int = Field(
         0, ge=0, le=1024, description="Plans made at the same time; 0: one for each processor."
@@ -62,14 +62,15 @@ def load_settings() -> Settings:
     except ValidationError as error:
         errors = [
             {
-                "field": _PREFIX + "_".join(str(part) for part in e["loc"]).upper(),
-                "detail": str(e["msg"]),
+                "field": _PREFIX + "_".join(str(part) for part in e["loc"]).upper()
+                if e["loc"]
+                else "",
+                "detail": str(e["msg"]).removeprefix("Value error, "),
             }
-            for e in error.errors(include_url=False)
+            for e in error.errors(include_url=False, include_input=False)
         ]
         first = errors[0]
+        where = f"environment variable {first['field']}" if first["field"] else "settings"
         raise InvalidRequest(
-            f"environment variable {first['field']}: {first['detail']}",
-            field=first["field"],
-            errors=errors,
+            f"{where}: {first['detail']}", field=first["field"], errors=errors
         ) from error

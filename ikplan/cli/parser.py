@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from typing import Any, NoReturn
 
 import ikplan
-from ikplan.cli import catalogue, planning, poses, serving, timing
+from ikplan.cli import catalogue, keys, planning, poses, serving, timing
 from ikplan.errors import InvalidRequest
 
 __all__ = ["make_parser", "numbers_as_values"]
@@ -122,6 +122,12 @@ def make_parser() -> argparse.ArgumentParser:
     )
     serve.add_argument("--workers", type=int, help="plans made at the same time; 0: all processors")
     serve.set_defaults(run=serving.serve)
+
+    known = commands.add_parser("keys", help="keys of the service")
+    key_commands = known.add_subparsers(title="commands", metavar="COMMAND", required=True)
+    new = key_commands.add_parser("new", help="make a key, and its hash for IKPLAN_API_KEYS")
+    new.add_argument("--name", help="what logs and metrics call its owner")
+    new.set_defaults(run=keys.new)
 
     schema = commands.add_parser("schema", help="print the JSON schema of the plan request")
     schema.set_defaults(run=catalogue.schema)

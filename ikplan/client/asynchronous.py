@@ -9,7 +9,7 @@ from typing import Any, Self, TypeVar
 import httpx
 
 from ikplan.client import calls
-from ikplan.client.wire import Call, read, unreachable
+from ikplan.client.wire import Call, authorization, read, unreachable
 from ikplan.request import FkRequest, IkRequest, PlanRequest
 from ikplan.result import FkResult, IkSolution, Plan
 from ikplan.timing_request import TimingRequest
@@ -28,24 +28,30 @@ class AsyncClient:
 
     Args:
         base_url: Address of the service, such as ``http://127.0.0.1:8000``.
+        key: The key that the service wants; None: the environment variable ``IKPLAN_KEY``.
         transport: How requests travel; None: over the network.
         timeout: Longest wait for an answer [s]; a plan may take as long as its ``budget_s``.
 
     Raises:
         ServiceUnavailable: ``base_url`` is no address.
+        InvalidRequest: ``key`` cannot be one.
     """
 
     def __init__(
         self,
         base_url: str = "http://127.0.0.1:8000",
         *,
+        key: str | None = None,
         transport: httpx.AsyncBaseTransport | None = None,
         timeout: float | httpx.Timeout = 60.0,
     ) -> None:
         self.base_url = base_url.rstrip("/")
         try:
             self._http = httpx.AsyncClient(
-                base_url=self.base_url, transport=transport, timeout=timeout
+                base_url=self.base_url,
+                headers=authorization(key),
+                transport=transport,
+                timeout=timeout,
             )
         except httpx.InvalidURL as error:
             raise unreachable(error, base_url) from error

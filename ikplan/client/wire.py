@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import json
+import os
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any, Generic, TypeVar
@@ -15,11 +16,26 @@ from pydantic import BaseModel, ValidationError
 import ikplan
 from ikplan.errors import IkplanError, InvalidRequest, ServiceUnavailable, error_from_problem
 
-__all__ = ["Call", "encode", "read", "unreachable"]
+__all__ = ["KEY_VARIABLE", "Call", "authorization", "encode", "read", "unreachable"]
 
 T = TypeVar("T")
 
 PROBLEM = "application/problem+json"
+KEY_VARIABLE = "IKPLAN_KEY"
+
+
+def authorization(key: str | None) -> dict[str, str]:
+    """Return the header that shows a key; None: the one in the environment, if there is one.
+
+    Raises:
+        InvalidRequest: The key cannot be sent in a header.
+    """
+    key = os.environ.get(KEY_VARIABLE, "") if key is None else key
+    if not key:
+        return {}
+    if not (key.isascii() and key.isprintable()) or " " in key:
+        raise InvalidRequest("a key is printable ASCII without spaces", field="key")
+    return {"authorization": f"Bearer {key}"}
 
 
 @dataclass(frozen=True)

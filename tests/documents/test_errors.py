@@ -35,6 +35,8 @@ EXAMPLES: list[IkplanError] = [
     errors.BudgetExceeded("late", stage="ik", budget_s=1.0, best={"q": [[0.0]]}),
     errors.BudgetExceeded("late", stage="ik", budget_s=1.0),
     errors.CertificateViolated("broken", certificate={"valid": False}, violations=["x"]),
+    errors.AccessDenied("no key"),
+    errors.RateLimited(limit="5 per 1 minute", retry_after_s=7.5),
     errors.ServiceUnavailable("gone", url="http://x", status_code=503, retry_after_s=1.0),
 ]
 CLASSES = [c for c in vars(errors).values() if isinstance(c, type) and issubclass(c, IkplanError)]

@@ -11,6 +11,8 @@
     ├── Disconnected          waypoints have solutions, but no continuous motion joins them
     ├── TimingFailed          no timing under the limits
     ├── BudgetExceeded        the time budget ran out
+    ├── MemoryExceeded        the request needed more memory than the service gives one
+    ├── WorkerLost            the process that did the work ended in the middle of it
     ├── CertificateViolated   a finished plan broke a promise: a bug of ours
     ├── AccessDenied          the service wants a key that it knows
     ├── RateLimited           the key asks more often than it may
@@ -34,12 +36,14 @@ __all__ = [
     "IkplanError",
     "InvalidRequest",
     "InvalidRobot",
+    "MemoryExceeded",
     "PlanNotFound",
     "RateLimited",
     "RobotNotFound",
     "ServiceUnavailable",
     "TimingFailed",
     "Unreachable",
+    "WorkerLost",
     "error_from_problem",
     "near_names",
 ]
@@ -352,6 +356,42 @@ class BudgetExceeded(IkplanError):
         self.best = dict(best) if best is not None else None
 
 
+class MemoryExceeded(IkplanError):
+    """The request needed more memory than the service gives one.
+
+    Attributes:
+        stage: The stage that was running, as far as it is known.
+        limit_bytes: The memory that a request may take [bytes].
+    """
+
+    slug = "memory-exceeded"
+    title = "Memory exceeded"
+    status = 422
+    fields = ("stage", "limit_bytes")
+
+    def __init__(self, detail: str, *, stage: str, limit_bytes: int) -> None:
+        super().__init__(detail)
+        self.stage = stage
+        self.limit_bytes = limit_bytes
+
+
+class WorkerLost(IkplanError):
+    """The process that did the work ended in the middle of it.
+
+    Attributes:
+        exit_code: Its exit code, or minus the number of the signal that ended it.
+    """
+
+    slug = "worker-lost"
+    title = "Worker lost"
+    status = 500
+    fields = ("exit_code",)
+
+    def __init__(self, detail: str, *, exit_code: int) -> None:
+        super().__init__(detail)
+        self.exit_code = exit_code
+
+
 class CertificateViolated(IkplanError):
     """A finished plan broke one of its promises: a bug of ours, never returned as a plan.
 
@@ -441,6 +481,8 @@ _BY_TYPE: dict[str, type[IkplanError]] = {
         Disconnected,
         TimingFailed,
         BudgetExceeded,
+        MemoryExceeded,
+        WorkerLost,
         CertificateViolated,
         AccessDenied,
         RateLimited,

@@ -13,14 +13,15 @@ from ikplan import __version__
 from ikplan.certificate import Claim, certify
 from ikplan.documents import parse
 from ikplan.errors import Disconnected, Unreachable
+from ikplan.identity import plan_id, with_tool
 from ikplan.ik.arguments import check_start
 from ikplan.ik.solve import PoseSolver, pose_distance, solve_ik
 from ikplan.kinematics.arm import arm_of
 from ikplan.motion_limits import MotionLimits
 from ikplan.path import rotation_of
 from ikplan.path_checks import TimedSpan
-from ikplan.planning import Clock, Route, RouteProblem, find_repairs, lay_route
-from ikplan.request import FkRequest, Frame, IkRequest, PlanRequest
+from ikplan.planning import Clock, Progress, Route, RouteProblem, find_repairs, lay_route
+from ikplan.request import FkRequest, IkRequest, PlanRequest
 from ikplan.result import FkResult, IkSolution, Plan, Stats, WaypointResults
 from ikplan.robots import Robot, catalogue_robot
 from ikplan.timing import JointPath
@@ -30,13 +31,20 @@ from ikplan.warmup import warm_up
 __all__ = ["fk_request", "plan", "solve_ik_request"]
 
 
-def plan(request: Mapping[str, Any] | PlanRequest, *, robot: Robot | None = None) -> Plan:
+def plan(
+    request: Mapping[str, Any] | PlanRequest,
+    *,
+    robot: Robot | None = None,
+    progress: Progress | None = None,
+) -> Plan:
     """Plan a certified joint trajectory for a tool path.
 
     Args:
         request: The request document.
         robot: The robot, for one that is not in the catalogue; None: load it by name. Its tool
             stands unless the request has one.
+        progress: Is called with the stage and how many of how many waypoints are done, from
+            this thread: ``progress("ik", 3, 12)``.
 
     Returns:
         The plan. The same request gives the same id and the same plan.
@@ -52,9 +60,9 @@ def plan(request: Mapping[str, Any] | PlanRequest, *, robot: Robot | None = None
     request = parse(PlanRequest, request)
     warm_up(request.ik.method)
     warm_up_timing(request.limits.jerk is not None)
-    clock = Clock(request.budget_s)
+    clock = Clock(request.budget_s, progress)
     robot = robot or catalogue_robot(request.robot)
-    robot = _with_tool(robot, request.tool)
+    robot = with_tool(robot, request.tool)
     start_free = request.start == "free"
     asked = None if request.start == "free" else request.start
     q_start = check_start(robot, robot.home if asked is None else asked)
@@ -107,7 +115,7 @@ def plan(request: Mapping[str, Any] | PlanRequest, *, robot: Robot | None = None
             )
         )
     return Plan(
-        id=request.content_hash(robot.fingerprint, __version__),
+        id=plan_id(request, robot),
         version=__version__,
         robot=request.robot,
         joint_names=list(robot.joint_names),
@@ -141,11 +149,6 @@ def _waypoint_results(
     )
 
 
-def _with_tool(robot: Robot, tool: Frame) -> Robot:
-    """Return the robot with the tool of a request, if that has one."""
-    return robot if tool == Frame() else robot.with_tool(tool.position, tool.quaternion_xyzw)
-
-
 def _pose_solver(robot: Robot, request: PlanRequest) -> PoseSolver:
     ik = request.ik
     return PoseSolver(
@@ -164,10 +167,10 @@ def _pose_solver(robot: Robot, request: PlanRequest) -> PoseSolver:
 def solve_ik_request(
     request: Mapping[str, Any] | IkRequest, *, robot: Robot | None = None
 ) -> IkSolution:
-    """Solve the single pose of an IK request; see :func:`ikplan.solve_ik`."""
+    """Solve the single pose of an IK request, see :func:`ikplan.solve_ik`; robot as in plan."""
     request = parse(IkRequest, request)
     robot = robot or catalogue_robot(request.robot)
-    robot = _with_tool(robot, request.tool)
+    robot = with_tool(robot, request.tool)
     pose: Any = np.array(request.position)
     if request.quaternion_xyzw is not None:
         pose = pin.SE3(rotation_of(request.quaternion_xyzw), pose)
@@ -187,10 +190,10 @@ def solve_ik_request(
 
 
 def fk_request(request: Mapping[str, Any] | FkRequest, *, robot: Robot | None = None) -> FkResult:
-    """Return the tool pose of the joint values of an FK request."""
+    """Return the tool pose of the joint values of an FK request; robot as in plan."""
     request = parse(FkRequest, request)
     robot = robot or catalogue_robot(request.robot)
-    robot = _with_tool(robot, request.tool)
+    robot = with_tool(robot, request.tool)
     q = np.array(request.q)
     pose = pin.SE3ToXYZQUAT(robot.fk(q))
     return FkResult(position=pose[:3], quaternion_xyzw=pose[3:])

@@ -12,9 +12,9 @@ from ikplan import __version__
 from ikplan.certificate import Claim, certify
 from ikplan.documents import parse
 from ikplan.errors import InvalidRequest
+from ikplan.identity import plan_id, with_tool
 from ikplan.motion_limits import MotionLimits
-from ikplan.planning import Clock
-from ikplan.poses import Frame
+from ikplan.planning import Clock, Progress
 from ikplan.result import Plan, Stats, WaypointResults
 from ikplan.robots import Robot, catalogue_robot
 from ikplan.timing import JointPath
@@ -72,13 +72,19 @@ def time_path(
     return time_request(document, robot=robot)
 
 
-def time_request(request: Mapping[str, Any] | TimingRequest, *, robot: Robot | None = None) -> Plan:
+def time_request(
+    request: Mapping[str, Any] | TimingRequest,
+    *,
+    robot: Robot | None = None,
+    progress: Progress | None = None,
+) -> Plan:
     """Time the joint path of a request.
 
     Args:
         request: The request document.
         robot: The robot, for one that is not in the catalogue; None: load it by name. Its tool
             stands unless the request has one.
+        progress: Is called with the name of each stage as it begins: ``progress("timing", 0, 0)``.
 
     Returns:
         The certified trajectory. The same request gives the same id and the same trajectory.
@@ -92,10 +98,9 @@ def time_request(request: Mapping[str, Any] | TimingRequest, *, robot: Robot | N
     """
     request = parse(TimingRequest, request)
     warm_up_timing(request.limits.jerk is not None)
-    clock = Clock(request.budget_s)
+    clock = Clock(request.budget_s, progress)
     robot = robot or catalogue_robot(request.robot)
-    if request.tool != Frame():
-        robot = robot.with_tool(request.tool.position, request.tool.quaternion_xyzw)
+    robot = with_tool(robot, request.tool)
     limits = MotionLimits.of(robot, request.limits)
     asked = _rows(request.waypoints, robot)
     with clock.stage("planning"):
@@ -127,7 +132,7 @@ def time_request(request: Mapping[str, Any] | TimingRequest, *, robot: Robot | N
     ]
     steps = np.diff(np.vstack([waypoints[:1], waypoints]), axis=0)
     return Plan(
-        id=request.content_hash(robot.fingerprint, __version__),
+        id=plan_id(request, robot),
         version=__version__,
         robot=request.robot,
         joint_names=list(robot.joint_names),

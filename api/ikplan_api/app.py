@@ -11,7 +11,8 @@ from fastapi import FastAPI
 
 import ikplan
 from ikplan_api import openapi, problems
-from ikplan_api.planner import Planner, ThreadPlanner
+from ikplan_api.planner import Planner
+from ikplan_api.pool import ProcessPlanner
 from ikplan_api.robot_builder import RobotBuilder
 from ikplan_api.robot_store import MemoryRobotStore, RobotStore
 from ikplan_api.routes import ROUTERS
@@ -35,7 +36,7 @@ def create_app(
 
     Args:
         settings: What the operator set; None: read from the environment.
-        planner: Who plans; None: as many threads as the settings say.
+        planner: Who plans; None: as many processes as the settings say.
         store: Where finished plans are kept; None: in memory.
         robots: Where uploaded robots are kept; None: in memory.
 
@@ -62,7 +63,12 @@ def create_app(
         lifespan=_lifespan,
     )
     app.state.settings = settings
-    app.state.planner = planner or ThreadPlanner(settings.worker_count, settings.max_queued)
+    app.state.planner = planner or ProcessPlanner(
+        settings.worker_count,
+        settings.max_queued,
+        memory_bytes=settings.worker_memory_bytes,
+        grace_s=settings.grace_s,
+    )
     app.state.store = store or MemoryStore(settings.store_plans, settings.store_bytes)
     app.state.robots = robots or MemoryRobotStore(settings.store_robots, settings.store_robot_bytes)
     app.state.robot_builder = RobotBuilder(settings.robot_memory_bytes, settings.robot_timeout_s)

@@ -19,6 +19,7 @@ from ikplan.errors import (
     RateLimited,
     ServiceUnavailable,
 )
+from ikplan_api.disconnect import ClientGone
 
 __all__ = ["PROBLEM", "Refusal", "error_response", "install", "problem_response"]
 
@@ -103,6 +104,11 @@ async def _on_refusal(request: Request, error: Exception) -> Response:
     return error_response(request, error.error, error.status)
 
 
+async def _on_client_gone(_: Request, error: Exception) -> Response:
+    assert isinstance(error, ClientGone)
+    return Response(status_code=499)  # for the log: nobody reads it
+
+
 async def _on_validation_error(request: Request, error: Exception) -> Response:
     assert isinstance(error, RequestValidationError)
     first = error.errors()[0]
@@ -125,5 +131,6 @@ def install(app: FastAPI) -> None:
     """Make the app tell every failure as a problem document."""
     app.add_exception_handler(IkplanError, _on_ikplan_error)
     app.add_exception_handler(Refusal, _on_refusal)
+    app.add_exception_handler(ClientGone, _on_client_gone)
     app.add_exception_handler(RequestValidationError, _on_validation_error)
     app.add_exception_handler(HTTPException, _on_http_exception)

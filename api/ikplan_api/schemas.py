@@ -98,6 +98,13 @@ _DATA: dict[type[errors.IkplanError], dict[str, Any]] = {
         "budget_s": (float, Field(description="The budget [s].")),
         "best": (dict[str, Any] | None, Field(description="Best result so far.")),
     },
+    errors.MemoryExceeded: {
+        "stage": (str, Field(description="The stage that was running.")),
+        "limit_bytes": (int, Field(description="The memory that a request may take [bytes].")),
+    },
+    errors.WorkerLost: {
+        "exit_code": (int, Field(description="Exit code of the process; minus a signal.")),
+    },
     errors.CertificateViolated: {
         "certificate": (dict[str, Any], Field(description="The certificate.")),
         "violations": (_Names, Field(description="The promises broken.")),

@@ -28,6 +28,15 @@ class Settings(AccessSettings):
     max_queued: int = Field(
         64, ge=0, description="Requests that may wait for a worker; more are refused with 503."
     )
+    worker_memory_bytes: int = Field(
+        2 * 2**30,
+        ge=0,
+        description="Most memory of its own that a worker may take [bytes]; 0: no limit. A fresh "
+        "one takes 0.4 GB.",
+    )
+    grace_s: float = Field(
+        2.0, ge=0, le=60, description="Time that a plan gets beyond its budget to end itself [s]."
+    )
     max_body_bytes: int = Field(8 * 2**20, ge=1024, description="Largest request body [bytes].")
     store_plans: int = Field(256, ge=0, description="Finished plans kept for GET /v1/plans/{id}.")
     store_bytes: int = Field(256 * 2**20, ge=0, description="Size of all plans kept [bytes].")

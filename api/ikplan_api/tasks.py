@@ -7,20 +7,33 @@ import functools
 import itertools
 import json
 from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import pinocchio as pin
 
 from ikplan.documents import parse_json
 from ikplan.errors import Unreachable
+from ikplan.identity import plan_id, with_tool
 from ikplan.ik.registry import find_solver, solvers
 from ikplan.pipeline import fk_request, plan, solve_ik_request
+from ikplan.planning import Progress
 from ikplan.request import FkRequest, IkRequest, PlanRequest
 from ikplan.retiming import time_request
 from ikplan.robots import Robot, RobotUpload, catalogue_robot, robot_names
 from ikplan.timing_request import TimingRequest
 
-__all__ = ["TASKS", "Answer", "robots_document", "run_task", "solvers_document", "warm_up"]
+__all__ = [
+    "TASKS",
+    "Answer",
+    "Identity",
+    "Work",
+    "identify",
+    "robots_document",
+    "run_task",
+    "solvers_document",
+    "warm_up",
+]
 
 
 class Answer(NamedTuple):
@@ -35,41 +48,37 @@ class Answer(NamedTuple):
     plan_id: str | None = None
 
 
-def make_plan(body: bytes, upload: bytes | None = None) -> Answer:
-    """Answer ``POST /v1/plans``."""
-    request = parse_json(PlanRequest, body)
-    made = plan(request, robot=_robot(request.robot, upload))
-    return Answer(made.model_dump_json().encode(), made.id)
+@dataclass(frozen=True)
+class Work:
+    """What there is to do.
 
+    Attributes:
+        document: The request document as it came in.
+        robot: The upload of the robot that the request names; None: one of the catalogue.
+        progress: Is told how far it is; None: nobody is.
+    """
 
-def make_timing(body: bytes, upload: bytes | None = None) -> Answer:
-    """Answer ``POST /v1/timings``."""
-    request = parse_json(TimingRequest, body)
-    made = time_request(request, robot=_robot(request.robot, upload))
-    return Answer(made.model_dump_json().encode(), made.id)
+    document: bytes
+    robot: bytes | None = None
+    progress: Progress | None = None
 
+    def begin(self, stage: str) -> None:
+        """Tell the stage of work that tells no progress by itself."""
+        if self.progress is not None:
+            self.progress(stage, 0, 0)
 
-def answer_ik(body: bytes, upload: bytes | None = None) -> Answer:
-    """Answer ``POST /v1/ik``."""
-    request = parse_json(IkRequest, body)
-    made = solve_ik_request(request, robot=_robot(request.robot, upload))
-    return Answer(made.model_dump_json().encode())
+    def robot_named(self, name: str) -> Robot:
+        """Return the robot of that name: uploaded or the catalogue's, never that of a path.
 
-
-def answer_fk(body: bytes, upload: bytes | None = None) -> Answer:
-    """Answer ``POST /v1/fk``."""
-    request = parse_json(FkRequest, body)
-    made = fk_request(request, robot=_robot(request.robot, upload))
-    return Answer(made.model_dump_json().encode())
-
-
-def _robot(name: str, upload: bytes | None) -> Robot:
-    """The robot of a request: of the catalogue or uploaded, so that a name is never a path."""
-    if upload is not None:
-        robot = _uploaded(upload)
-        if robot.name == name:
-            return robot
-    return catalogue_robot(name)
+        Raises:
+            RobotNotFound: The catalogue has none of that name.
+            InvalidRobot: The description makes no sense.
+        """
+        if self.robot is not None:
+            robot = _uploaded(self.robot)
+            if robot.name == name:
+                return robot
+        return catalogue_robot(name)
 
 
 @functools.lru_cache(maxsize=64)
@@ -77,26 +86,98 @@ def _uploaded(document: bytes) -> Robot:
     return parse_json(RobotUpload, document).robot()
 
 
-TASKS: dict[str, Callable[[bytes, bytes | None], Answer]] = {
+class Identity(NamedTuple):
+    """What a request is known by before it is planned.
+
+    Attributes:
+        plan_id: The id of its plan.
+        budget_s: Its time budget [s].
+    """
+
+    plan_id: str
+    budget_s: float
+
+
+_REQUESTS: dict[str, type[PlanRequest] | type[TimingRequest]] = {
+    "plan": PlanRequest,
+    "time": TimingRequest,
+}
+
+
+def identify(kind: str, work: Work) -> Identity:
+    """Tell the id of a plan before it is made.
+
+    Args:
+        kind: ``"plan"`` or ``"time"``.
+        work: The request.
+
+    Raises:
+        InvalidRequest: A field is wrong.
+        RobotNotFound: No robot of that name.
+        InvalidRobot: The description of the uploaded robot makes no sense.
+    """
+    request = parse_json(_REQUESTS[kind], work.document)
+    robot = with_tool(work.robot_named(request.robot), request.tool)
+    return Identity(plan_id(request, robot), request.budget_s)
+
+
+def make_plan(work: Work) -> Answer:
+    """Answer ``POST /v1/plans``."""
+    request = parse_json(PlanRequest, work.document)
+    made = plan(request, robot=work.robot_named(request.robot), progress=work.progress)
+    return Answer(made.model_dump_json().encode(), made.id)
+
+
+def make_timing(work: Work) -> Answer:
+    """Answer ``POST /v1/timings``."""
+    request = parse_json(TimingRequest, work.document)
+    made = time_request(request, robot=work.robot_named(request.robot), progress=work.progress)
+    return Answer(made.model_dump_json().encode(), made.id)
+
+
+def answer_ik(work: Work) -> Answer:
+    """Answer ``POST /v1/ik``."""
+    work.begin("ik")
+    request = parse_json(IkRequest, work.document)
+    solved = solve_ik_request(request, robot=work.robot_named(request.robot))
+    return Answer(solved.model_dump_json().encode())
+
+
+def answer_fk(work: Work) -> Answer:
+    """Answer ``POST /v1/fk``."""
+    work.begin("fk")
+    request = parse_json(FkRequest, work.document)
+    placed = fk_request(request, robot=work.robot_named(request.robot))
+    return Answer(placed.model_dump_json().encode())
+
+
+def _identify(kind: str, work: Work) -> Answer:
+    """Do by a worker what would keep the event loop too long."""
+    work.begin("reading")
+    return Answer(json.dumps(identify(kind, work)).encode())
+
+
+TASKS: dict[str, Callable[[Work], Answer]] = {
     "plan": make_plan,
     "time": make_timing,
     "ik": answer_ik,
     "fk": answer_fk,
+    "identify-plan": functools.partial(_identify, "plan"),
+    "identify-time": functools.partial(_identify, "time"),
 }
 
 
-def run_task(kind: str, body: bytes, upload: bytes | None = None) -> Answer:
+def run_task(kind: str, work: Work) -> Answer:
     """Do one task.
 
     Args:
         kind: Name of the task, a key of :data:`TASKS`.
-        body: The request document as it came in.
-        upload: The robot that it names, as uploaded; None: it names one of the catalogue.
+        work: What there is to do.
 
     Raises:
         IkplanError: The verdict on the request.
     """
-    return TASKS[kind](body, upload)
+    return TASKS[kind](work)
 
 
 @functools.cache
@@ -122,7 +203,7 @@ def warm_up(methods: Sequence[str] = ("ik-ba", "lm")) -> None:
     for kind, request in _warming_requests(methods):
         # One of them asks for a point out of reach: the verdict has kernels of its own.
         with contextlib.suppress(Unreachable):
-            run_task(kind, json.dumps(request).encode())
+            run_task(kind, Work(json.dumps(request).encode()))
     robots_document()
     solvers_document()
 

@@ -1,7 +1,7 @@
 """From a tool path to the knots of a joint path."""
 
 from ikplan.planning.choose import choose
-from ikplan.planning.clock import Clock
+from ikplan.planning.clock import Clock, Progress
 from ikplan.planning.problem import Chosen, WaypointProblem
 from ikplan.planning.repair import find_repairs
 from ikplan.planning.route import Route, RouteProblem, Span, Wanted, lay_route
@@ -9,6 +9,7 @@ from ikplan.planning.route import Route, RouteProblem, Span, Wanted, lay_route
 __all__ = [
     "Chosen",
     "Clock",
+    "Progress",
     "Route",
     "RouteProblem",
     "Span",

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import threading
 import time
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from typing import Any
 
@@ -14,7 +14,10 @@ from numpy.typing import NDArray
 from ikplan.errors import BudgetExceeded
 from ikplan.ik.search import SearchCut
 
-__all__ = ["Clock"]
+__all__ = ["Clock", "Progress"]
+
+Progress = Callable[[str, int, int], None]
+"""Is told of a stage's name, and how many of how many waypoints it has done; 0 of 0: begun."""
 
 
 class Clock:
@@ -22,14 +25,17 @@ class Clock:
 
     Args:
         budget_s: The time budget [s].
+        progress: Is told how far the plan is; None: nobody is.
     """
 
-    def __init__(self, budget_s: float) -> None:
+    def __init__(self, budget_s: float, progress: Progress | None = None) -> None:
         self.budget_s = budget_s
+        self._progress = progress
         self.seconds: dict[str, float] = {}
         self._begin = time.perf_counter()
         self._stage = ""
         self._best: Mapping[str, Any] | None = None
+        self._waypoints = 0
 
     @contextmanager
     def stage(self, name: str) -> Iterator[None]:
@@ -40,11 +46,23 @@ class Clock:
         """
         self._stage = name
         self.check()
+        self._waypoints = 0
+        self.advance(0)
         begin = time.perf_counter()
         try:
             yield
         finally:
             self.seconds[name] = self.seconds.get(name, 0.0) + time.perf_counter() - begin
+
+    def expect(self, waypoints: int) -> None:
+        """Tell how many waypoints there are to do."""
+        self._waypoints = waypoints
+        self.advance(0)
+
+    def advance(self, done: int) -> None:
+        """Tell how many waypoints the stage has done."""
+        if self._progress is not None:
+            self._progress(self._stage, done, self._waypoints)
 
     @property
     def left(self) -> float:

@@ -111,8 +111,9 @@ def _metaheuristic_seeds(problem: WaypointProblem, lower: Array, upper: Array) -
     if searcher is None:
         return np.empty((len(problem.targets), 0, problem.robot.dof)), 0
     rows, evaluations, q_s = [], 0, problem.q_start
-    for target in problem.targets:
+    for k, target in enumerate(problem.targets):
         problem.clock.check()
+        problem.clock.advance(problem.first_row + k)
         seeds, spent = searcher.seeds(target, q_s, lower, upper)
         rows.append(seeds)
         evaluations += spent

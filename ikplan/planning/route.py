@@ -135,12 +135,18 @@ def lay_route(problem: RouteProblem) -> Route:
         T = problem.robot.fk(problem.q_start)
         start = Pose(T.rotation.copy(), T.translation.copy())
     legs = legs_of(problem.path, start, layer.fk)
+    problem.clock.expect(sum(map(_waypoint_count, legs)))
     for leg, after in zip(legs, [*legs[1:], None], strict=True):
         if isinstance(leg, JointLeg):
             layer.joint_leg(leg, after)
         else:
             layer.tool_leg(leg)
+        problem.clock.advance(len(layer.wanted))
     return layer.route()
+
+
+def _waypoint_count(leg: Leg) -> int:
+    return len(leg.targets) if isinstance(leg, JointLeg) else len(leg.path.waypoints)
 
 
 class _Layer:

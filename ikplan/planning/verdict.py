@@ -29,6 +29,7 @@ def unreachable_path(
     examined = range(first + 1, min(count, first + 1 + _MOST_EXAMINED))
     for k in examined:
         problem.clock.check({"waypoints_solved": first})
+        problem.clock.advance(problem.first_row + k)
         try:
             q_before = problem.solver.solve(problem.targets[k], q_before).q[0]
         except NoSolution as verdict:

@@ -8,6 +8,7 @@ from ikplan import errors
 from ikplan.request import FkRequest, IkRequest
 from ikplan.result import FkResult, IkSolution
 from ikplan_api.body import read_json_body
+from ikplan_api.disconnect import while_connected
 from ikplan_api.openapi import problems, request_body
 from ikplan_api.planner import Planner
 from ikplan_api.uploads import robot_document
@@ -19,8 +20,9 @@ router = APIRouter(prefix="/v1", tags=["poses"])
 
 async def _answer(request: Request, kind: str) -> Response:
     planner: Planner = request.app.state.planner
-    body = await read_json_body(request)
-    answer = await planner.run(kind, body, robot=await robot_document(request, body))
+    document = await read_json_body(request)
+    robot = await robot_document(request, document)
+    answer = await while_connected(request, planner.run(kind, document, robot=robot))
     return Response(answer.document, media_type="application/json")
 
 
@@ -28,7 +30,14 @@ async def _answer(request: Request, kind: str) -> Response:
     "/fk",
     summary="Place the tool",
     response_model=FkResult,
-    responses=problems(errors.InvalidRequest, errors.RobotNotFound, errors.ServiceUnavailable),
+    responses=problems(
+        errors.InvalidRequest,
+        errors.RobotNotFound,
+        errors.BudgetExceeded,
+        errors.MemoryExceeded,
+        errors.WorkerLost,
+        errors.ServiceUnavailable,
+    ),
     openapi_extra=request_body(FkRequest, {"robot": "ur5", "q": [0.0, -1.2, 1.5, 0.0, 1.0, 0.0]}),
 )
 async def compute_fk(request: Request) -> Response:
@@ -44,6 +53,9 @@ async def compute_fk(request: Request) -> Response:
         errors.InvalidRequest,
         errors.RobotNotFound,
         errors.Unreachable,
+        errors.BudgetExceeded,
+        errors.MemoryExceeded,
+        errors.WorkerLost,
         errors.ServiceUnavailable,
     ),
     openapi_extra=request_body(IkRequest, {"robot": "iiwa14", "position": [0.5, 0.0, 0.5]}),

@@ -8,6 +8,8 @@ from ikplan import errors
 from ikplan.result import Plan
 from ikplan.timing_request import TimingRequest
 from ikplan_api.body import read_json_body
+from ikplan_api.disconnect import while_connected
+from ikplan_api.identity import identify
 from ikplan_api.openapi import problems, request_body
 from ikplan_api.planner import Planner
 from ikplan_api.routes import plans
@@ -38,6 +40,8 @@ _EXAMPLE = {
         errors.RobotNotFound,
         errors.TimingFailed,
         errors.BudgetExceeded,
+        errors.MemoryExceeded,
+        errors.WorkerLost,
         errors.CertificateViolated,
         errors.ServiceUnavailable,
     ),
@@ -50,8 +54,12 @@ async def create_timing(request: Request) -> Response:
     """
     planner: Planner = request.app.state.planner
     store: PlanStore = request.app.state.store
-    body = await read_json_body(request)
-    answer = await planner.run("time", body, robot=await robot_document(request, body))
+    document = await read_json_body(request)
+    robot = await robot_document(request, document)
+    identity = await identify(planner, "time", document, robot)
+    answer = await while_connected(
+        request, planner.run("time", document, robot=robot, limit_s=identity.budget_s)
+    )
     headers = {}
     if answer.plan_id is not None:
         await store.put(answer.plan_id, answer.document)

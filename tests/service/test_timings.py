@@ -54,7 +54,10 @@ def test_the_asynchronous_client_is_a_twin():
     app = create_app(Settings(workers=1))
 
     async def ask() -> Plan:
-        async with AsyncClient(ADDRESS, transport=httpx.ASGITransport(app)) as client:
+        async with (
+            app.router.lifespan_context(app),
+            AsyncClient(ADDRESS, transport=httpx.ASGITransport(app)) as client,
+        ):
             return await client.time(GOOD)
 
     assert without_stats(asyncio.run(ask())) == without_stats(ikplan.time_request(GOOD))

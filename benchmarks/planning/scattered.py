@@ -17,7 +17,8 @@ from ikplan.kinematics.arm import arm_of
 from ikplan.kinematics.target import pose_target
 from ikplan.planning.candidates import grow_candidates
 from ikplan.planning.least_motion import stack_targets
-from ikplan.planning.polish import motion_length, polish
+from ikplan.planning.length import motion_length
+from ikplan.planning.polish import polish
 from ikplan.planning.turns import with_copies
 from ikplan.robots import Robot, load_robot
 

@@ -20,7 +20,8 @@ from ikplan.kinematics.forward import forward_batch
 from ikplan.kinematics.target import ORIENTATION_WEIGHT, Freedom, constraint_rows
 from ikplan.planning.candidates import Targets, target_at
 from ikplan.planning.clock import Clock
-from ikplan.planning.polish import motion_length, polish
+from ikplan.planning.length import motion_length
+from ikplan.planning.polish import polish
 from ikplan.planning.track import errors_at, first_break, onto_targets, track
 from ikplan.request import Tolerance
 from ikplan.timing import JointLimits, JointPath

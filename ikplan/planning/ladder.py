@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from ikplan._jit import kernel
 from ikplan.kinematics.chain import Chain
 from ikplan.planning.candidates import Candidates
-from ikplan.planning.polish import motion_length
+from ikplan.planning.length import motion_length
 from ikplan.planning.turns import nearest_copy, shortest_through_copies, turning_joints
 
 __all__ = ["distinct_paths"]
@@ -126,7 +126,7 @@ def distinct_paths(
     """Return the shortest paths over the ladder that really differ, shortest first.
 
     Every candidate has a shortest path through it; they are taken in order of length, leaving out
-    those that stay near to one taken already.
+    candidates near to a path taken already.
 
     Args:
         chain: The chain from base to tool.
@@ -154,6 +154,8 @@ def distinct_paths(
         if found == most or not through[at] <= (1.0 + slack) * through[order[0]]:
             break
         middle, j = at // cap, at % cap
+        if not _away(paths[:found, middle], reached[middle, j], apart):
+            continue  # and where the path through it is away, its candidate there comes by itself
         i = j
         for back in range(middle + 1):
             k = middle - back
@@ -163,17 +165,7 @@ def distinct_paths(
         for k in range(middle + 1, n):
             i = child[k - 1, i]
             _turn_to(candidates.q[k, i], paths[found, k - 1], turns, lower, upper, paths[found, k])
-        new = True
-        for other in range(found):
-            largest = 0.0
-            for k in range(n):
-                for d in range(dof):
-                    largest = max(largest, abs(paths[found, k, d] - paths[other, k, d]))
-            if largest < apart:
-                new = False
-                break
-        if new:
-            found += 1
+        found += 1
     if _has_copies(turns, lower, upper):
         best, length = 0, np.inf
         for i in range(found):
@@ -188,6 +180,18 @@ def distinct_paths(
             paths[best - i] = paths[best - i - 1]
         paths[0] = shortest
     return paths[:found]
+
+
+@kernel
+def _away(rows: Array, q: Array, apart: float) -> bool:
+    """Whether a configuration differs from each of the rows by so much in some joint."""
+    for i in range(rows.shape[0]):
+        largest = 0.0
+        for d in range(q.shape[0]):
+            largest = max(largest, abs(rows[i, d] - q[d]))
+        if largest < apart:
+            return False
+    return True
 
 
 @kernel

@@ -18,7 +18,7 @@ from ikplan.ik.refine import Effort, differentiate, refine, residual
 from ikplan.ik.workspace import Workspace, new_workspace
 from ikplan.kinematics.chain import Chain
 from ikplan.planning.candidates import Targets, target_at
-from ikplan.planning.polish import tangent_basis
+from ikplan.planning.tangent import tangent_basis
 
 __all__ = ["errors_at", "first_break", "onto_targets", "track"]
 

@@ -13,10 +13,13 @@ from scipy.optimize import linprog
 
 from ikplan.kinematics.arm import arm_of
 from ikplan.kinematics.target import no_freedom, pose_target
+from ikplan.planning.banded import solve_banded
 from ikplan.planning.candidates import Candidates, grow_candidates
 from ikplan.planning.ladder import distinct_paths
 from ikplan.planning.least_motion import stack_targets
-from ikplan.planning.polish import motion_length, polish, solve_banded, tangent_basis
+from ikplan.planning.length import motion_length
+from ikplan.planning.polish import polish
+from ikplan.planning.tangent import tangent_basis
 from ikplan.robots import load_robot
 
 seeds = st.integers(0, 2**32 - 1)

@@ -13,7 +13,7 @@ import ikplan
 from ikplan.kinematics.arm import arm_of
 from ikplan.planning.candidates import Candidates
 from ikplan.planning.ladder import distinct_paths
-from ikplan.planning.polish import motion_length
+from ikplan.planning.length import motion_length
 from ikplan.planning.turns import with_copies
 from ikplan.robots import load_robot
 

@@ -1,7 +1,7 @@
 /** What is drawn around the arm: the path of the tool, its waypoints, and where planning failed. */
 
 import {
-  ArrowHelper, Group, InstancedMesh, Matrix4, Mesh, MeshBasicMaterial, SphereGeometry,
+  ArrowHelper, Group, InstancedMesh, Material, Matrix4, Mesh, MeshBasicMaterial, SphereGeometry,
   TorusGeometry, Vector3, type Object3D,
 } from "three";
 import { Line2 } from "three/examples/jsm/lines/Line2.js";
@@ -13,12 +13,17 @@ import { palette } from "./palette";
 
 const AXIS_COLOURS = ["#d3493f", "#3f9a4d", "#3b78d8"];
 
-/** Three arrows, red, green and blue for x, y and z. */
+/** Three arrows, red, green and blue for x, y and z, seen through whatever is before them. */
 export function triad(length: number): Group {
   const group = new Group();
   for (const [i, colour] of AXIS_COLOURS.entries()) {
     const direction = new Vector3().setComponent(i, 1);
-    group.add(new ArrowHelper(direction, new Vector3(), length, colour, length * 0.28, length * 0.16));
+    const arrow = new ArrowHelper(direction, new Vector3(), length, colour, length * 0.28, length * 0.16);
+    for (const part of [arrow.line, arrow.cone]) {
+      (part.material as Material).depthTest = false;
+      part.renderOrder = 1;
+    }
+    group.add(arrow);
   }
   return group;
 }

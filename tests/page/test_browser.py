@@ -1,0 +1,283 @@
+"""The page in a browser: what it shows is what was planned."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+from PIL import Image
+from playwright.sync_api import Browser, Page, expect
+
+import ikplan
+from ikplan.export import encode
+from ikplan.robots import Robot, catalogue_robot, robot_names
+
+from .browser import Visit, chromium, served
+
+EXAMPLES = Path(__file__).parents[2] / "examples"
+Open = Callable[..., Page]
+
+
+def example(name: str) -> dict:
+    return json.loads((EXAMPLES / f"{name}.json").read_text())
+
+
+@pytest.fixture(scope="module")
+def address() -> Iterator[str]:
+    with served() as running:
+        yield running
+
+
+@pytest.fixture(scope="module")
+def browser() -> Iterator[Browser]:
+    with chromium() as running:
+        yield running
+
+
+@pytest.fixture(scope="module")
+def visit(address: str, browser: Browser) -> Iterator[Open]:
+    """Opens the page with an example, in a window of its own."""
+    visits: list[Visit] = []
+
+    def start(
+        name: str = "",
+        *,
+        width: int = 760,
+        height: int = 560,
+        dark: bool = False,
+        meshes: bool = False,
+    ) -> Page:
+        visits.append(Visit(browser, address, width=width, height=height, dark=dark))
+        return visits[-1].open(name, meshes=meshes)
+
+    yield start
+    for each in visits:
+        each.close()
+
+
+@pytest.fixture(scope="module")
+def helix(visit: Open) -> Page:
+    """The page with the plan of the helix: each test leaves it as it was."""
+    page = visit("helix_iiwa14")
+    plan(page)
+    return page
+
+
+@pytest.fixture(scope="module")
+def made() -> ikplan.Plan:
+    """The same plan by the library."""
+    return ikplan.plan(example("helix_iiwa14"))
+
+
+def plan(page: Page) -> None:
+    page.click("#plan")
+    page.wait_for_selector("#result .certificate")
+
+
+def seek(page: Page, index: int) -> None:
+    page.locator("#time").evaluate(
+        "(slider, i) => { slider.value = i; slider.dispatchEvent(new Event('input')); }", index
+    )
+
+
+def shown(page: Page, kind: str) -> NDArray[np.float64]:
+    """Joint values as the page has them, shape (dof,)."""
+    cells = page.locator(f"output[data-kind={kind}]")
+    return np.array(cells.evaluate_all("cells => cells.map(c => Number(c.dataset.value))"))
+
+
+def clock(page: Page) -> float:
+    return float(page.locator("#clock").get_attribute("data-value") or "nan")
+
+
+def tool(page: Page) -> NDArray[np.float64]:
+    """The tool's position as the page's scene has it, shape (3,) [m]."""
+    cells = page.locator("#tool dd")
+    return np.array(cells.evaluate_all("cells => cells.map(c => Number(c.dataset.value))"))
+
+
+def near_colour(page: Page, colour: tuple[int, int, int]) -> int:
+    """How many pixels of the 3D view have nearly that colour."""
+    picture = Image.open(io.BytesIO(page.locator("#stage canvas").screenshot())).convert("RGB")
+    return int((np.abs(np.asarray(picture, dtype=int) - colour).max(axis=2) < 12).sum())
+
+
+def check_samples(page: Page, made: ikplan.Plan, robot: Robot) -> None:
+    last = len(made.time) - 1
+    assert page.get_attribute("#time", "max") == str(last)
+    for index in (last // 3, last // 2, last, 0):
+        seek(page, index)
+        assert clock(page) == made.time[index]
+        for kind, rows in (("q", made.q), ("dq", made.dq), ("ddq", made.ddq)):
+            np.testing.assert_array_equal(shown(page, kind), rows[index])
+        np.testing.assert_allclose(tool(page), robot.fk(made.q[index]).translation, atol=1e-6)
+
+
+def test_what_is_shown_at_a_time_is_what_was_planned(helix: Page, made: ikplan.Plan) -> None:
+    check_samples(helix, made, catalogue_robot("iiwa14"))
+
+
+def test_the_tool_of_the_request_is_the_one_that_is_shown(visit: Open) -> None:
+    request = example("curve_ur5")
+    page = visit("curve_ur5")
+    plan(page)
+    robot = catalogue_robot("ur5").with_tool(request["tool"]["position"])
+    check_samples(page, ikplan.plan(request), robot)
+
+
+def test_between_samples_the_motion_is_the_librarys(helix: Page, made: ikplan.Plan) -> None:
+    chart = helix.locator(".chart svg").first
+    box = chart.bounding_box()
+    assert box is not None
+    chart.click(position={"x": box["width"] * 0.377, "y": 10})
+    t = clock(helix)
+    assert t == pytest.approx(0.377 * made.duration, rel=0.02)
+    assert t not in made.time
+    q, dq, ddq = made.at(t)
+    np.testing.assert_allclose(shown(helix, "q"), q, atol=1e-9)
+    np.testing.assert_allclose(shown(helix, "dq"), dq, atol=1e-9)
+    np.testing.assert_allclose(shown(helix, "ddq"), ddq, atol=1e-6)
+
+
+def test_the_keyboard_moves_and_runs_the_time(helix: Page, made: ikplan.Plan) -> None:
+    helix.focus("#time")
+    for key, index in (("End", len(made.time) - 1), ("Home", 0), ("ArrowRight", 1)):
+        helix.keyboard.press(key)
+        np.testing.assert_array_equal(shown(helix, "q"), made.q[index])
+    helix.keyboard.press("Space")
+    expect(helix.locator("#play")).to_have_text("Pause")
+    helix.wait_for_function("() => Number(document.getElementById('clock').dataset.value) > 0.05")
+    helix.keyboard.press("Space")
+    expect(helix.locator("#play")).to_have_text("Play")
+    np.testing.assert_allclose(shown(helix, "q"), made.at(clock(helix))[0], atol=1e-9)
+    seek(helix, 0)
+
+
+def test_angles_are_shown_in_the_unit_chosen(helix: Page, made: ikplan.Plan) -> None:
+    cell = helix.locator("output[data-kind=q]").nth(1)
+    helix.click("[data-unit=rad]")
+    expect(cell).to_have_text(f"{made.q[0, 1]:.3f}")
+    expect(helix.locator(".plot-head")).to_contain_text("rad/s²")
+    helix.click("[data-unit=deg]")
+    expect(cell).to_have_text(f"{np.degrees(made.q[0, 1]):.2f}")
+
+
+def test_downloads_hold_the_plan(helix: Page, made: ikplan.Plan) -> None:
+    def saved(label: str) -> str:
+        with helix.expect_download() as caught:
+            helix.get_by_role("button", name=label, exact=True).click()
+        return Path(caught.value.path()).read_text()
+
+    assert encode(ikplan.Plan.load(saved("JSON")), "npz") == encode(made, "npz")
+    ours = list(csv.reader(io.StringIO(encode(made, "csv").decode())))
+    theirs = list(csv.reader(io.StringIO(saved("CSV"))))
+    assert theirs[0] == ours[0]
+    np.testing.assert_array_equal(np.array(theirs[1:], float), np.array(ours[1:], float))
+
+
+def test_every_control_has_a_name_and_a_visible_focus(helix: Page) -> None:
+    unnamed = helix.locator("button, select, input:not([hidden]), textarea").evaluate_all(
+        "all => all.filter(e => !(e.tagName === 'BUTTON' && e.textContent.trim())"
+        " && !e.getAttribute('aria-label') && !(e.labels && e.labels.length))"
+        ".map(e => e.outerHTML)"
+    )
+    assert unnamed == []
+    helix.focus("#robot")
+    helix.keyboard.press("Tab")
+    outline = "() => getComputedStyle(document.activeElement).outlineStyle"
+    assert helix.evaluate(outline) == "solid"
+
+
+def test_nothing_hangs_over_the_edge_of_any_window(helix: Page) -> None:
+    before = helix.viewport_size
+    assert before is not None
+    for width in (320, 390, 768, 1024, 1440):
+        helix.set_viewport_size({"width": width, "height": 640})
+        assert helix.evaluate("() => document.documentElement.scrollWidth <= innerWidth"), width
+        outside = helix.locator("button, select, input:not([hidden]), td, svg").evaluate_all(
+            "all => all.filter(e => { const b = e.getBoundingClientRect();"
+            " return b.left < 0 || b.right > innerWidth; }).map(e => e.outerHTML)"
+        )
+        assert outside == [], width
+    helix.set_viewport_size(before)
+
+
+def test_every_robot_stands_in_the_scene_as_pinocchio_has_it(visit: Open) -> None:
+    page = visit()
+    for name in robot_names():
+        robot = catalogue_robot(name)
+        page.select_option("#robot", name)
+        try:
+            page.wait_for_function(
+                "([p]) => [...document.querySelectorAll('#tool dd')]"
+                ".every((c, i) => Math.abs(Number(c.dataset.value) - p[i]) < 1e-6)",
+                arg=[robot.fk(robot.home).translation.tolist()],
+                timeout=10_000,
+            )
+        except Exception as error:
+            raise AssertionError(f"{name}: {tool(page)}") from error
+        assert json.loads(page.input_value("#editor"))["robot"] == name
+
+
+def test_meshes_come_from_the_service_and_are_drawn(visit: Open) -> None:
+    page = visit("beyond_reach_xarm7", meshes=True)
+    expect(page.locator("#stage-note")).to_have_text("")
+    sizes = page.evaluate(
+        "() => performance.getEntriesByType('resource')"
+        ".filter(e => e.name.includes('/v1/robots/xarm7/meshes/')).map(e => e.decodedBodySize)"
+    )
+    assert len(sizes) == 8
+    assert min(sizes) > 100_000
+    picture = Image.open(io.BytesIO(page.locator("#stage canvas").screenshot())).convert("L")
+    assert np.asarray(picture).std() > 10  # an arm before the ground, not the ground alone
+
+
+def test_a_refusal_is_told_drawn_and_repaired(visit: Open) -> None:
+    request = example("beyond_reach_xarm7")
+    with pytest.raises(ikplan.Unreachable) as caught:
+        ikplan.plan(request)
+    error = caught.value
+    page = visit("beyond_reach_xarm7")
+    red = (0xC6, 0x2A, 0x1F)
+    before = near_colour(page, red)
+    page.click("#plan")
+    card = page.locator("#result .verdict")
+    card.wait_for()
+    assert error.title in card.inner_text()
+    assert error.reason in card.inner_text()
+    closest = catalogue_robot("xarm7").fk(error.q).translation
+    np.testing.assert_allclose(tool(page), closest, atol=1e-6)
+    page.wait_for_timeout(300)
+    assert near_colour(page, red) > before + 100
+    card.get_by_role("button", name="Apply and plan").first.click()
+    page.wait_for_selector("#result .certificate")
+    repaired = json.loads(page.input_value("#editor"))
+    change = error.repairs[0]["change"]["path"]
+    assert {key: repaired["path"][key] for key in change} == change
+    assert repaired["path"]["waypoints"] == request["path"]["waypoints"]
+
+
+def test_a_wrong_field_and_a_wrong_document_are_told(visit: Open) -> None:
+    page = visit("helix_iiwa14")
+    page.fill("#editor", '{"robot": "iiwa14"')
+    expect(page.locator("#fault")).to_contain_text("Not JSON")
+    page.fill("#editor", '{"robot": "iiwa14", "speed": 1, "path": {"waypoints": []}}')
+    expect(page.locator("#fault")).to_have_text("")
+    page.click("#plan")
+    expect(page.locator("#result .verdict")).to_contain_text("speed")
+
+
+def test_by_keyboard_alone_in_the_dark(visit: Open) -> None:
+    page = visit("helix_iiwa14", dark=True)
+    background = page.evaluate("() => getComputedStyle(document.body).backgroundColor")
+    assert background == "rgb(17, 20, 23)"
+    page.focus("#editor")
+    page.keyboard.press("Control+Enter")
+    page.wait_for_selector("#result .certificate")
+    assert near_colour(page, (0x17, 0x1B, 0x1F)) > 1000  # the scene's background

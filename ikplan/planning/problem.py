@@ -31,6 +31,7 @@ class WaypointProblem:
         tolerance: Deviation allowed where a target cannot be met exactly.
         clock: The time budget.
         first_row: Number of the first target among the waypoints of the path.
+        brief: Whether a refusal may name the first waypoint out of reach only.
     """
 
     robot: Robot
@@ -41,6 +42,7 @@ class WaypointProblem:
     tolerance: Tolerance
     clock: Clock
     first_row: int = 0
+    brief: bool = False
 
 
 @dataclass(frozen=True)

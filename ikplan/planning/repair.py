@@ -15,9 +15,10 @@ from ikplan.kinematics.forward import forward
 from ikplan.kinematics.target import Target, pose_target
 from ikplan.path import JointLeg, Pose, ToolLeg, legs_of
 from ikplan.planning.candidates import grow_candidates
+from ikplan.planning.follow import Lost
 from ikplan.planning.freedom import counts_orientation, freedom_of
 from ikplan.planning.least_motion import stack_targets
-from ikplan.planning.route import Route, RouteProblem, lay_route
+from ikplan.planning.route import RouteProblem, lay_route
 from ikplan.planning.turns import with_copies
 from ikplan.request import Frame, PathRequest
 
@@ -34,10 +35,9 @@ _FARTHEST = 0.5
 
 
 @dataclass(frozen=True)
-class _Try:
+class _Repair:
     change: dict[str, Any]
     detail: str
-    problem: RouteProblem
 
 
 def find_repairs(problem: RouteProblem, error: Unreachable | Disconnected) -> list[dict[str, Any]]:
@@ -54,32 +54,34 @@ def find_repairs(problem: RouteProblem, error: Unreachable | Disconnected) -> li
     Returns:
         Repairs as ``{"change": fields of the request, "detail": in words}``.
     """
-    repairs = []
+    repairs: list[dict[str, Any]] = []
     try:
-        for attempt in _tries(problem, error):
-            if _lays(attempt.problem) is not None:
-                repairs.append({"change": attempt.change, "detail": attempt.detail})
+        for repair in _repairs(replace(problem, brief=True), error):
+            repairs.append({"change": repair.change, "detail": repair.detail})
     except BudgetExceeded:
         return repairs
     return repairs
 
 
-def _lays(problem: RouteProblem) -> Route | None:
-    """The route, or None where there is none."""
+def _lays(problem: RouteProblem) -> bool:
+    """Whether there is a route."""
     try:
-        return lay_route(problem)
-    except (Unreachable, Disconnected, InvalidRequest):
-        return None
+        lay_route(problem)
+    except (Unreachable, Disconnected, InvalidRequest, Lost):
+        return False
+    return True
 
 
-def _tries(problem: RouteProblem, error: Unreachable | Disconnected) -> Iterator[_Try]:
-    yield from _other_branch(problem)
+def _repairs(problem: RouteProblem, error: Unreachable | Disconnected) -> Iterator[_Repair]:
+    """Yield changes with which the path was laid."""
+    if isinstance(error, Disconnected):  # what is out of reach is so in every branch
+        yield from _other_branch(problem)
     yield from _free_orientation(problem)
     if isinstance(error, Unreachable) and error.position_error <= _FARTHEST:
         yield from _shifted(problem)
 
 
-def _other_branch(problem: RouteProblem) -> Iterator[_Try]:
+def _other_branch(problem: RouteProblem) -> Iterator[_Repair]:
     """The same tool pose at the start, in another branch, where a tool path begins there."""
     if problem.start_free or not isinstance(_legs(problem)[0], ToolLeg):
         return
@@ -104,13 +106,13 @@ def _other_branch(problem: RouteProblem) -> Iterator[_Try]:
         if np.abs(q - problem.q_start).max() < 1e-3:
             continue
         attempt = replace(problem, q_start=np.ascontiguousarray(q))
-        if _lays(attempt) is not None:
+        if _lays(attempt):
             detail = "start with the tool at the same pose in another branch of the arm"
-            yield _Try({"start": q.tolist()}, detail, attempt)
+            yield _Repair({"start": q.tolist()}, detail)
             return
 
 
-def _free_orientation(problem: RouteProblem) -> Iterator[_Try]:
+def _free_orientation(problem: RouteProblem) -> Iterator[_Repair]:
     """A free tool axis, or else free orientation."""
     path = problem.path
     if path.orientation_free is not None or path.tolerance.box is not None:
@@ -120,16 +122,16 @@ def _free_orientation(problem: RouteProblem) -> Iterator[_Try]:
     for freedom in [*freedoms, "all"]:
         free = PathRequest.model_validate({**document, "orientation_free": freedom})
         attempt = replace(problem, path=free)
-        if _needed_shift(attempt) is None and _lays(attempt) is not None:
+        if _unreached(attempt, _targets(attempt)).size == 0 and _lays(attempt):
             what = (
                 "any orientation" if freedom == "all" else f"a free turn about {freedom['about']}"
             )
             change = {"path": {"orientation_free": freedom}}
-            yield _Try(change, f"allow {what}", attempt)
+            yield _Repair(change, f"allow {what}")
             return
 
 
-def _shifted(problem: RouteProblem) -> Iterator[_Try]:
+def _shifted(problem: RouteProblem) -> Iterator[_Repair]:
     """The smallest shift of the path frame found."""
     shift = np.zeros(3)
     for _ in range(_ROUNDS):
@@ -142,11 +144,11 @@ def _shifted(problem: RouteProblem) -> Iterator[_Try]:
     if not shift.any():
         return
     feasible, low = 1.0, 0.0
-    if _lays(_moved(problem, shift)) is None:
+    if not _lays(_moved(problem, shift)):
         return
     for _ in range(5):
         middle = 0.5 * (low + feasible)
-        if _lays(_moved(problem, middle * shift)) is not None:
+        if _lays(_moved(problem, middle * shift)):
             feasible = middle
         else:
             low = middle
@@ -154,7 +156,7 @@ def _shifted(problem: RouteProblem) -> Iterator[_Try]:
     position = attempt.path.frame.position
     length = float(np.linalg.norm(feasible * shift))
     detail = f"move the path by {length * 1e3:.1f} mm in the base"
-    yield _Try({"path": {"frame": {"position": position}}}, detail, attempt)
+    yield _Repair({"path": {"frame": {"position": position}}}, detail)
 
 
 def _moved(problem: RouteProblem, shift: Array) -> RouteProblem:
@@ -174,8 +176,10 @@ def _needed_shift(problem: RouteProblem) -> Array | None:
     """
     solver = PoseSolver(problem.solver.arm, "lm", params={"restarts": 60})
     worst: Array | None = None
-    for target in _targets(problem):
+    targets = _targets(problem)
+    for k in _unreached(problem, targets):
         problem.clock.check()
+        target = targets[k]
         try:
             solver.solve(target, problem.q_start)
         except NoSolution as verdict:
@@ -184,6 +188,25 @@ def _needed_shift(problem: RouteProblem) -> Array | None:
             if worst is None or np.linalg.norm(way) > np.linalg.norm(worst):
                 worst = np.asarray(way)
     return worst
+
+
+def _unreached(problem: RouteProblem, targets: list[Target]) -> NDArray[np.intp]:
+    """Indices of the targets for which a quick look finds no configuration."""
+    arm = problem.solver.arm
+    found = grow_candidates(
+        arm.chain,
+        stack_targets(targets),
+        np.empty((len(targets), 0, arm.dof)),
+        problem.q_start,
+        arm.lower,
+        arm.upper,
+        4,
+        60,
+        60,
+        0.5,
+        1e-9,
+    )
+    return np.flatnonzero(found.counts == 0)
 
 
 def _legs(problem: RouteProblem) -> list[Any]:

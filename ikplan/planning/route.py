@@ -46,6 +46,8 @@ class RouteProblem:
         start_free: Whether the path may begin anywhere.
         limits: Position limits.
         clock: The time budget.
+        brief: Whether a refusal may leave out why: what holds the arm takes longer to find out
+            than that it is held.
     """
 
     robot: Robot
@@ -56,6 +58,7 @@ class RouteProblem:
     start_free: bool
     limits: JointLimits
     clock: Clock
+    brief: bool = False
 
 
 @dataclass(frozen=True)
@@ -127,6 +130,7 @@ def lay_route(problem: RouteProblem) -> Route:
         InvalidRequest: The path makes no sense.
         Unreachable: A waypoint, or a place on a tool path, has no solution.
         Disconnected: No continuous motion follows a tool path.
+        Lost: The same, where a brief refusal is asked for.
         BudgetExceeded: The time budget ran out.
     """
     layer = _Layer(problem)
@@ -223,6 +227,7 @@ class _Layer:
             problem.path.tolerance,
             problem.clock,
             run[0].index,
+            problem.brief,
         )
 
     def _poses(self, run: list[JointTarget]) -> None:
@@ -275,6 +280,8 @@ class _Layer:
         try:
             followed = self.follower.follow(path, starts, costs)
         except Lost as lost:
+            if self.problem.brief:
+                raise
             raise lost_path(
                 self.problem.robot, self.problem.solver, self.follower, path, lost
             ) from lost

@@ -26,7 +26,8 @@ def unreachable_path(
     """
     count = len(problem.targets)
     misses = {first: miss}
-    examined = range(first + 1, min(count, first + 1 + _MOST_EXAMINED))
+    most = 0 if problem.brief else _MOST_EXAMINED
+    examined = range(first + 1, min(count, first + 1 + most))
     for k in examined:
         problem.clock.check({"waypoints_solved": first})
         problem.clock.advance(problem.first_row + k)

@@ -11,13 +11,15 @@ from fastapi import FastAPI
 
 import ikplan
 from ikplan_api import openapi, problems
+from ikplan_api.board import PlanBoard
 from ikplan_api.planner import Planner
 from ikplan_api.pool import ProcessPlanner
 from ikplan_api.robot_builder import RobotBuilder
 from ikplan_api.robot_store import MemoryRobotStore, RobotStore
 from ikplan_api.routes import ROUTERS
 from ikplan_api.settings import Settings, load_settings
-from ikplan_api.store import MemoryStore, PlanStore
+from ikplan_api.sqlite_store import SqliteStore
+from ikplan_api.store import PlanStore
 from ikplan_api.wrapping import wrap
 
 __all__ = ["create_app"]
@@ -37,7 +39,7 @@ def create_app(
     Args:
         settings: What the operator set; None: read from the environment.
         planner: Who plans; None: as many processes as the settings say.
-        store: Where finished plans are kept; None: in memory.
+        store: Where plans and jobs are kept; None: where the settings say.
         robots: Where uploaded robots are kept; None: in memory.
 
     Returns:
@@ -45,7 +47,8 @@ def create_app(
         answers at once and ``/readyz`` when the first request would not wait for a compiler.
 
     Raises:
-        InvalidRequest: An environment variable has a value that is not allowed.
+        InvalidRequest: An environment variable has a value that is not allowed, or cannot be
+            used.
     """
     settings = settings if settings is not None else load_settings()
     app = FastAPI(
@@ -69,7 +72,8 @@ def create_app(
         memory_bytes=settings.worker_memory_bytes,
         grace_s=settings.grace_s,
     )
-    app.state.store = store or MemoryStore(settings.store_plans, settings.store_bytes)
+    app.state.store = store or _store(settings)
+    app.state.board = PlanBoard(app.state.planner, app.state.store, settings.max_budget_s)
     app.state.robots = robots or MemoryRobotStore(settings.store_robots, settings.store_robot_bytes)
     app.state.robot_builder = RobotBuilder(settings.robot_memory_bytes, settings.robot_timeout_s)
     for router in ROUTERS:
@@ -80,9 +84,23 @@ def create_app(
     return app
 
 
+def _store(settings: Settings) -> SqliteStore:
+    store = SqliteStore(
+        settings.store_path,
+        settings.store_plans,
+        settings.store_bytes,
+        max_age_s=settings.store_days * 86400.0,
+    )
+    store.check()  # now, where a wrong setting is told in one line
+    return store
+
+
 @contextlib.asynccontextmanager
 async def _lifespan(app: FastAPI) -> AsyncIterator[None]:
     planner: Planner = app.state.planner
+    store: PlanStore = app.state.store
+    await store.open()
+    await app.state.board.resume()
     warming = asyncio.create_task(planner.warm_up())
     warming.add_done_callback(_report)
     try:
@@ -90,6 +108,8 @@ async def _lifespan(app: FastAPI) -> AsyncIterator[None]:
     finally:
         warming.cancel()
         await planner.close()
+        await app.state.board.close()
+        await store.close()
 
 
 def _report(warming: asyncio.Task[None]) -> None:

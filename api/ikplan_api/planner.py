@@ -35,6 +35,13 @@ class Planner(Protocol):
     def load(self) -> Load:
         """What the workers have to do."""
 
+    def check_room(self) -> None:
+        """Do nothing where one more task may wait.
+
+        Raises:
+            ServiceUnavailable: No room in the queue.
+        """
+
     async def run(
         self,
         kind: str,

@@ -84,21 +84,26 @@ class ProcessPlanner:
         patient: bool = False,
     ) -> Answer:
         """Do one task; see :meth:`ikplan_api.planner.Planner.run`."""
+        if not patient:
+            self.check_room()
         if self._closed:
             raise _stopping()
-        if self._taken >= self._room and not patient:
-            raise ServiceUnavailable(
-                f"all workers are busy and {self._taken} requests are under way; "
-                f"try again in {_RETRY_AFTER_S:g} s",
-                status_code=ServiceUnavailable.status,
-                retry_after_s=_RETRY_AFTER_S,
-            )
         self._taken += 1
         try:
             await self.warm_up()
             return await self._done(kind, document, robot, limit_s, _Told(progress))
         finally:
             self._taken -= 1
+
+    def check_room(self) -> None:
+        """Do nothing where one more task may wait; see :class:`~ikplan_api.planner.Planner`."""
+        if self._taken >= self._room:
+            raise ServiceUnavailable(
+                f"all workers are busy and {self._taken} requests are under way; "
+                f"try again in {_RETRY_AFTER_S:g} s",
+                status_code=ServiceUnavailable.status,
+                retry_after_s=_RETRY_AFTER_S,
+            )
 
     async def _done(
         self, kind: str, document: bytes, robot: bytes | None, limit_s: float, told: _Told

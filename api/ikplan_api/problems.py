@@ -21,7 +21,16 @@ from ikplan.errors import (
 )
 from ikplan_api.disconnect import ClientGone
 
-__all__ = ["PROBLEM", "Refusal", "error_response", "install", "problem_response"]
+__all__ = [
+    "PROBLEM",
+    "Refusal",
+    "error_response",
+    "http_problem",
+    "install",
+    "plain",
+    "problem_response",
+    "request_id_of",
+]
 
 PROBLEM = "application/problem+json"
 
@@ -46,21 +55,21 @@ def problem_response(
     """Return a problem document as an answer; its ``instance`` is the request's id."""
     body = {**document, "instance": f"urn:ikplan:request:{request_id}"}
     return Response(
-        json.dumps(_plain(body), allow_nan=False),
+        json.dumps(plain(body), allow_nan=False),
         status_code=int(document["status"]),
         media_type=PROBLEM,
         headers=dict(headers or {}),
     )
 
 
-def _plain(value: Any) -> Any:
-    """What JSON can hold of an error's data: a number that is not finite becomes null."""
+def plain(value: Any) -> Any:
+    """Return what JSON can hold of an error's data: a number that is not finite becomes null."""
     if isinstance(value, Mapping):
-        return {str(k): _plain(v) for k, v in value.items()}
+        return {str(k): plain(v) for k, v in value.items()}
     if isinstance(value, list | tuple):
-        return [_plain(v) for v in value]
+        return [plain(v) for v in value]
     if hasattr(value, "tolist"):  # numpy
-        return _plain(value.tolist())
+        return plain(value.tolist())
     if isinstance(value, float):
         return value if math.isfinite(value) else None
     if value is None or isinstance(value, bool | int | str):

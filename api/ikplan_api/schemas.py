@@ -10,7 +10,7 @@ from ikplan import errors
 from ikplan.ik.registry import Solver
 from ikplan.robots import RobotInfo
 
-__all__ = ["PROBLEMS", "Problem", "RobotList", "SolverList", "State", "Version"]
+__all__ = ["PROBLEMS", "PlanStatus", "Problem", "RobotList", "SolverList", "State", "Version"]
 
 
 class RobotList(BaseModel):
@@ -35,6 +35,25 @@ class State(BaseModel):
     """State of the service."""
 
     status: Literal["alive", "ready"]
+
+
+class PlanStatus(BaseModel):
+    """How far a plan is."""
+
+    id: str = Field(description="Id of the plan.")
+    state: Literal["queued", "running", "finished", "failed", "cancelled"] = Field(
+        description="What becomes of it."
+    )
+    stage: str | None = Field(
+        None, description="What is being done: ik, planning, timing or certificate."
+    )
+    done: int = Field(0, description="Waypoints that the stage has done.")
+    total: int = Field(0, description="Waypoints that it has to do; 0: it does not count them.")
+
+    @property
+    def ended(self) -> bool:
+        """Whether nothing will change any more."""
+        return self.state not in ("queued", "running")
 
 
 class Problem(BaseModel):

@@ -16,6 +16,12 @@ __all__ = ["Settings", "load_settings"]
 _PREFIX = "IKPLAN_"
 
 
+def _data_file() -> str:
+    """The file of a user's services, in the user's data folder."""
+    data = os.environ.get("XDG_DATA_HOME") or os.path.join(os.path.expanduser("~"), ".local/share")
+    return os.path.join(data, "ikplan", "service.sqlite3")
+
+
 class Settings(AccessSettings):
     """What an operator can set, each as an environment variable ``IKPLAN_<NAME>``."""
 
@@ -38,8 +44,19 @@ class Settings(AccessSettings):
         2.0, ge=0, le=60, description="Time that a plan gets beyond its budget to end itself [s]."
     )
     max_body_bytes: int = Field(8 * 2**20, ge=1024, description="Largest request body [bytes].")
-    store_plans: int = Field(256, ge=0, description="Finished plans kept for GET /v1/plans/{id}.")
-    store_bytes: int = Field(256 * 2**20, ge=0, description="Size of all plans kept [bytes].")
+    max_budget_s: float = Field(
+        3600.0, gt=0, le=3600, description="Longest time for a plan, whatever its budget_s [s]."
+    )
+    max_batch_bytes: int = Field(64 * 2**20, ge=1024, description="Largest batch [bytes].")
+    max_batch_lines: int = Field(10_000, ge=1, description="Most requests of a batch.")
+    store_path: str = Field(
+        default_factory=_data_file,
+        min_length=1,
+        description='File that plans and jobs are kept in; ":memory:": none, a restart forgets.',
+    )
+    store_plans: int = Field(10_000, ge=0, description="Finished plans kept.")
+    store_bytes: int = Field(512 * 2**20, ge=0, description="Size of all plans kept [bytes].")
+    store_days: float = Field(30.0, gt=0, description="Longest time that a plan is kept [days].")
     max_urdf_bytes: int = Field(
         2**20, ge=1024, le=MAX_BYTES, description="Largest URDF or SRDF uploaded [bytes]."
     )

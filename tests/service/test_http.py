@@ -79,7 +79,6 @@ def test_version_and_health(http):
 @pytest.mark.parametrize(
     ("method", "path", "status"),
     [
-        ("GET", "/", 404),
         ("GET", "/v1", 404),
         ("GET", "/v1/plans/a/b", 404),
         ("GET", "/v1/robots/..%2F..%2Fetc%2Fpasswd", 404),

@@ -13,6 +13,8 @@ from .bad_requests import GOOD
 OPERATIONS = {
     "create_plan": ("post", "/v1/plans"),
     "get_plan": ("get", "/v1/plans/{plan_id}"),
+    "delete_plan": ("delete", "/v1/plans/{plan_id}"),
+    "watch_plan": ("get", "/v1/plans/{plan_id}/events"),
     "create_timing": ("post", "/v1/timings"),
     "compute_fk": ("post", "/v1/fk"),
     "solve_ik": ("post", "/v1/ik"),
@@ -73,7 +75,7 @@ def test_every_error_class_has_its_problem_with_its_data():
 def test_every_operation_documents_its_failures(document):
     for methods in document["paths"].values():
         for operation in methods.values():
-            failures = {s: r for s, r in operation["responses"].items() if not s.startswith("2")}
+            failures = {s: r for s, r in operation["responses"].items() if s >= "4"}
             assert "default" in failures
             for answer in failures.values():
                 assert list(answer["content"]) == ["application/problem+json"]

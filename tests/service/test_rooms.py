@@ -1,4 +1,4 @@
-"""The store and the faults of the service, each by itself."""
+"""The faults of the service."""
 
 import asyncio
 
@@ -7,46 +7,9 @@ import httpx
 from ikplan_api.app import create_app
 from ikplan_api.planner import Load
 from ikplan_api.settings import Settings
-from ikplan_api.store import MemoryStore
 from ikplan_api.tasks import Answer
 
 from .conftest import ADDRESS
-
-
-def test_the_store_forgets_what_was_unused_for_longest():
-    async def use() -> list[bytes | None]:
-        store = MemoryStore(max_plans=2, max_bytes=1000)
-        await store.put("a", b"1")
-        await store.put("b", b"2")
-        await store.get("a")
-        await store.put("c", b"3")
-        return [await store.get(key) for key in "abc"]
-
-    assert asyncio.run(use()) == [b"1", None, b"3"]
-
-
-def test_the_store_is_bounded_in_bytes():
-    async def use() -> list[bytes | None]:
-        store = MemoryStore(max_plans=100, max_bytes=10)
-        await store.put("a", b"1" * 6)
-        await store.put("a", b"2" * 7)
-        await store.put("b", b"3" * 3)
-        first = [await store.get("a"), await store.get("b")]
-        await store.put("c", b"4")
-        await store.put("too long", b"5" * 11)
-        return [*first, await store.get("a"), await store.get("c"), await store.get("too long")]
-
-    assert asyncio.run(use()) == [b"2" * 7, b"3" * 3, None, b"4", None]
-
-
-def test_a_plan_that_is_put_again_but_too_long_is_not_kept_in_its_old_form():
-    async def use() -> bytes | None:
-        store = MemoryStore(max_plans=1, max_bytes=2)
-        await store.put("a", b"1")
-        await store.put("a", b"123")
-        return await store.get("a")
-
-    assert asyncio.run(use()) is None
 
 
 class Crashing:
@@ -54,6 +17,9 @@ class Crashing:
 
     ready = True
     load = Load(1, 0, 0)
+
+    def check_room(self) -> None:
+        return None
 
     async def run(self, *_: object, **__: object) -> Answer:
         raise ZeroDivisionError("secret")

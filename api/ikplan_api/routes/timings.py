@@ -7,14 +7,8 @@ from fastapi import APIRouter, Request, Response
 from ikplan import errors
 from ikplan.result import Plan
 from ikplan.timing_request import TimingRequest
-from ikplan_api.body import read_json_body
-from ikplan_api.disconnect import while_connected
-from ikplan_api.identity import identify
+from ikplan_api.answering import ACCEPTED, PREFER, ask_for_plan
 from ikplan_api.openapi import problems, request_body
-from ikplan_api.planner import Planner
-from ikplan_api.routes import plans
-from ikplan_api.store import PlanStore
-from ikplan_api.uploads import robot_document
 
 __all__ = ["router"]
 
@@ -35,7 +29,8 @@ _EXAMPLE = {
     "",
     summary="Time a joint path",
     response_model=Plan,
-    responses=problems(
+    responses=ACCEPTED
+    | problems(
         errors.InvalidRequest,
         errors.RobotNotFound,
         errors.TimingFailed,
@@ -45,23 +40,12 @@ _EXAMPLE = {
         errors.CertificateViolated,
         errors.ServiceUnavailable,
     ),
-    openapi_extra=request_body(TimingRequest, _EXAMPLE),
+    openapi_extra=request_body(TimingRequest, _EXAMPLE) | PREFER,
 )
 async def create_timing(request: Request) -> Response:
     """Move through joint waypoints as fast as the limits allow, checked before it is answered.
 
-    The same request gives the same id and the same trajectory, byte for byte.
+    The same request gives the same id and the same trajectory, byte for byte. It is kept like a
+    plan, and can be asked for like one with `Prefer: respond-async`.
     """
-    planner: Planner = request.app.state.planner
-    store: PlanStore = request.app.state.store
-    document = await read_json_body(request)
-    robot = await robot_document(request, document)
-    identity = await identify(planner, "time", document, robot)
-    answer = await while_connected(
-        request, planner.run("time", document, robot=robot, limit_s=identity.budget_s)
-    )
-    headers = {}
-    if answer.plan_id is not None:
-        await store.put(answer.plan_id, answer.document)
-        headers["content-location"] = f"{plans.router.prefix}/{answer.plan_id}"
-    return Response(answer.document, media_type="application/json", headers=headers)
+    return await ask_for_plan(request, "time")

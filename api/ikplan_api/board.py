@@ -1,0 +1,208 @@
+"""The plans that are being made: each request once, however many want it."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import json
+import logging
+from typing import Any
+
+from ikplan.errors import (
+    BudgetExceeded,
+    IkplanError,
+    PlanNotFound,
+    ServiceUnavailable,
+)
+from ikplan_api.identity import identify
+from ikplan_api.making import Making
+from ikplan_api.planner import Planner
+from ikplan_api.problems import http_problem, plain
+from ikplan_api.schemas import PlanStatus
+from ikplan_api.store import Job, PlanStore, RecentPlans, StoreFault
+from ikplan_api.tasks import Answer
+
+__all__ = ["PlanBoard"]
+
+_log = logging.getLogger("ikplan.service")
+
+
+class PlanBoard:
+    """Makes plans, keeps them, and knows of each whether it is wanted.
+
+    Args:
+        planner: Makes the plans.
+        store: Keeps them, and the jobs.
+        max_budget_s: Longest time that any plan may take, whatever its budget [s].
+    """
+
+    def __init__(self, planner: Planner, store: PlanStore, max_budget_s: float) -> None:
+        self._planner = planner
+        self._store = store
+        self._max_budget_s = max_budget_s
+        self._making: dict[str, Making] = {}
+        self._unsaved = RecentPlans(max_plans=256, max_bytes=64 * 2**20)
+
+    async def resume(self) -> None:
+        """Begin the jobs that were accepted before a restart, in their order."""
+        for job in await self._store.pending():
+            if job.plan_id not in self._making:
+                self._begin(job, patient=True).accepted = True
+
+    async def identify(self, kind: str, document: bytes, robot: bytes | None) -> Job:
+        """Tell the id of a request before it is planned.
+
+        Args:
+            kind: ``"plan"`` or ``"time"``.
+            document: The request document.
+            robot: The upload of the robot that it names; None: one of the catalogue.
+
+        Raises:
+            IkplanError: What is wrong with the request.
+        """
+        identity = await identify(self._planner, kind, document, robot)
+        budget_s = min(identity.budget_s, self._max_budget_s)
+        return Job(identity.plan_id, kind, document, robot, budget_s)
+
+    async def find(self, plan_id: str) -> bytes | None:
+        """Return a finished plan, or None if it is not kept."""
+        return self._unsaved.get(plan_id) or await self._store.get(plan_id)
+
+    async def make(self, job: Job, *, patient: bool = False) -> bytes:
+        """Return a plan, made now unless it is kept or being made; cancelled: no longer wanted.
+
+        Args:
+            job: What is asked for.
+            patient: Wait for room, instead of being refused.
+
+        Raises:
+            IkplanError: The verdict on the request, or that there is no room.
+        """
+        while True:
+            if (document := await self.find(job.plan_id)) is not None:
+                return document
+            making = self._making.get(job.plan_id) or self._begin(job, patient=patient)
+            try:
+                return (await self._join(making)).document
+            except BudgetExceeded:
+                # What another allowed less time for may still be done within this budget.
+                if making.job.budget_s >= job.budget_s:
+                    raise
+
+    async def accept(self, job: Job) -> PlanStatus:
+        """Accept a job: it is done even if the service is killed in between.
+
+        Raises:
+            ServiceUnavailable: There is no room, or it cannot be kept.
+        """
+        making = self._making.get(job.plan_id)
+        if making is None or not making.accepted:
+            if making is None:
+                self._planner.check_room()
+            try:
+                await self._store.accept(job)
+            except StoreFault as error:
+                _log.error("a job could not be kept: %s", error)
+                raise ServiceUnavailable(
+                    "jobs cannot be kept now, and so not be accepted; without Prefer: "
+                    "respond-async the plan is made and answered",
+                    status_code=ServiceUnavailable.status,
+                    retry_after_s=60.0,
+                ) from error
+            # Somebody else may have begun it meanwhile.
+            making = self._making.get(job.plan_id) or self._begin(job, patient=True)
+            making.accepted = True
+        return making.status
+
+    async def close(self) -> None:
+        """Wait for what ended with the planner; jobs are done after the next start."""
+        if self._making:
+            await asyncio.wait([making.task for making in self._making.values()])
+
+    def under_way(self, plan_id: str) -> Making | None:
+        """Return a plan that is being made, or None."""
+        return self._making.get(plan_id)
+
+    async def failure(self, plan_id: str) -> dict[str, Any] | None:
+        """Return the problem document of a job that failed, or None."""
+        problem = await self._store.problem(plan_id)
+        return None if problem is None else json.loads(problem)
+
+    async def cancel(self, plan_id: str) -> None:
+        """Stop a job, or forget a plan; who waits for the same plan gets it all the same.
+
+        Raises:
+            PlanNotFound: There is none.
+        """
+        making = self._making.get(plan_id)
+        kept = await self._store.delete(plan_id)
+        if not (self._unsaved.delete(plan_id) or kept or making):
+            raise PlanNotFound(id=plan_id)
+        if making is not None:
+            making.accepted = False
+            self._drop_unwanted(making)
+
+    def _begin(self, job: Job, *, patient: bool) -> Making:
+        making = Making(job)
+        self._making[job.plan_id] = making
+        making.task = asyncio.create_task(self._work(making, patient))
+        making.task.add_done_callback(lambda _: self._ended(making))
+        return making
+
+    def _ended(self, making: Making) -> None:
+        self._forget(making)
+        making.end()
+
+    def _forget(self, making: Making) -> None:
+        if self._making.get(making.job.plan_id) is making:
+            del self._making[making.job.plan_id]
+
+    async def _join(self, making: Making) -> Answer:
+        making.waiters += 1
+        try:
+            return await asyncio.shield(making.task)
+        finally:
+            making.waiters -= 1
+            self._drop_unwanted(making)
+
+    def _drop_unwanted(self, making: Making) -> None:
+        if not making.waiters and not making.accepted:
+            self._forget(making)  # who asks for it from now on begins anew
+            making.task.cancel()
+
+    async def _work(self, making: Making, patient: bool) -> Answer:
+        job = making.job
+        try:
+            answer = await self._planner.run(
+                job.kind,
+                job.document,
+                robot=job.robot,
+                limit_s=job.budget_s,
+                progress=making.progress,
+                patient=patient,
+            )
+            await self._keep(job.plan_id, answer.document)
+            return answer
+        except IkplanError as error:
+            making.problem = plain(error.to_problem())
+            # A job that only had no worker, as when the service stops, is done later.
+            if making.accepted and not isinstance(error, ServiceUnavailable):
+                await self._keep_failure(making)
+            raise
+        except Exception:
+            _log.exception("plan %s failed", job.plan_id)
+            making.problem = http_problem(500, "an unexpected fault of the service")
+            if making.accepted:
+                await self._keep_failure(making)
+            raise
+
+    async def _keep(self, plan_id: str, document: bytes) -> None:
+        try:
+            await self._store.put(plan_id, document)
+        except StoreFault as error:
+            _log.error("plan %s could not be kept: %s", plan_id, error)
+            self._unsaved.put(plan_id, document)
+
+    async def _keep_failure(self, making: Making) -> None:
+        with contextlib.suppress(StoreFault):
+            await self._store.fail(making.job.plan_id, json.dumps(making.problem).encode())

@@ -1,0 +1,208 @@
+"""Plans and jobs in a SQLite file, so that they outlive the service."""
+
+from __future__ import annotations
+
+import asyncio
+import sqlite3
+import time
+from collections.abc import AsyncIterator, Sequence
+from contextlib import asynccontextmanager, closing
+from pathlib import Path
+from typing import Any
+
+import aiosqlite
+
+from ikplan.errors import InvalidRequest
+from ikplan_api.store import Job, StoreFault
+
+__all__ = ["IN_MEMORY", "SqliteStore"]
+
+IN_MEMORY = ":memory:"
+"""A path that stands for no file at all."""
+
+_SETTING = "IKPLAN_STORE_PATH"
+_SCHEMA = """
+PRAGMA locking_mode = EXCLUSIVE;
+PRAGMA journal_mode = WAL;
+PRAGMA synchronous = NORMAL;
+BEGIN IMMEDIATE;
+CREATE TABLE IF NOT EXISTS plans (
+    id TEXT PRIMARY KEY, bytes INTEGER NOT NULL, made REAL NOT NULL, used REAL NOT NULL,
+    document BLOB NOT NULL
+);
+CREATE INDEX IF NOT EXISTS plans_by_use ON plans (used, id, bytes);
+CREATE TABLE IF NOT EXISTS jobs (
+    place INTEGER PRIMARY KEY AUTOINCREMENT, id TEXT NOT NULL UNIQUE, kind TEXT NOT NULL,
+    budget_s REAL NOT NULL, accepted REAL NOT NULL, problem BLOB, robot BLOB,
+    document BLOB NOT NULL
+);
+COMMIT;
+"""
+_OLD_PLANS = "DELETE FROM plans WHERE made < ?"
+_OLD_FAILURES = "DELETE FROM jobs WHERE problem IS NOT NULL AND accepted < ?"
+_SURPLUS = """
+DELETE FROM plans WHERE id IN (
+    SELECT id FROM (
+        SELECT id, SUM(bytes) OVER newest AS total, ROW_NUMBER() OVER newest AS place
+        FROM plans WINDOW newest AS (ORDER BY used DESC, id DESC)
+    ) WHERE total > ? OR place > ?
+)
+"""
+
+
+class SqliteStore:
+    """Keeps plans and jobs in one file, bounded in number, size and age.
+
+    The file is this service's alone while it runs. What was written is there after the service
+    was killed; after a power cut the last moments can be missing.
+
+    Args:
+        path: The file, made with its folders where it is missing; ``":memory:"``: none.
+        max_plans: Most plans kept.
+        max_bytes: Size of all plans kept [bytes]; a larger plan is not kept at all.
+        max_age_s: Longest time that plans and failures are kept [s].
+    """
+
+    def __init__(self, path: str, max_plans: int, max_bytes: int, max_age_s: float) -> None:
+        self._path = path
+        self._max_plans = max_plans
+        self._max_bytes = max_bytes
+        self._max_age_s = max_age_s
+        self._connection: aiosqlite.Connection | None = None
+        self._writing = asyncio.Lock()
+
+    def check(self) -> None:
+        """Make sure that the file can be used.
+
+        Raises:
+            InvalidRequest: It cannot be made, written or had alone.
+        """
+        if self._path == IN_MEMORY:
+            return
+        try:
+            Path(self._path).parent.mkdir(parents=True, exist_ok=True)
+            with closing(sqlite3.connect(self._path, isolation_level=None, timeout=1.0)) as file:
+                file.execute("BEGIN IMMEDIATE")
+                file.execute("ROLLBACK")
+        except (OSError, sqlite3.Error) as error:
+            reason = getattr(error, "strerror", None) or str(error)
+            if "locked" in reason:
+                reason = "another service uses it"
+            raise InvalidRequest(
+                f"{_SETTING}: plans cannot be kept in {self._path}: {reason}; name another file, "
+                f"or {IN_MEMORY} to keep them in memory",
+                field=_SETTING,
+                allowed=f"a file that can be written, or {IN_MEMORY}",
+            ) from error
+
+    async def open(self) -> None:
+        """Open the file.
+
+        Raises:
+            InvalidRequest: It cannot be made, written or had alone.
+        """
+        await asyncio.to_thread(self.check)
+        self._connection = await aiosqlite.connect(self._path, isolation_level=None, timeout=1.0)
+        try:
+            await self._connection.executescript(_SCHEMA)
+        except BaseException:
+            await self.close()
+            raise
+
+    async def close(self) -> None:
+        """Close the file."""
+        if self._connection is not None:
+            await self._connection.close()
+            self._connection = None
+
+    @asynccontextmanager
+    async def _write(self) -> AsyncIterator[aiosqlite.Connection]:
+        """All or nothing of several changes."""
+        connection = self._open_connection()
+        async with self._writing:
+            try:
+                await connection.execute("BEGIN IMMEDIATE")
+                try:
+                    yield connection
+                    await connection.execute("COMMIT")
+                except BaseException:
+                    # SQLite may have rolled back by itself, as when the disk is full.
+                    if connection.in_transaction:
+                        await connection.execute("ROLLBACK")
+                    raise
+            except sqlite3.Error as error:
+                raise StoreFault(str(error)) from error
+
+    def _open_connection(self) -> aiosqlite.Connection:
+        assert self._connection is not None, "the store is not open"
+        return self._connection
+
+    async def _row(self, query: str, values: Sequence[Any]) -> Any:
+        async with self._open_connection().execute(query, values) as cursor:
+            return await cursor.fetchone()
+
+    async def put(self, plan_id: str, document: bytes) -> None:
+        """Keep a plan; those unused for longest make room for it."""
+        now = time.time()
+        row = (plan_id, len(document), now, now, document)
+        async with self._write() as connection:
+            await connection.execute("INSERT OR REPLACE INTO plans VALUES (?, ?, ?, ?, ?)", row)
+            await connection.execute("DELETE FROM jobs WHERE id = ?", (plan_id,))
+            await connection.execute(_OLD_PLANS, (now - self._max_age_s,))
+            await connection.execute(_SURPLUS, (self._max_bytes, self._max_plans))
+
+    async def get(self, plan_id: str) -> bytes | None:
+        """Return a plan, or None if it is not kept."""
+        now = time.time()
+        row = await self._row(
+            "SELECT document FROM plans WHERE id = ? AND made >= ?",
+            (plan_id, now - self._max_age_s),
+        )
+        if row is None:
+            return None
+        try:
+            async with self._write() as connection:
+                await connection.execute("UPDATE plans SET used = ? WHERE id = ?", (now, plan_id))
+        except StoreFault:
+            pass  # it can still be read
+        return bytes(row[0])
+
+    async def accept(self, job: Job) -> None:
+        """Keep a job; a failure of the same request before is forgotten."""
+        row = (*job, time.time())
+        async with self._write() as connection:
+            await connection.execute(
+                "INSERT OR REPLACE INTO jobs (id, kind, document, robot, budget_s, accepted) "
+                "VALUES (?, ?, ?, ?, ?, ?)",
+                row,
+            )
+
+    async def fail(self, plan_id: str, problem: bytes) -> None:
+        """Keep the problem document of a job that failed."""
+        async with self._write() as connection:
+            await connection.execute("UPDATE jobs SET problem = ? WHERE id = ?", (problem, plan_id))
+            await connection.execute(_OLD_FAILURES, (time.time() - self._max_age_s,))
+
+    async def problem(self, plan_id: str) -> bytes | None:
+        """Return why a job failed, or None if none of that id has."""
+        row = await self._row("SELECT problem FROM jobs WHERE id = ?", (plan_id,))
+        return None if row is None or row[0] is None else bytes(row[0])
+
+    async def delete(self, plan_id: str) -> bool:
+        """Forget a plan, a job and its failure; return whether there was any."""
+        found = 0
+        async with self._write() as connection:
+            for table in ("plans", "jobs"):
+                statement = f"DELETE FROM {table} WHERE id = ?"
+                async with connection.execute(statement, (plan_id,)) as cursor:
+                    found += cursor.rowcount
+        return found > 0
+
+    async def pending(self) -> list[Job]:
+        """Return the jobs that are neither done nor failed, in the order they were accepted."""
+        query = (
+            "SELECT id, kind, document, robot, budget_s FROM jobs "
+            "WHERE problem IS NULL ORDER BY place"
+        )
+        async with self._open_connection().execute(query) as cursor:
+            return [Job(*row) async for row in cursor]

@@ -1,0 +1,183 @@
+"""The file of plans and jobs: what it keeps, what it forgets, what keeps it from either."""
+
+import asyncio
+import time
+from collections.abc import Awaitable, Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from ikplan import InvalidRequest
+from ikplan_api.settings import Settings
+from ikplan_api.sqlite_store import IN_MEMORY, SqliteStore
+from ikplan_api.store import Job, RecentPlans, StoreFault
+
+JOB = Job("j", "plan", b"{}", None, 10.0)
+
+
+def use(
+    scenario: Callable[[SqliteStore], Awaitable[Any]], path: object = IN_MEMORY, **limits
+) -> Any:
+    bounds = {"max_plans": 100, "max_bytes": 10**6, "max_age_s": 3600.0, **limits}
+
+    async def run() -> Any:
+        store = SqliteStore(str(path), **bounds)
+        await store.open()
+        try:
+            return await scenario(store)
+        finally:
+            await store.close()
+
+    return asyncio.run(run())
+
+
+def test_the_store_forgets_what_was_unused_for_longest():
+    async def fill(store: SqliteStore) -> list[bytes | None]:
+        await store.put("a", b"1")
+        await store.put("b", b"2")
+        await store.get("a")
+        await store.put("c", b"3")
+        return [await store.get(key) for key in "abc"]
+
+    assert use(fill, max_plans=2) == [b"1", None, b"3"]
+
+
+def test_the_store_is_bounded_in_bytes():
+    async def fill(store: SqliteStore) -> list[bytes | None]:
+        await store.put("a", b"1" * 6)
+        await store.put("a", b"2" * 7)
+        await store.put("b", b"3" * 3)
+        first = [await store.get("a"), await store.get("b")]
+        await store.put("c", b"4")
+        await store.put("too long", b"5" * 11)
+        return [*first, await store.get("a"), await store.get("too long")]
+
+    assert use(fill, max_bytes=10) == [b"2" * 7, b"3" * 3, None, None]
+
+
+def test_the_store_is_bounded_in_age(monkeypatch: pytest.MonkeyPatch):
+    now = time.time()
+
+    async def wait(store: SqliteStore) -> list[object]:
+        await store.put("a", b"1")
+        await store.accept(JOB)
+        await store.fail("j", b"{}")
+        monkeypatch.setattr(time, "time", lambda: now + 101.0)
+        gone = await store.get("a")
+        await store.accept(JOB._replace(plan_id="k"))
+        await store.fail("k", b"{}")
+        return [gone, await store.problem("j"), await store.problem("k")]
+
+    assert use(wait, max_age_s=100.0) == [None, None, b"{}"]
+
+
+def test_what_was_kept_is_there_when_the_file_is_opened_again(tmp_path: Path):
+    path = tmp_path / "new" / "folder" / "store.sqlite3"
+    jobs = [JOB._replace(plan_id=name, robot=name.encode()) for name in ("z", "a", "m")]
+
+    async def fill(store: SqliteStore) -> None:
+        await store.put("p", b"plan")
+        for job in jobs:
+            await store.accept(job)
+        await store.fail("a", b"why")
+
+    async def read(store: SqliteStore) -> list[object]:
+        return [await store.get("p"), await store.pending(), await store.problem("a")]
+
+    use(fill, path)
+    assert use(read, path) == [b"plan", [jobs[0], jobs[2]], b"why"]
+
+
+def test_a_plan_that_is_kept_ends_its_job_and_a_deleted_one_is_gone():
+    async def end(store: SqliteStore) -> list[object]:
+        await store.accept(JOB)
+        await store.put("j", b"plan")
+        left = await store.pending()
+        return [left, await store.delete("j"), await store.delete("j"), await store.get("j")]
+
+    assert use(end) == [[], True, False, None]
+
+
+def test_a_job_accepted_again_after_it_failed_is_pending_again():
+    async def again(store: SqliteStore) -> list[object]:
+        await store.accept(JOB)
+        await store.fail("j", b"why")
+        await store.accept(JOB)
+        return [await store.problem("j"), await store.pending()]
+
+    assert use(again) == [None, [JOB]]
+
+
+def test_two_services_never_share_a_file(tmp_path: Path):
+    path = tmp_path / "store.sqlite3"
+
+    async def second(_: SqliteStore) -> None:
+        other = SqliteStore(str(path), 1, 1, 1.0)
+        with pytest.raises(InvalidRequest, match="another service uses it") as caught:
+            await other.open()
+        assert caught.value.field == "IKPLAN_STORE_PATH"
+
+    use(second, path)
+
+
+@pytest.mark.parametrize("path", ["/proc/nowhere/store", "/dev/null/store", "/"])
+def test_a_place_that_cannot_be_used_is_named_with_its_setting(path):
+    async def never(_: SqliteStore) -> None:
+        raise AssertionError
+
+    with pytest.raises(InvalidRequest, match=f"IKPLAN_STORE_PATH.*{path}"):
+        use(never, path)
+
+
+def test_a_file_that_is_none_of_ours_is_left_alone(tmp_path: Path):
+    path = tmp_path / "thesis.txt"
+    path.write_text("to be or not to be " * 100)
+
+    async def never(_: SqliteStore) -> None:
+        raise AssertionError
+
+    with pytest.raises(InvalidRequest, match="IKPLAN_STORE_PATH"):
+        use(never, path)
+    assert path.read_text().startswith("to be")
+
+
+def test_a_full_disk_loses_nothing_that_was_kept(tmp_path: Path):
+    async def fill(store: SqliteStore) -> None:
+        await store.accept(JOB)
+        await store.put("a", b"1")
+        connection = store._connection
+        assert connection is not None
+        async with connection.execute("PRAGMA page_count") as cursor:
+            (pages,) = await cursor.fetchone()
+        await connection.execute(f"PRAGMA max_page_count = {pages + 2}")
+        for name in ("b", "c"):
+            with pytest.raises(StoreFault, match="full"):
+                await store.put(name, bytes(100_000))
+        with pytest.raises(StoreFault, match="full"):
+            await store.accept(JOB._replace(plan_id="k", document=bytes(100_000)))
+        assert await store.get("a") == b"1"
+        assert await store.pending() == [JOB]
+        await connection.execute(f"PRAGMA max_page_count = {pages + 1000}")
+        await store.put("b", bytes(100_000))
+
+    use(fill, tmp_path / "store.sqlite3")
+
+
+def test_plans_that_were_not_saved_are_bounded():
+    recent = RecentPlans(max_plans=2, max_bytes=10)
+    for name, document in (("a", b"1"), ("b", b"2"), ("c", b"3" * 8), ("d", b"4" * 11)):
+        recent.put(name, document)
+    assert [recent.get(name) for name in "abcd"] == [None, b"2", b"3" * 8, None]
+    recent.put("b", b"5" * 11)
+    assert recent.get("b") is None
+    assert (recent.delete("c"), recent.delete("c")) == (True, False)
+
+
+def test_plans_are_kept_in_the_users_data_folder_unless_told_otherwise(monkeypatch):
+    monkeypatch.delenv("IKPLAN_STORE_PATH")
+    monkeypatch.setenv("XDG_DATA_HOME", "/data")
+    assert Settings().store_path == "/data/ikplan/service.sqlite3"
+    monkeypatch.delenv("XDG_DATA_HOME")
+    monkeypatch.setenv("HOME", "/home/me")
+    assert Settings().store_path == "/home/me/.local/share/ikplan/service.sqlite3"

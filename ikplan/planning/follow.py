@@ -162,9 +162,6 @@ class Follower:
             self.freedom,
         )
 
-    def _bounds(self, q: Array) -> tuple[Array, Array]:
-        return self.arm.search_bounds(q)
-
     def _redundant(self, guide: Guide) -> bool:
         targets = self.targets_at(guide, np.array([0.5 * guide.length]))
         return self.arm.dof > constraint_rows(target_at(targets, 0))
@@ -196,7 +193,7 @@ class Follower:
 
     def _lead(self, guide: Guide, q_start: Array) -> tuple[Array, Array, int]:
         """Return stations and configurations from one start to the end of the path."""
-        lower, upper = self._bounds(q_start)
+        lower, upper = self.arm.lower, self.arm.upper
         s = _first_stations(guide)
         q = np.empty((len(s), self.arm.dof))
         q[0] = q_start
@@ -221,7 +218,7 @@ class Follower:
 
     def _shorten(self, guide: Guide, s: Array, q: Array) -> tuple[Array, int]:
         """Shorten the way by the arm's self-motion, as long as it stays one way."""
-        lower, upper = self._bounds(q[0])
+        lower, upper = self.arm.lower, self.arm.upper
         shorter = np.ascontiguousarray(q[1:])
         _, evaluations = polish(
             self.arm.chain,
@@ -242,7 +239,7 @@ class Follower:
 
     def _densify(self, guide: Guide, s: Array, q: Array) -> tuple[Array, Array, list[int], int]:
         """Add stations until the joint spline through them stays on the path."""
-        lower, upper = self._bounds(q[0])
+        lower, upper = self.arm.lower, self.arm.upper
         evaluations = 0
         while True:
             self.clock.check()

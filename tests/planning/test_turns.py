@@ -85,3 +85,15 @@ def test_a_joint_without_limits_goes_on_turning() -> None:
     turned = np.abs(q[-1] - q[0])
     assert turned.max() == pytest.approx(2.0 * TURN, abs=0.2)
     assert np.abs(np.diff(q, axis=0)).max() < 1.2
+
+
+def test_a_tool_path_may_wind_a_joint_without_limits_on() -> None:
+    robot = load_robot("kinova_j2s6s200")
+    height = float(robot.fk(robot.home).translation[2])
+    arc = {"type": "arc", "centre": [0.0, 0.0, height], "axis": [0, 0, 1], "angle": 2.0 * TURN}
+    plan = ikplan.plan(
+        {"robot": robot.name, "path": {"segments": [arc], "orientation_free": "all"}}
+    )
+    turned = np.abs(plan.q[-1] - plan.q[0])
+    assert turned.max() > TURN
+    assert turned.argmax() == 0

@@ -22,6 +22,7 @@ from ikplan.path_checks import Followed, TimedSpan, follow_checks, offset
 from ikplan.request import PathRequest
 from ikplan.result import Certificate, LimitPlace
 from ikplan.robots import Robot
+from ikplan.stretch_checks import LimitWindow, stretch_checks
 
 __all__ = ["Claim", "certify"]
 
@@ -39,6 +40,7 @@ class Claim:
             waypoint in the base, where the path has segments; plain waypoints are read from it.
         rounded: Waypoints at corners that the path rounds, which it need not meet.
         spans: The tool paths to be followed.
+        windows: Limits that hold at times only.
         q_start: Start that was asked for, shape (dof,); None: any.
         waypoint_q: Joint values at the waypoints, shape (n, dof) [rad or m].
         waypoint_time: When each waypoint is passed, shape (n,) [s].
@@ -66,6 +68,7 @@ class Claim:
     wanted: tuple[tuple[Array, Any], ...] = ()
     rounded: frozenset[int] = frozenset()
     spans: tuple[TimedSpan, ...] = ()
+    windows: tuple[LimitWindow, ...] = ()
 
     @property
     def promised(self) -> MotionLimits:
@@ -117,6 +120,10 @@ def certify(claim: Claim) -> Certificate:
             )
     further, exceeded = further_limits(robot, limits, claim.time, claim.q, claim.dq, claim.ddq)
     violations += exceeded
+    segments, exceeded = stretch_checks(
+        robot, claim.windows, claim.time, claim.q, claim.dq, claim.ddq
+    )
+    violations += exceeded
     elongation = _elongations(claim)
     singular_value, singular_time = _least_singular_value(claim)
     shortest = float(elongation.sum())
@@ -137,6 +144,7 @@ def certify(claim: Claim) -> Certificate:
         acceleration_limit_ratio=acceleration[0],
         acceleration_limit_at=acceleration[1],
         **further,
+        segments=segments,
         min_singular_value=singular_value,
         min_singular_value_time=singular_time,
         elongation_sum=float(elongation.sum()),

@@ -11,7 +11,7 @@ from pydantic import BeforeValidator, Discriminator, Field, Tag
 
 from ikplan.documents import Document, Vec3, plain
 
-__all__ = ["LimitOptions", "Payload", "SamplingOptions", "ToolRate"]
+__all__ = ["LimitOptions", "Payload", "SamplingOptions", "StretchLimits", "ToolRate"]
 
 MAX_RATE_HZ = 10_000.0
 
@@ -69,8 +69,8 @@ class Payload(Document):
     position: Vec3 = Field([0.0, 0.0, 0.0], description="Its centre, in the tool frame [m].")
 
 
-class LimitOptions(Document):
-    """Limits of the motion, on top of the robot's own: the strictest of all holds."""
+class StretchLimits(Document):
+    """Limits of a stretch of the motion, on top of those of the whole: the strictest holds."""
 
     velocity_scale: float = Field(1.0, ge=1e-4, le=1, description="Share of the velocity limits.")
     acceleration_scale: float = Field(
@@ -92,18 +92,10 @@ class LimitOptions(Document):
         description="Lowest joint accelerations, negative [rad/s^2 or m/s^2]; null: as far below "
         "zero as the highest ones are above.",
     )
-    jerk: PerJoint | None = Field(
-        None,
-        description="Highest joint jerks, both ways, one each or one for all [rad/s^3 or m/s^3]; "
-        "null: no limit, accelerations may jump.",
-    )
     torque: Torque = Field(
         False,
         description="true: keep the robot's torque limits; a list: the strictest of those and "
         "these, one each [N m or N]. Only for robots whose inertias have a source.",
-    )
-    payload: Payload | None = Field(
-        None, description="What the tool carries; counts towards the torques; null: nothing."
     )
     tool_speed: ToolLimit | None = Field(
         None, description="Highest speed of the tool frame; a number is the linear one [m/s]."
@@ -111,6 +103,19 @@ class LimitOptions(Document):
     tool_acceleration: ToolLimit | None = Field(
         None,
         description="Highest acceleration of the tool frame; a number is the linear one [m/s^2].",
+    )
+
+
+class LimitOptions(StretchLimits):
+    """Limits of the motion, on top of the robot's own: the strictest of all holds."""
+
+    jerk: PerJoint | None = Field(
+        None,
+        description="Highest joint jerks, both ways, one each or one for all [rad/s^3 or m/s^3]; "
+        "null: no limit, accelerations may jump.",
+    )
+    payload: Payload | None = Field(
+        None, description="What the tool carries; counts towards the torques; null: nothing."
     )
 
 

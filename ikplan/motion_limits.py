@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ikplan.errors import InvalidRequest
-from ikplan.limit_request import LimitOptions, ToolRate
+from ikplan.limit_request import LimitOptions, StretchLimits, ToolRate
 from ikplan.robots import Robot
 
-__all__ = ["MotionLimits"]
+__all__ = ["LimitedStretch", "MotionLimits"]
 
 Array = NDArray[np.float64]
 
@@ -60,8 +60,6 @@ class MotionLimits:
             InvalidRequest: A list has the wrong length; a torque limit is asked of a robot whose
                 inertias or torque limits have no source; a payload without a torque limit.
         """
-        up, down = _rates(robot, options, "velocity", options.velocity_scale)
-        a_up, a_down = _rates(robot, options, "acceleration", options.acceleration_scale)
         payload = options.payload
         if payload is not None and options.torque is False:
             raise InvalidRequest(
@@ -69,64 +67,120 @@ class MotionLimits:
                 field="limits.payload",
                 allowed="null, or limits.torque with it",
             )
+        jerk = options.jerk
         return cls(
-            velocity=up,
-            velocity_lower=down,
-            acceleration=a_up,
-            acceleration_lower=a_down,
-            jerk=None if options.jerk is None else _each(robot, options.jerk, "jerk"),
-            torque=None if options.torque is False else _torque(robot, options.torque),
+            velocity=robot.velocity_limit,
+            velocity_lower=-robot.velocity_limit,
+            acceleration=robot.acceleration_limit,
+            acceleration_lower=-robot.acceleration_limit,
+            jerk=None if jerk is None else _each(robot, jerk, "limits.jerk"),
+            torque=None,
             payload_mass=0.0 if payload is None else payload.mass,
             payload_position=np.zeros(3) if payload is None else np.array(payload.position),
-            tool_speed=_tool(options.tool_speed),
-            tool_acceleration=_tool(options.tool_acceleration),
+            tool_speed=(np.inf, np.inf),
+            tool_acceleration=(np.inf, np.inf),
+        ).within(robot, options, "limits")
+
+    def within(self, robot: Robot, options: StretchLimits, field: str) -> MotionLimits:
+        """Merge these limits with more.
+
+        Args:
+            robot: The robot, with its tool.
+            options: The limits asked for; scales are of the robot's own limits.
+            field: What the request calls them.
+
+        Returns:
+            The strictest of both.
+
+        Raises:
+            InvalidRequest: As by :meth:`of`.
+        """
+        up, down = _rates(robot, options, "velocity", options.velocity_scale, field)
+        a_up, a_down = _rates(robot, options, "acceleration", options.acceleration_scale, field)
+        torque = self.torque
+        if options.torque is not False:
+            asked = _torque(robot, options.torque, f"{field}.torque")
+            torque = asked if torque is None else np.minimum(torque, asked)
+        return replace(
+            self,
+            velocity=np.minimum(self.velocity, up),
+            velocity_lower=np.maximum(self.velocity_lower, down),
+            acceleration=np.minimum(self.acceleration, a_up),
+            acceleration_lower=np.maximum(self.acceleration_lower, a_down),
+            torque=torque,
+            tool_speed=_stricter(self.tool_speed, _tool(options.tool_speed)),
+            tool_acceleration=_stricter(self.tool_acceleration, _tool(options.tool_acceleration)),
         )
+
+
+@dataclass(frozen=True, eq=False)
+class LimitedStretch:
+    """A stretch of a joint path with limits of its own.
+
+    Attributes:
+        field: What of the request asks for them.
+        first: Index of the joint path's waypoint at which it begins.
+        last: Index of the one at which it ends.
+        limits: All that the motion has to keep there.
+    """
+
+    field: str
+    first: int
+    last: int
+    limits: MotionLimits
 
 
 def _each(robot: Robot, value: float | list[float], field: str) -> Array:
     """One value for each joint, shape (dof,)."""
     if isinstance(value, list) and len(value) != robot.dof:
         raise InvalidRequest(
-            f"limits.{field}: {robot.dof} values wanted ({', '.join(robot.joint_names)}), "
+            f"{field}: {robot.dof} values wanted ({', '.join(robot.joint_names)}), "
             f"got {len(value)}",
-            field=f"limits.{field}",
+            field=field,
             allowed=f"{robot.dof} numbers",
         )
     return np.broadcast_to(np.array(value, dtype=np.float64), (robot.dof,)).copy()
 
 
-def _rates(robot: Robot, options: LimitOptions, kind: str, scale: float) -> tuple[Array, Array]:
+def _rates(
+    robot: Robot, options: StretchLimits, kind: str, scale: float, field: str
+) -> tuple[Array, Array]:
     """Highest and lowest velocities or accelerations."""
     own: Array = scale * getattr(robot, f"{kind}_limit")
     above, below = getattr(options, kind), getattr(options, f"{kind}_lower")
-    up = own if above is None else np.minimum(own, _each(robot, above, kind))
-    down = -up if below is None else np.maximum(-own, _each(robot, below, f"{kind}_lower"))
-    return up, down
+    up = own if above is None else np.minimum(own, _each(robot, above, f"{field}.{kind}"))
+    if below is None:
+        return up, -up
+    return up, np.maximum(-own, _each(robot, below, f"{field}.{kind}_lower"))
 
 
-def _torque(robot: Robot, asked: bool | list[float]) -> Array:
+def _torque(robot: Robot, asked: bool | list[float], field: str) -> Array:
     """Highest torques of the joints."""
     info = robot.info()
     if not info.inertias_sourced:
         raise InvalidRequest(
-            f"limits.torque: {robot.name} has no sourced inertias, so its torques cannot be known"
+            f"{field}: {robot.name} has no sourced inertias, so its torques cannot be known"
             + "".join(f" ({note})" for note in info.notes if note.startswith("torques ")),
-            field="limits.torque",
+            field=field,
             allowed="robots whose description gives the inertias of every link; or false",
         )
     effort = robot.effort_limit
     if isinstance(asked, list):
         # A joint whose torque limit is not known has the one asked for.
-        return np.fmin(effort, _each(robot, asked, "torque"))
+        return np.fmin(effort, _each(robot, asked, field))
     unknown = [n for n, e in zip(robot.joint_names, effort, strict=True) if not e > 0.0]
     if unknown:
         raise InvalidRequest(
-            f"limits.torque: no torque limit is known for {', '.join(unknown)} of {robot.name}; "
+            f"{field}: no torque limit is known for {', '.join(unknown)} of {robot.name}; "
             "give one for each joint",
-            field="limits.torque",
+            field=field,
             allowed=f"{robot.dof} numbers",
         )
     return effort
+
+
+def _stricter(one: tuple[float, float], other: tuple[float, float]) -> tuple[float, float]:
+    return (min(one[0], other[0]), min(one[1], other[1]))
 
 
 def _tool(limit: Any) -> tuple[float, float]:

@@ -17,7 +17,7 @@ from ikplan.identity import plan_id, with_tool
 from ikplan.ik.arguments import check_start
 from ikplan.ik.solve import PoseSolver, pose_distance, solve_ik
 from ikplan.kinematics.arm import arm_of
-from ikplan.motion_limits import MotionLimits
+from ikplan.motion_limits import LimitedStretch, MotionLimits
 from ikplan.path import rotation_of
 from ikplan.path_checks import TimedSpan
 from ikplan.planning import Clock, Progress, Route, RouteProblem, find_repairs, lay_route
@@ -67,6 +67,7 @@ def plan(
     asked = None if request.start == "free" else request.start
     q_start = check_start(robot, robot.home if asked is None else asked)
     limits = MotionLimits.of(robot, request.limits)
+    limits_of = _segment_limits(robot, request, limits)
 
     solver = _pose_solver(robot, request)
     with clock.stage("ik"), clock.cutting(solver.cut):
@@ -89,7 +90,12 @@ def plan(
     with clock.stage("planning"):
         path = JointPath.through(route.knots, arm_limits, rest_at=route.rest)
     with clock.stage("timing"):
-        timing = time_motion(path, robot, limits, request.sampling)
+        stretches = [
+            LimitedStretch(x.field, x.first, x.last, limits_of[x.field])
+            for x in route.stretches
+            if x.field in limits_of
+        ]
+        timing = time_motion(path, robot, limits, request.sampling, stretches)
         knot_time = timing.timed.times
     with clock.stage("certificate"):
         certificate = certify(
@@ -112,6 +118,7 @@ def plan(
                     TimedSpan(x.path, knot_time[x.first : x.first + len(x.s)], x.s)
                     for x in route.spans
                 ),
+                windows=timing.windows,
             )
         )
     return Plan(
@@ -127,6 +134,18 @@ def plan(
         motion=timing.motion,
         stats=Stats(ik_evaluations=route.evaluations, seconds=clock.seconds),
     )
+
+
+def _segment_limits(
+    robot: Robot, request: PlanRequest, limits: MotionLimits
+) -> dict[str, MotionLimits]:
+    """What the motion has to keep on each segment that has limits of its own, by field."""
+    fields = ((f"path.segments[{k}]", s) for k, s in enumerate(request.path.segments or ()))
+    return {
+        field: limits.within(robot, segment.limits, f"{field}.limits")
+        for field, segment in fields
+        if segment.limits is not None
+    }
 
 
 def _waypoint_results(

@@ -24,6 +24,7 @@ __all__ = [
     "IkSolution",
     "LimitPlace",
     "Plan",
+    "SegmentCertificate",
     "Stats",
     "Trajectory",
     "WaypointResults",
@@ -40,6 +41,34 @@ class LimitPlace(_Result):
 
     joint: str = Field(description="Name of the joint.")
     time: float = Field(description="Time of the sample [s].")
+
+
+class SegmentCertificate(_Result):
+    """What the check measured on a segment that has limits of its own; null: not limited there."""
+
+    field: str = Field(description="What of the request asks for them.")
+    begin: float = Field(description="When the segment begins [s].")
+    end: float = Field(description="When it ends [s].")
+    velocity_limit_ratio: float | None = Field(
+        None, description="Largest joint speed over its limit; <= 1; null: no sample falls in it."
+    )
+    velocity_limit_at: LimitPlace | None = Field(None, description="Where.")
+    acceleration_limit_ratio: float | None = Field(
+        None, description="Largest joint acceleration over its limit; <= 1."
+    )
+    acceleration_limit_at: LimitPlace | None = Field(None, description="Where.")
+    torque_limit_ratio: float | None = Field(
+        None, description="Largest joint torque over its limit; <= 1."
+    )
+    torque_limit_at: LimitPlace | None = Field(None, description="Where.")
+    tool_speed_ratio: float | None = Field(
+        None, description="Largest linear or angular tool speed over its limit; <= 1."
+    )
+    tool_speed_time: float | None = Field(None, description="Time of that sample [s].")
+    tool_acceleration_ratio: float | None = Field(
+        None, description="Largest linear or angular tool acceleration over its limit; <= 1."
+    )
+    tool_acceleration_time: float | None = Field(None, description="Time of that sample [s].")
 
 
 class Certificate(_Result):
@@ -93,6 +122,9 @@ class Certificate(_Result):
         description="Largest linear or angular tool acceleration over its limit; null: no limit.",
     )
     tool_acceleration_time: float | None = Field(None, description="Time of that sample [s].")
+    segments: list[SegmentCertificate] = Field(
+        [], description="The same of each segment that has limits of its own."
+    )
     min_singular_value: float = Field(
         description="Smallest singular value of the tool Jacobian on the samples [m and rad]."
     )

@@ -13,7 +13,7 @@ from ikplan.certificate import Claim, certify
 from ikplan.documents import parse
 from ikplan.errors import InvalidRequest
 from ikplan.identity import plan_id, with_tool
-from ikplan.motion_limits import MotionLimits
+from ikplan.motion_limits import LimitedStretch, MotionLimits
 from ikplan.planning import Clock, Progress
 from ikplan.result import Plan, Stats, WaypointResults
 from ikplan.robots import Robot, catalogue_robot
@@ -35,6 +35,7 @@ def time_path(
     acceleration_scale: float = 1.0,
     limits: Mapping[str, Any] | None = None,
     rest_at: Sequence[int] = (),
+    segments: Sequence[Mapping[str, Any]] = (),
 ) -> Plan:
     """Move through joint waypoints as fast as the limits allow, from rest to rest.
 
@@ -47,6 +48,8 @@ def time_path(
         acceleration_scale: Share of the robot's acceleration limits.
         limits: More limits, as in a request: ``{"jerk": 100, "tool_speed": 0.25, ...}``.
         rest_at: Indices of waypoints where the motion stops and may turn a sharp corner.
+        segments: Parts with limits of their own, as in a request:
+            ``{"first": 2, "last": 5, "limits": {"tool_speed": 0.1}}``, by indices of waypoints.
 
     Returns:
         The certified trajectory: ``.time``, ``.q``, ``.dq``, ``.ddq``, ``.certificate``, ...
@@ -66,6 +69,7 @@ def time_path(
         "waypoints": joint_waypoints,
         "rest_at": list(rest_at),
         "limits": options,
+        "segments": list(segments),
         "sampling": {"rate_hz": rate_hz},
         "budget_s": 3600,
     }
@@ -103,12 +107,13 @@ def time_request(
     robot = with_tool(robot, request.tool)
     limits = MotionLimits.of(robot, request.limits)
     asked = _rows(request.waypoints, robot)
+    stretches = _stretches(request, robot, limits)
     with clock.stage("planning"):
         path = JointPath.through(asked, joint_limits(robot, limits), rest_at=request.rest_at)
         # Waypoints too close to tell apart are passed as one.
         waypoints = path.q_knots[path.knot_of_waypoint]
     with clock.stage("timing"):
-        timing = time_motion(path, robot, limits, request.sampling)
+        timing = time_motion(path, robot, limits, request.sampling, stretches)
         waypoint_time = timing.timed.times
     with clock.stage("certificate"):
         samples = timing.samples
@@ -124,6 +129,7 @@ def time_request(
                 samples.dq,
                 samples.ddq,
                 limits=limits,
+                windows=timing.windows,
             )
         )
     distances = [
@@ -150,6 +156,21 @@ def time_request(
         motion=timing.motion,
         stats=Stats(ik_evaluations=0, seconds=clock.seconds),
     )
+
+
+def _stretches(request: TimingRequest, robot: Robot, limits: MotionLimits) -> list[LimitedStretch]:
+    """The parts of the path with limits of their own."""
+    found, count = [], len(request.waypoints)
+    for k, part in enumerate(request.segments):
+        if part.last >= count:
+            raise InvalidRequest(
+                f"segments[{k}].last: there is no waypoint {part.last}",
+                field=f"segments[{k}].last",
+                allowed=f"1 to {count - 1}",
+            )
+        own = limits.within(robot, part.limits, f"segments[{k}].limits")
+        found.append(LimitedStretch(f"segments[{k}]", part.first, part.last, own))
+    return found
 
 
 def _rows(waypoints: list[list[float]], robot: Robot) -> Array:

@@ -13,12 +13,14 @@ from typing import Annotated, Any, Literal
 from pydantic import Discriminator, Field, Tag, field_validator, model_validator
 
 from ikplan.documents import Document, Floats, Vec3
+from ikplan.limit_request import StretchLimits
 from ikplan.poses import Quaternion, Waypoint, unit_quaternion
 
 __all__ = [
     "ArcSegment",
     "EndOrientation",
     "JointSegment",
+    "LimitedSegment",
     "LineSegment",
     "OrientationRule",
     "SplineSegment",
@@ -62,7 +64,17 @@ OrientationRule = Annotated[
 ]
 
 
-class ToolSegment(Document):
+class LimitedSegment(Document):
+    """What every segment has."""
+
+    limits: StretchLimits | None = Field(
+        None,
+        description="Limits of the motion on this segment, its rounded corners included, on top "
+        "of those of the request: the strictest holds; null: none of its own.",
+    )
+
+
+class ToolSegment(LimitedSegment):
     """What every segment led by the tool has."""
 
     blend: float | None = Field(
@@ -145,7 +157,7 @@ class SplineSegment(ToolSegment):
     )
 
 
-class JointSegment(Document):
+class JointSegment(LimitedSegment):
     """A joint motion; the tool's path is what follows from it.
 
     Neighbouring joint segments are one joint spline through their ends.

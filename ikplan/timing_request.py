@@ -4,18 +4,32 @@ from __future__ import annotations
 
 from typing import Annotated
 
-from pydantic import BeforeValidator, Field
+from pydantic import BeforeValidator, Field, model_validator
 
 from ikplan.documents import Document, Floats, content_hash, plain
-from ikplan.limit_request import LimitOptions, SamplingOptions
+from ikplan.limit_request import LimitOptions, SamplingOptions, StretchLimits
 from ikplan.poses import Frame
 
-__all__ = ["TimingRequest"]
+__all__ = ["LimitedRange", "TimingRequest"]
 
 Rows = Annotated[
     list[Floats], BeforeValidator(plain), Field(min_length=1, max_length=20_000)
 ]  # fmt: skip
 Index = Annotated[int, Field(ge=0)]
+
+
+class LimitedRange(Document):
+    """A part of the path, from one waypoint to a later one, with limits of its own."""
+
+    first: Index = Field(description="Index of the waypoint at which it begins.")
+    last: Index = Field(description="Index of the waypoint at which it ends.")
+    limits: StretchLimits
+
+    @model_validator(mode="after")
+    def _forward(self) -> LimitedRange:
+        if not self.first < self.last:
+            raise ValueError(f"last must be after first, not {self.last} after {self.first}")
+        return self
 
 
 class TimingRequest(Document):
@@ -33,6 +47,9 @@ class TimingRequest(Document):
         default_factory=Frame, description="The tool frame (TCP), in the tip frame."
     )
     limits: LimitOptions = Field(default_factory=LimitOptions)
+    segments: Annotated[list[LimitedRange], BeforeValidator(plain), Field(max_length=10_000)] = (
+        Field([], description="Parts of the path with limits of their own; the strictest holds.")
+    )
     sampling: SamplingOptions = Field(default_factory=SamplingOptions)
     budget_s: float = Field(10.0, gt=0, le=3600, description="Time budget [s].")
 

@@ -10,14 +10,16 @@ import numpy as np
 import pinocchio as pin
 
 from ikplan.limit_request import LimitOptions, SamplingOptions
-from ikplan.motion_limits import MotionLimits
+from ikplan.motion_limits import LimitedStretch, MotionLimits
 from ikplan.result import Trajectory
 from ikplan.robots import Robot, catalogue_robot
+from ikplan.stretch_checks import LimitWindow
 from ikplan.timing import (
     JointLimits,
     JointPath,
     PathConstraint,
     Samples,
+    SegmentLimits,
     TimedPath,
     ToolLimits,
     TorqueLimits,
@@ -49,6 +51,7 @@ class Timing:
         trajectory: Samples in the form asked for.
         motion: The motion as polynomials, if they were asked for.
         report: Why it takes as long as it does.
+        windows: When the stretches with limits of their own are passed.
     """
 
     timed: TimedPath
@@ -56,6 +59,7 @@ class Timing:
     trajectory: Trajectory
     motion: PathMotion | None
     report: TimingReport
+    windows: tuple[LimitWindow, ...]
 
 
 def joint_limits(robot: Robot, limits: MotionLimits) -> JointLimits:
@@ -73,7 +77,11 @@ def joint_limits(robot: Robot, limits: MotionLimits) -> JointLimits:
 
 
 def time_motion(
-    path: JointPath, robot: Robot, limits: MotionLimits, sampling: SamplingOptions
+    path: JointPath,
+    robot: Robot,
+    limits: MotionLimits,
+    sampling: SamplingOptions,
+    stretches: Sequence[LimitedStretch] = (),
 ) -> Timing:
     """Move along a joint path as fast as the limits allow, and sample the motion.
 
@@ -82,6 +90,7 @@ def time_motion(
         robot: The robot, with its tool.
         limits: What the motion has to keep.
         sampling: Samples wanted.
+        stretches: Stretches between waypoints of the path with limits of their own.
 
     Returns:
         The motion.
@@ -90,36 +99,56 @@ def time_motion(
         InvalidRequest: The motion is too long for the rate.
         TimingFailed: No timing under the limits: where, which joint, which limit.
     """
+    constraints = _constraints(robot, limits)
+    segments = []
+    for stretch in stretches:
+        start, end = (float(s) for s in path.s_waypoints[[stretch.first, stretch.last]])
+        if start < end:
+            segments.append(SegmentLimits(start, end, joint_limits(robot, stretch.limits)))
+            constraints += _constraints(robot, stretch.limits, limits, start, end)
     timed = time_joint_path(
-        path, joint_limits(robot, limits), constraints=_constraints(robot, limits)
+        path, joint_limits(robot, limits), segments=segments, constraints=constraints
     )
     shortest = 0.5 / sampling.rate_hz
     if 0.0 < timed.duration < shortest:  # a motion is never shorter than half a period
         timed = timed.slowed(shortest / timed.duration)
     samples = sample(timed, sampling.rate_hz)
     shown = knots(timed) if sampling.form == "knots" else samples
+    times = timed.times
     return Timing(
         timed=timed,
         samples=samples,
         trajectory=Trajectory(time=shown.time, q=shown.q, dq=shown.dq, ddq=shown.ddq),
         motion=_motion(timed) if sampling.form == "polynomial" else None,
         report=_report(timed),
+        windows=tuple(
+            LimitWindow(x.field, float(times[x.first]), float(times[x.last]), x.limits)
+            for x in stretches
+        ),
     )
 
 
-def _constraints(robot: Robot, limits: MotionLimits) -> Sequence[PathConstraint]:
-    """Return the limits on the tool and on the torques, by Pinocchio."""
+def _constraints(
+    robot: Robot,
+    limits: MotionLimits,
+    known: MotionLimits | None = None,
+    start: float = 0.0,
+    end: float = np.inf,
+) -> list[PathConstraint]:
+    """Return the limits on the tool and on the torques in a range; not those ``known`` has too."""
     constraints: list[PathConstraint] = []
     rates = (*limits.tool_speed, *limits.tool_acceleration)
-    if np.isfinite(rates).any():
-        tool = [value if np.isfinite(value) else None for value in rates]
-        constraints.append(ToolLimits(tool_motion(robot), tool[0], tool[1], tool[2], tool[3]))
-    if limits.torque is not None:
+    same = known is not None and rates == (*known.tool_speed, *known.tool_acceleration)
+    if np.isfinite(rates).any() and not same:
+        v, w, dv, dw = (value if np.isfinite(value) else None for value in rates)
+        constraints.append(ToolLimits(tool_motion(robot), v, w, dv, dw, start, end))
+    if limits.torque is not None and (known is None or limits.torque is not known.torque):
         payload = None
         if limits.payload_mass > 0.0:
             payload = pin.Inertia(limits.payload_mass, limits.payload_position, np.zeros((3, 3)))
         dynamics = inverse_dynamics(robot, payload)
-        constraints.append(TorqueLimits(dynamics, limits.torque, tuple(robot.joint_names)))
+        names = tuple(robot.joint_names)
+        constraints.append(TorqueLimits(dynamics, limits.torque, names, start, end))
     return constraints
 
 
@@ -165,6 +194,6 @@ def warm_up_timing(jerk: bool) -> None:
         jerk: Whether those of jerk-limited timing too.
     """
     robot = catalogue_robot("ur5")
-    limits = MotionLimits.of(robot, LimitOptions(jerk=100.0 if jerk else None))
+    limits = MotionLimits.of(robot, LimitOptions(jerk=100.0 if jerk else None, tool_speed=1.0))
     path = JointPath.through([robot.home, robot.home + 0.1], joint_limits(robot, limits))
     time_motion(path, robot, limits, SamplingOptions())

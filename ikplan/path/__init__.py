@@ -4,7 +4,7 @@ from ikplan.path.deviation import path_deviation
 from ikplan.path.legs import JointLeg, JointTarget, Leg, ToolLeg, legs_of
 from ikplan.path.piece import TURN_LENGTH, Motion, Piece, Pose
 from ikplan.path.rotation import rotation_of
-from ikplan.path.tool_path import Corner, PathWaypoint, ToolPath
+from ikplan.path.tool_path import Corner, PathStretch, PathWaypoint, ToolPath
 from ikplan.path.waypoints_csv import read_waypoints_csv
 
 __all__ = [
@@ -14,6 +14,7 @@ __all__ = [
     "JointTarget",
     "Leg",
     "Motion",
+    "PathStretch",
     "PathWaypoint",
     "Piece",
     "Pose",

@@ -10,7 +10,7 @@ from ikplan.path.items import Item, Mark
 from ikplan.path.joints import Joints, blend_radii
 from ikplan.path.piece import Piece, Pose
 from ikplan.path.steady import line
-from ikplan.path.tool_path import Corner, PathWaypoint, ToolPath
+from ikplan.path.tool_path import Corner, PathStretch, PathWaypoint, ToolPath
 
 __all__ = ["assemble"]
 
@@ -62,6 +62,7 @@ def _lay_out(
     pieces: list[Piece] = []
     waypoints = [PathWaypoint(m.row, m.name, 0.0, m.pose.R, m.pose.p) for m in first]
     corners: list[Corner] = []
+    stretches: list[PathStretch] = []
     s, before = 0.0, None
     for k, item in enumerate(items):
         after = blends[k] if k < len(blends) else None
@@ -87,8 +88,12 @@ def _lay_out(
             end += after.piece.length
         elif k + 1 < len(items) and joints.jump[k]:
             corners.append(Corner(end, item.field, row, 0.0, 0.0, 0.0, True))
+        begin = s if before is None else s - before.piece.length
+        if stretches and stretches[-1].field == item.field:
+            begin = stretches.pop().begin
+        stretches.append(PathStretch(item.field, begin, end))
         s, before = end, after
-    return ToolPath(tuple(pieces), tuple(waypoints), tuple(corners))
+    return ToolPath(tuple(pieces), tuple(waypoints), tuple(corners), tuple(stretches))
 
 
 def _between(piece: Piece, before: Blend | None, after: Blend | None) -> tuple[Piece | None, float]:

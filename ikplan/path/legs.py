@@ -33,12 +33,14 @@ class JointTarget:
         name: Where the request asks for it.
         q: Joint values, shape (dof,) [rad or m]; None: a pose is asked for.
         pose: The tool pose in the base; None: joint values are asked for.
+        field: The joint segment that ends there; empty: none.
     """
 
     index: int
     name: str
     q: Array | None = None
     pose: Pose | None = None
+    field: str = ""
 
 
 @dataclass(frozen=True)
@@ -162,9 +164,9 @@ class _Walk:
 
     def _joint_segment(self, segment: JointSegment, field: str) -> None:
         if segment.q is not None:
-            self._joint_to(f"{field}.q", q=np.array(segment.q))
+            self._joint_to(f"{field}.q", q=np.array(segment.q), field=field)
         elif segment.to is not None:
-            self._joint_to(f"{field}.to", pose=self._frame.pose(segment.to))
+            self._joint_to(f"{field}.to", pose=self._frame.pose(segment.to), field=field)
 
     def _go_to(self, pose: Pose, name: str) -> None:
         """Begin the tool path at a pose: by a joint motion, or there if the start is free."""
@@ -174,9 +176,11 @@ class _Walk:
         else:
             self._joint_to(name, pose=pose)
 
-    def _joint_to(self, name: str, q: Array | None = None, pose: Pose | None = None) -> None:
+    def _joint_to(
+        self, name: str, q: Array | None = None, pose: Pose | None = None, field: str = ""
+    ) -> None:
         self._close_tool()
-        self._targets.append(JointTarget(self._row(), name, q, pose))
+        self._targets.append(JointTarget(self._row(), name, q, pose, field))
         self._name = name
 
     def _tool(self) -> PathBuilder:

@@ -12,7 +12,7 @@ from ikplan.path.piece import Motion, Piece
 from ikplan.path.steady import SteadyPiece, stack_steady, steady_motion
 from ikplan.path.steady_kernels import SteadyStack
 
-__all__ = ["Corner", "PathWaypoint", "ToolPath"]
+__all__ = ["Corner", "PathStretch", "PathWaypoint", "ToolPath"]
 
 Array = NDArray[np.float64]
 
@@ -62,6 +62,21 @@ class Corner:
 
 
 @dataclass(frozen=True)
+class PathStretch:
+    """The part of a path that comes from one field of the request, rounded corners included.
+
+    Attributes:
+        field: The field, such as ``path.segments[3]``.
+        begin: Path length at which it begins [m].
+        end: Path length at which it ends [m].
+    """
+
+    field: str
+    begin: float
+    end: float
+
+
+@dataclass(frozen=True)
 class ToolPath:
     """Pieces joined end to end, parametrised by path length s from 0 to ``length``.
 
@@ -72,11 +87,14 @@ class ToolPath:
         pieces: The pieces in order, at least one; of length 0 only if it is the only one.
         waypoints: The poses asked for that are on this path, in order.
         corner_list: Every corner, rounded or exact, in order.
+        stretches: What of the request each part comes from, in order; rounded corners belong to
+            both their neighbours.
     """
 
     pieces: tuple[Piece, ...]
     waypoints: tuple[PathWaypoint, ...] = ()
     corner_list: tuple[Corner, ...] = ()
+    stretches: tuple[PathStretch, ...] = ()
 
     @cached_property
     def begins(self) -> Array:

@@ -25,7 +25,7 @@ from ikplan.request import IkOptions, PathRequest
 from ikplan.robots import Robot
 from ikplan.timing import JointLimits
 
-__all__ = ["Route", "RouteProblem", "Span", "Wanted", "lay_route"]
+__all__ = ["Route", "RouteProblem", "Span", "Stretch", "Wanted", "lay_route"]
 
 Array = NDArray[np.float64]
 
@@ -94,6 +94,21 @@ class Span:
 
 
 @dataclass(frozen=True)
+class Stretch:
+    """What of the request leads from one knot to another.
+
+    Attributes:
+        field: The field, such as ``path.segments[3]``.
+        first: Knot at which it begins, or the last one before.
+        last: Knot at which it ends, or the first one after.
+    """
+
+    field: str
+    first: int
+    last: int
+
+
+@dataclass(frozen=True)
 class Route:
     """The knots of a joint path.
 
@@ -103,6 +118,7 @@ class Route:
         wanted: The waypoints asked for, in order.
         spans: The tool paths followed.
         evaluations: Forward-kinematics evaluations spent.
+        stretches: Where each field of the request leads, in order.
     """
 
     knots: Array
@@ -110,6 +126,7 @@ class Route:
     wanted: list[Wanted]
     spans: list[Span]
     evaluations: int
+    stretches: list[Stretch]
 
     @property
     def waypoint_q(self) -> Array:
@@ -171,6 +188,7 @@ class _Layer:
         self.rest: list[int] = []
         self.wanted: list[Wanted] = []
         self.spans: list[Span] = []
+        self.stretches: list[Stretch] = []
         self.evaluations = 0
         # Where the next tool path may begin, when the leg before leaves the choice to it.
         self.starts: tuple[Array, Array] | None = None
@@ -184,7 +202,12 @@ class _Layer:
         """The route laid."""
         wanted = sorted(self.wanted, key=lambda w: w.row)
         return Route(
-            np.ascontiguousarray(self.knots), self.rest, wanted, self.spans, self.evaluations
+            np.ascontiguousarray(self.knots),
+            self.rest,
+            wanted,
+            self.spans,
+            self.evaluations,
+            self.stretches,
         )
 
     @property
@@ -211,7 +234,7 @@ class _Layer:
             run = []
             q = check_start(self.problem.robot, target.q, target.name)
             R, p = self.fk(q)
-            self._add(q, target.index, pose_target(p, R))
+            self._add(q, target, pose_target(p, R))
         self._poses(run)
         if left_open and last.pose is not None:
             self._open_pose(last, last.pose)
@@ -238,7 +261,7 @@ class _Layer:
         chosen = choose(waypoints, self.problem.options)
         self.evaluations += chosen.evaluations
         for target, wanted, q in zip(run, waypoints.targets, chosen.q, strict=True):
-            self._add(q, target.index, wanted)
+            self._add(q, target, wanted)
 
     def _open_pose(self, target: JointTarget, pose: Pose) -> None:
         """Offer every branch of a pose to the tool path that begins there."""
@@ -247,6 +270,7 @@ class _Layer:
         costs = np.linalg.norm(starts - self._q, axis=1)
         self.starts = starts, costs
         self.evaluations += spent
+        self._end_stretch(target)
         self.wanted.append(Wanted(target.index, len(self.knots), self._target(pose)))
 
     def _branches(self, waypoints: WaypointProblem) -> tuple[Array, int]:
@@ -316,7 +340,19 @@ class _Layer:
             pose = Pose(waypoint.R, waypoint.p)
             row = Wanted(waypoint.index, first + int(station), self._target(pose), waypoint.exact)
             self.wanted.append(row)
+        slack = 1e-9 * path.length
+        for stretch in path.stretches:
+            begin = int(np.searchsorted(followed.s, stretch.begin + slack, "right")) - 1
+            end = int(np.searchsorted(followed.s, stretch.end - slack))
+            self.stretches.append(Stretch(stretch.field, first + begin, first + end))
 
-    def _add(self, q: Array, row: int, target: Target) -> None:
+    def _add(self, q: Array, asked: JointTarget, target: Target) -> None:
+        self._end_stretch(asked)
         self.knots.append(np.array(q))
-        self.wanted.append(Wanted(row, len(self.knots) - 1, target))
+        self.wanted.append(Wanted(asked.index, len(self.knots) - 1, target))
+
+    def _end_stretch(self, target: JointTarget) -> None:
+        """Note that a joint segment ends at the next knot; a free start has no way to it."""
+        if target.field and self.knots:
+            end = len(self.knots)
+            self.stretches.append(Stretch(target.field, end - 1, end))

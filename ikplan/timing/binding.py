@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -9,7 +10,7 @@ from numpy.typing import NDArray
 
 from ikplan.errors import InvalidRequest
 from ikplan.timing.compiled_engine import CompiledEngine
-from ikplan.timing.constraints import Label
+from ikplan.timing.constraints import Label, PathConstraint, PathPoints
 from ikplan.timing.jerk import smooth_span
 from ikplan.timing.problem import SpanProblem
 from ikplan.timing.profile import LimitProfile
@@ -131,17 +132,32 @@ def _usage(span: SpanTiming) -> tuple[list[Label], Array, Array]:
     ddq = qs * u[:, None] + qss * middle[:, None]
     up, down, a_up, a_down = problem.bounds
     columns = [np.maximum(dq / up, dq / down), np.sqrt(np.maximum(ddq / a_up, ddq / a_down))]
-    labels = _joint_labels(problem.profile)
-    for constraint, inside, demand in problem.demands(x):
-        column = np.zeros((len(x) - 1, demand.shape[2]))
-        column[inside] = np.sqrt(np.maximum(demand[1], 0.0))
-        columns.append(column)
-        labels += constraint.labels
-    return labels, np.hstack(columns), span.dt
+    demands = [(c, inside, demand[1]) for c, inside, demand in problem.demands(x)]
+    more, usage = _shares_of(demands, len(x) - 1)
+    return _joint_labels(problem.profile) + more, np.hstack([*columns, usage]), span.dt
+
+
+def _shares_of(
+    demands: Sequence[tuple[PathConstraint, Indices, Array]], n: int
+) -> tuple[list[Label], Array]:
+    """Return the labels of constraints and the shares of speed they allow, shape (n, labels).
+
+    Args:
+        demands: Constraints, the intervals in their ranges, shape (r,), and what is asked of them
+            there, shape (r, labels); those of one name are one limit.
+        n: Number of intervals.
+    """
+    labels = list(dict.fromkeys(label for c, _, _ in demands for label in c.labels))
+    usage = np.zeros((n, len(labels)))
+    for constraint, inside, demand in demands:
+        for label, column in zip(constraint.labels, demand.T, strict=True):
+            at = labels.index(label)
+            usage[inside, at] = np.maximum(usage[inside, at], np.sqrt(np.maximum(column, 0.0)))
+    return labels, usage
 
 
 def _jerk_usage(timed: TimedPath) -> tuple[list[Label], Array, Array]:
-    """Return the same of a jerk-limited motion, constraints other than of joints left out."""
+    """Return the same of a jerk-limited motion."""
     if timed.jerk is None or timed.sddot is None or not timed.spans:
         return [], np.zeros((0, 0)), np.zeros(0)
     profile, path = timed.spans[0].problem.profile, timed.path
@@ -169,7 +185,27 @@ def _jerk_usage(timed: TimedPath) -> tuple[list[Label], Array, Array]:
         ]
     )
     jerk: list[Label] = [("jerk", name) for name in profile.joint_names]
-    return _joint_labels(profile) + jerk, usage, dt
+    more, of_constraints = _shares_of(_jerk_demands(timed, dt), len(dt))
+    return _joint_labels(profile) + jerk + more, np.hstack([usage, of_constraints]), dt
+
+
+def _jerk_demands(timed: TimedPath, dt: Array) -> list[tuple[PathConstraint, Indices, Array]]:
+    """Return what a jerk-limited motion asks of its constraints in the middle of intervals."""
+    path, sddot = timed.path, timed.sddot
+    assert sddot is not None  # it is jerk-limited
+    half, jerk = 0.5 * dt, np.zeros(len(dt))
+    np.divide(np.diff(sddot), dt, out=jerk, where=dt > 0.0)
+    a, v = sddot[:-1], timed.sdot[:-1]
+    s = timed.s[:-1] + half * (v + half * (0.5 * a + half * jerk / 6.0))
+    x, u = np.square(v + half * (a + 0.5 * half * jerk)), a + half * jerk
+    found = []
+    for constraint in timed.spans[0].problem.constraints:
+        inside = np.flatnonzero((s > constraint.start) & (s < constraint.end))
+        if len(inside):
+            points = PathPoints(s[inside], *path.derivatives(s[inside]), path.length)
+            demand = constraint.at(points).demand(np.arange(len(inside)), u[inside], x[inside])
+            found.append((constraint, inside, demand))
+    return found
 
 
 def _joint_labels(profile: LimitProfile) -> list[Label]:

@@ -9,15 +9,27 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["MARGIN", "ConstraintRows", "Label", "PathConstraint", "PathPoints"]
+__all__ = [
+    "BEND",
+    "MARGIN",
+    "SPEED_BEND",
+    "SPEED_MARGIN",
+    "ConstraintRows",
+    "Label",
+    "PathConstraint",
+    "PathPoints",
+]
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
 Label = tuple[str, str | None]
 
 # These limits are checked at the ends and in the middle of every interval, and not between; they
-# are kept by this share, so that nothing between exceeds them.
-MARGIN = 5e-4
+# are kept by this share, so that nothing between exceeds them. BEND is how far they may be from
+# straight over an interval where they nearly bind: intervals are divided until they are. Speeds
+# are held to less, so that a tool led along a line at its limit has one speed.
+MARGIN, SPEED_MARGIN = 5e-4, 1e-6
+BEND, SPEED_BEND = 2e-3, 4e-6
 
 
 @dataclass(frozen=True, eq=False)

@@ -56,16 +56,22 @@ class CubicMotion:
     v: Array
     a: Array
 
-    def divided(self, times: Array) -> CubicMotion:
-        """Return the same motion with more nodes, at given times."""
-        more = np.setdiff1d(times[(times > 0.0) & (times < self.time[-1])], self.time)
-        i = np.searchsorted(self.time, more, side="right") - 1
-        j = np.diff(self.a)[i] / np.diff(self.time)[i]
-        r = more - self.time[i]
+    def at(self, times: Array) -> tuple[Array, Array, Array]:
+        """Return path positions, velocities and accelerations at times, (m,) each."""
+        i = np.clip(np.searchsorted(self.time, times, side="right") - 1, 0, len(self.time) - 2)
+        dt = np.diff(self.time)[i]
+        j = np.divide(np.diff(self.a)[i], dt, out=np.zeros(len(i)), where=dt > 0.0)
+        r = times - self.time[i]
         a = self.a[i] + r * j
         v = np.maximum(self.v[i] + r * (self.a[i] + 0.5 * r * j), 0.0)
         s = self.s[i] + r * (self.v[i] + r * (0.5 * self.a[i] + r * j / 6.0))
-        at = i + 1
+        return s, v, a
+
+    def divided(self, times: Array) -> CubicMotion:
+        """Return the same motion with more nodes, at given times."""
+        more = np.setdiff1d(times[(times > 0.0) & (times < self.time[-1])], self.time)
+        s, v, a = self.at(more)
+        at = np.searchsorted(self.time, more, side="right")
         return CubicMotion(
             np.insert(self.time, at, more),
             np.maximum.accumulate(np.insert(self.s, at, s)),
@@ -180,6 +186,8 @@ def _smoothed(problem: SpanProblem, x_free: Array, window: float, measure: _Meas
         time = np.concatenate([[0.0], np.cumsum(problem.times(x))])
         motion = CubicMotion(*moving_average(time, s, np.sqrt(x), window))
         demand = measure(motion, _POINTS, s)
+        if problem.constraints:
+            demand = np.maximum(demand, _constraint_demand(problem, motion))
         top = float(demand.max())
         if best is None or top * motion.time[-1] < best.time[-1]:
             best = motion.slowed(top)
@@ -192,6 +200,15 @@ def _smoothed(problem: SpanProblem, x_free: Array, window: float, measure: _Meas
             break
     assert best is not None  # the first round has made one
     return best
+
+
+def _constraint_demand(problem: SpanProblem, motion: CubicMotion) -> Array:
+    """Return by what factor of time a motion would keep the constraints, shape (n,)."""
+    s, n = problem.grid.s, len(problem.h)
+    places = np.concatenate([s[:-1], 0.5 * (s[:-1] + s[1:]), s[1:]])
+    times = times_of(motion.time, motion.s, motion.v, motion.a, places)
+    _, v, a = motion.at(times)
+    return problem.asked(a.reshape(3, n), np.square(v).reshape(3, n))
 
 
 def _slower(rows: StageRows, slower: Array, x_free: Array) -> Array:

@@ -9,7 +9,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ikplan.timing.constraints import ConstraintRows, PathConstraint, PathPoints
+from ikplan.timing.constraints import (
+    BEND,
+    SPEED_BEND,
+    ConstraintRows,
+    PathConstraint,
+    PathPoints,
+)
 from ikplan.timing.engine import Engine
 from ikplan.timing.excess import usage, utilisation
 from ikplan.timing.grid import Grid
@@ -24,6 +30,7 @@ Indices = NDArray[np.int64]
 
 _TIGHTENINGS = 4
 _ENOUGH = 2e-4
+_NEAR = 0.98
 
 
 @dataclass(frozen=True, eq=False)
@@ -143,21 +150,44 @@ class SpanProblem:
 
     @functools.cached_property
     def _constraint_rows(self) -> tuple[Array, Array, Array]:
-        """Rows of the constraints at both ends of each interval, and bounds of x at both."""
+        """Rows of the constraints at both ends of each interval, and bounds of x at both.
+
+        A row that is zero bounds nothing. Constraints whose ranges do not meet share columns.
+        """
         n = len(self.h)
-        a, b = [np.zeros((n, 0))], [np.zeros((n, 0))]
+        used = np.zeros(n, dtype=np.int64)
+        places = []
+        for _, inside, _, rows in self._prepared:
+            first = int(used[inside].max())
+            used[inside] = first + 2 * rows.a.shape[1]
+            places.append(first)
+        a, b = np.zeros((2, n, int(used.max(initial=0))))
         x_max = np.full((n, 2), np.inf)
-        for _, inside, (start, _, end), rows in self._prepared:
-            m = rows.a.shape[1]
-            more_a, more_b = np.zeros((n, 2 * m)), np.zeros((n, 2 * m))
-            more_a[inside, :m], more_b[inside, :m] = rows.a[start], rows.b[start]
-            more_a[inside, m:] = rows.a[end] + 2.0 * self.h[inside, None] * rows.b[end]
-            more_b[inside, m:] = rows.b[end]
-            a.append(more_a)
-            b.append(more_b)
+        for first, (_, inside, (start, _, end), rows) in zip(places, self._prepared, strict=True):
+            middle, last = first + rows.a.shape[1], first + 2 * rows.a.shape[1]
+            a[inside, first:middle], b[inside, first:middle] = rows.a[start], rows.b[start]
+            a[inside, middle:last] = rows.a[end] + 2.0 * self.h[inside, None] * rows.b[end]
+            b[inside, middle:last] = rows.b[end]
             x_max[inside, 0] = np.minimum(x_max[inside, 0], rows.x_max[start])
             x_max[inside, 1] = np.minimum(x_max[inside, 1], rows.x_max[end])
-        return np.hstack(a), np.hstack(b), x_max
+        return a, b, x_max
+
+    def asked(self, u: Array, x: Array) -> Array:
+        """Return by how much a motion would have to be slowed to keep the constraints.
+
+        Args:
+            u: Path accelerations at the starts, middles and ends of intervals, shape (3, n).
+            x: Squared path velocities there, shape (3, n).
+
+        Returns:
+            The greatest factor of time in each interval, 1 where a limit is just kept, shape (n,).
+        """
+        top = np.zeros(len(self.h))
+        for _, inside, where, rows in self._prepared:
+            for index, pull, square in zip(where, u[:, inside], x[:, inside], strict=True):
+                demand = rows.demand(index, pull, square).max(axis=1)
+                top[inside] = np.maximum(top[inside], demand)
+        return np.asarray(np.sqrt(top))
 
     def demands(self, x: Array) -> list[tuple[PathConstraint, Indices, Array]]:
         """Return how far the constraints are used at the start, middle and end of intervals.
@@ -179,6 +209,28 @@ class SpanProblem:
             ]
             found.append((constraint, inside, np.array(parts)))
         return found
+
+    def parts(self, x: Array, steady: bool) -> Array:
+        """Return into how many each interval should be divided to see constraints between points.
+
+        Args:
+            x: Squared path velocities at the nodes, shape (n + 1,).
+            steady: Whether speeds that bind shall hardly vary between points.
+
+        Returns:
+            Numbers, >= 1, shape (n,).
+        """
+        wanted = np.ones(len(self.h))
+        for constraint, inside, demand in self.demands(x):
+            bend = np.abs(demand[0] - 2.0 * demand[1] + demand[2])
+            near = demand.max(axis=0) + bend > _NEAR
+            most = [
+                SPEED_BEND if steady and kind.endswith("speed") else BEND
+                for kind, _ in constraint.labels
+            ]
+            number = np.where(near, np.sqrt(bend / most), 1.0).max(axis=1)
+            wanted[inside] = np.maximum(wanted[inside], number)
+        return wanted
 
     def usage(self, x: Array) -> tuple[Array, Array]:
         """Return the exact greatest shares of velocity and acceleration limits, (n, dof) each.

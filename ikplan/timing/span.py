@@ -29,6 +29,8 @@ _PILOT_INTERVALS = 100
 _PILOT_ROUNDS = 8
 _VERIFY = 4.0
 _MAX_INTERVALS = 40_000
+_DIVISIONS = 3
+_MOST_DIVIDED = 10_000
 # toppra takes about ten microseconds an interval; beyond this its compiled twin takes over.
 _MAX_TOPPRA_INTERVALS = 4_000
 # A result this much slower than the pilot on the same grid is a numerical failure.
@@ -62,6 +64,7 @@ def time_span(
     constraints: Sequence[PathConstraint] = (),
     engine: Engine | None = None,
     tolerance: float = 0.003,
+    steady: bool = True,
 ) -> SpanTiming:
     """Time the span between two knots as fast as the limits allow.
 
@@ -76,6 +79,7 @@ def time_span(
         constraints: Limits other than those of single joints.
         engine: The engine; None: toppra, with its compiled twin to stand in.
         tolerance: Estimated share of the duration that the grid may cost.
+        steady: Whether tool speeds that bind shall hardly vary, which takes fine grids.
 
     Returns:
         The timing, within every limit.
@@ -84,7 +88,7 @@ def time_span(
         TimingFailed: No rung of the ladder found a path speed.
     """
     failure: tuple[SpanProblem, int] | None = None
-    for grid, pilot in _grids(path, first, last, profile, constraints, tolerance):
+    for grid, pilot in _grids(path, first, last, profile, constraints, tolerance, steady):
         problem = SpanProblem.build(path, grid, profile, constraints)
         engines: list[Engine] = [engine] if engine is not None else [ToppraEngine(), pilot]
         if engine is None and len(grid.pieces) > _MAX_TOPPRA_INTERVALS:
@@ -112,6 +116,7 @@ def _grids(
     profile: LimitProfile,
     constraints: Sequence[PathConstraint],
     tolerance: float,
+    steady: bool,
 ) -> Iterator[tuple[Grid, Engine]]:
     """Yield the grid that the pilot finds good enough, then finer ones."""
     pilot = CompiledEngine()
@@ -123,6 +128,8 @@ def _grids(
     # Where the pilot fails, the ladder tells whether it is for good, and where.
     with contextlib.suppress(EngineFailed):
         grid = _refined(path, grid, profile, constraints, pilot, tolerance)
+        if constraints:
+            grid = _divided(path, grid, profile, constraints, pilot, steady)
     yield grid, pilot
     for _ in range(2):
         grid = regridded(grid, np.full(len(grid.pieces), 3.0))
@@ -162,6 +169,25 @@ def _refined(
         root = np.sqrt(np.maximum(loss, 1e-6 * total / len(loss)))
         wanted = np.clip(root * (root.sum() / (0.9 * tolerance * total)), 0.33, 16.0)
         grid = regridded(grid, wanted * min(1.0, _MAX_INTERVALS / float(wanted.sum())))
+    return grid
+
+
+def _divided(
+    path: JointPath,
+    grid: Grid,
+    profile: LimitProfile,
+    constraints: Sequence[PathConstraint],
+    pilot: Engine,
+    steady: bool,
+) -> Grid:
+    """Return a grid so fine that constraints are nearly straight where they nearly bind."""
+    for _ in range(_DIVISIONS):
+        problem = SpanProblem.build(path, grid, profile, constraints)
+        x = problem.solve(pilot)
+        parts = problem.parts(x / max(problem.slowdown(x), 1.0), steady)
+        if parts.max() <= 1.5:
+            break
+        grid = regridded(grid, np.maximum(parts * min(1.0, _MOST_DIVIDED / parts.sum()), 1.0))
     return grid
 
 

@@ -71,7 +71,7 @@ def time_joint_path(
         )
     profile = LimitProfile.merged(path, limits, segments)
     spans = tuple(
-        time_span(path, first, last, profile, constraints, engine)
+        time_span(path, first, last, profile, constraints, engine, steady=limits.jerk is None)
         for first, last in itertools.pairwise(path.rest_knots)
     )
     if limits.jerk is not None:

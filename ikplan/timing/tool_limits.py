@@ -9,7 +9,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ikplan.errors import InvalidRequest
-from ikplan.timing.constraints import MARGIN, ConstraintRows, Label, PathPoints
+from ikplan.timing.constraints import (
+    MARGIN,
+    SPEED_MARGIN,
+    ConstraintRows,
+    Label,
+    PathPoints,
+)
 
 __all__ = ["ToolLimits", "ToolMotion"]
 
@@ -76,7 +82,8 @@ class ToolLimits:
 
     def _limit(self, kind: str) -> float | None:
         value = getattr(self, kind)
-        return None if value is None else float(value) * (1.0 - MARGIN)
+        margin = SPEED_MARGIN if kind.endswith("speed") else MARGIN
+        return None if value is None else float(value) * (1.0 - margin)
 
     def at(self, points: PathPoints) -> ConstraintRows:
         """Write the limits at points of a path; see PathConstraint."""

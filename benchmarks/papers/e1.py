@@ -9,6 +9,7 @@ from benchmarks.papers.document import Document, slashed
 from benchmarks.papers.e1_figures import draw
 from benchmarks.papers.e1_series import (
     CALIBRATED,
+    CLOUD,
     CONTROLS,
     GREEDY,
     IK_BA,
@@ -16,6 +17,7 @@ from benchmarks.papers.e1_series import (
     MISS,
     OWN,
     PAPER,
+    WHOLE,
     WRIST,
     per_run,
 )
@@ -34,8 +36,8 @@ def studies(_thin: int) -> list[Study]:
         Study(built["E1a"], [*PAPER, *CONTROLS, *OWN]),
         Study(built["E1b"], [*decoupled, *OWN]),
         Study(built["E1c"], [*decoupled, *OWN]),
-        Study(built["E1d"], [*decoupled, GREEDY]),
-        Study(built["E1b-bent"], [*PAPER, CALIBRATED, *OWN]),
+        Study(built["E1d"], [*decoupled, WHOLE, GREEDY]),
+        Study(built["E1b-bent"], [*PAPER, CALIBRATED, CLOUD, *OWN]),
     ]
 
 

@@ -12,6 +12,8 @@ from benchmarks.papers.series import OPTIMUM, PLANNER, Series
 
 __all__ = [
     "CALIBRATED",
+    "CLOUD",
+    "CLOUDS",
     "CONTROLS",
     "GREEDY",
     "IK_BA",
@@ -39,6 +41,17 @@ RIVALS = [
     Series("MO-PSO", "mo-pso", N, T),
 ]
 PAPER = [IK_BA, *RIVALS]
+CLOUD = Series(
+    "IK-BA, eps 0.15, cloud", "ik-ba", N, T, {"eps_scale": 0.15, "warm": "cloud"}, paper=False
+)
+"""The first population drawn around the start: [S] does not say how it is drawn."""
+CLOUDS = [
+    CLOUD,
+    *(
+        replace(s, name=f"{s.name}, cloud", params={**s.params, "warm": "cloud"}, paper=False)
+        for s in PAPER
+    ),
+]
 CONTROLS = [
     CALIBRATED,
     Series("IK-BA, loudness", "ik-ba", N, T, {"accept": "loudness"}, paper=False),
@@ -48,6 +61,7 @@ CONTROLS = [
         replace(s, name=f"{s.name}, warm", params={**s.params, "warm": "individual"}, paper=False)
         for s in RIVALS
     ),
+    *CLOUDS,
 ]
 WRIST = Series("IK-BA, wrist limits", "ik-ba", N, T, {"wrist_limits": "penalise"}, paper=False)
 WHOLE = Series("ikplan", PLANNER, params={"elongation": "global"}, paper=False)

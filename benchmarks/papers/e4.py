@@ -53,9 +53,10 @@ def studies(_thin: int) -> list[Study]:
         hot = [*(warm(s, "individual") for s in every), CLOUD, WHOLE, GREEDY, LEAST]
         made.append(Study(tracking_case(name, "E4a"), hot))
     for name in TRAJECTORIES:
-        made.append(Study(tracking_case(name, "E4b"), [warm(s, "cold") for s in every]))
+        cold = [warm(s, "cold") for s in every]
+        made.append(Study(tracking_case(name, "E4b"), [*cold, WHOLE, LEAST]))
     for name in TRAJECTORIES:
-        hot = [*(warm(s, "individual") for s in PAPER), WHOLE]
+        hot = [*(warm(s, "individual") for s in PAPER), WHOLE, LEAST]
         made.append(Study(tracking_case(name, "E4u", urdf_limits=True), hot))
     return made
 

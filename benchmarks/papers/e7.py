@@ -22,7 +22,7 @@ PAPER = li_series(N, T)
 NEWTON = newton_series()
 WEIGHTS = (0.001, 0.01, OMEGA_R, 0.1, 1.0, 10.0, 70.7, 100.0)
 SIZES = (30, 50, 80, 100)
-WEIGHT_SERIES = [replace(s, max_runs=5) for s in PAPER if s.name in ("BODE-CS", "DE/rand/1", "CS")]
+WEIGHT_SERIES = [replace(s, max_runs=10) for s in PAPER if s.name in ("BODE-CS", "DE/rand/1", "CS")]
 ROBOT = "eod_arm"
 
 
@@ -33,17 +33,16 @@ def _weight_name(omega_R: float) -> str:
 def studies(thin: int) -> list[Study]:
     """Return E7a and b, c, d, e and f."""
     main = pose_case("E7a", ROBOT, "omega_R = 0.0384167", OMEGA_R)
-    fewer = [replace(s, max_runs=10) for s in PAPER]
     made = [
         Study(main, [*PAPER, *controls(N, T), *NEWTON, OWN, LEAST]),
-        Study(pose_case("E7c", ROBOT, "position only", 0.0), [*fewer, OWN]),
-        Study(pose_case("E7f", ROBOT, "omega_R = 70.7 mm", 70.7), [*fewer, OWN]),
+        Study(pose_case("E7c", ROBOT, "position only", 0.0), [*PAPER, OWN, LEAST]),
+        Study(pose_case("E7f", ROBOT, "omega_R = 70.7 mm", 70.7), [*PAPER, OWN, LEAST]),
     ]
     for omega_R in WEIGHTS:
         case = pose_case(_weight_name(omega_R), ROBOT, f"omega_R = {omega_R:g}", omega_R)
-        made.append(Study(case, WEIGHT_SERIES))
+        made.append(Study(case, [*WEIGHT_SERIES, OWN, LEAST]))
     sizes = [Series(f"BODE-CS, N = {n}", "bode-cs", n, T) for n in SIZES]
-    made.append(Study(pose_case("E7e", ROBOT, "stop 1e-20", OMEGA_R, 1e-20), sizes))
+    made.append(Study(pose_case("E7e", ROBOT, "stop 1e-20", OMEGA_R, 1e-20), [*sizes, OWN, LEAST]))
     return [Study(thinned(study.case, thin), study.series) for study in made]
 
 

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 from benchmarks.papers import published
 from benchmarks.papers.document import Document
 from benchmarks.papers.experiment import Experiment, Results, Study, thinned
@@ -15,7 +13,7 @@ from benchmarks.papers.plots import boxes, new_figure
 __all__ = ["EXPERIMENT"]
 
 N, T = 70, 200
-PAPER = [replace(s, max_runs=5) for s in li_series(N, T)]
+PAPER = li_series(N, T)
 COMPUTED = 0.016560
 ROBOT = "baxter_table7"
 

@@ -21,7 +21,7 @@ __all__ = ["EXPERIMENT"]
 
 N, T = 60, 100
 NAMES = ("1", "2", "3", "4")
-PAPER = [replace(s, max_runs=5) for s in li_series(N, T)]
+PAPER = li_series(N, T)
 WARM = [
     replace(
         s,
@@ -29,19 +29,19 @@ WARM = [
         params={**s.params, "warm": "individual"},
         tracks=True,
         paper=False,
-        max_runs=2,
+        max_runs=5,
     )
     for s in PAPER
 ]
 OWN = Series("ikplan, greedy", PLANNER, params={"elongation": "tracking"}, paper=False, max_runs=1)
-SIDE = [replace(s, max_runs=2) for s in PAPER if s.name in ("BODE-CS", "DE/best/1", "CS")]
+SIDE = [replace(s, max_runs=5) for s in PAPER if s.name in ("BODE-CS", "DE/best/1", "CS")]
 
 
 def studies(thin: int) -> list[Study]:
     """Return the four trajectories, the impossible one, and two with the printed matrix."""
     made = [Study(path_case(name), [*PAPER, *WARM, OWN, LEAST]) for name in NAMES]
     made.append(Study(path_case("3+"), [*SIDE, OWN]))
-    made += [Study(path_case(name, printed=True), SIDE) for name in NAMES]
+    made += [Study(path_case(name, printed=True), [*SIDE, OWN]) for name in NAMES]
     return [Study(thinned(study.case, thin), study.series) for study in made]
 
 

@@ -30,8 +30,9 @@ class Results:
 
     Attributes:
         tables: Rows, by (case, series).
-        curves: Convergence, by (case, series): geometric mean, median and mean over the targets
-            after each iteration, for each run, shape (runs, 3, T + 1).
+        curves: Convergence, by (case, series): geometric mean, median and mean over the reachable
+            targets after each iteration, and the same over the others, for each run, shape
+            (runs, 6, T + 1).
         runs: Runs asked for.
     """
 

@@ -32,7 +32,14 @@ RESTARTS = 12
 
 
 def _target(case: Case, k: int) -> Target:
-    return pose_target(case.p[k], case.R[k] if case.oriented else None)
+    if not case.oriented:
+        return pose_target(case.p[k])
+    R = case.R[k]
+    if np.abs(R @ R.T - np.eye(3)).max() > 1e-6:
+        # [L] Eq. 47 as printed: the rotation nearest to it.
+        U, _, Vt = np.linalg.svd(R)
+        R = U @ np.diag([1.0, 1.0, np.linalg.det(U @ Vt)]) @ Vt
+    return pose_target(case.p[k], R)
 
 
 def _value(case: Case, k: int, q: Array, q_s: Array) -> float:
@@ -53,7 +60,8 @@ def _found(case: Case, q: list[Array], spent: tuple[float, ...]) -> list[Found]:
 
 def _plan(case: Case, series: Series, run: int, count: int | None = None) -> list[Found]:
     """Plan with IK-BA seeds and refinement: the whole path, or target by target."""
-    n = case.count if count is None else count
+    # At least one that can be reached, where there is any.
+    n = case.count if count is None else max(count, int(np.argmax(case.reachable)) + 1)
     solver = PoseSolver(
         case.arm,
         seed=_seed(case, series, run),
@@ -70,12 +78,25 @@ def _plan(case: Case, series: Series, run: int, count: int | None = None) -> lis
         for k in range(n):
             found.append(_nearest(case, solver, k, found[-1][0] if found else case.q_start))
         return found
+    inside = np.flatnonzero(case.reachable[:n])
     problem = WaypointProblem(
-        case.robot, solver, targets, case.q_start, False, Tolerance(), Clock(float("inf"))
+        case.robot,
+        solver,
+        [targets[k] for k in inside],
+        case.q_start,
+        False,
+        Tolerance(),
+        Clock(float("inf")),
     )
     chosen = choose(problem, IkOptions(elongation=mode))
     spent = (chosen.evaluations, 0.0, time.perf_counter() - wall, time.thread_time() - cpu)
-    return _found(case, [_finished(case, q) for q in chosen.q], spent)
+    q_of = dict(zip(inside.tolist(), chosen.q, strict=True))
+    q, q_before = [], case.q_start
+    for k in range(n):
+        # Out of reach: the closest configuration.
+        q_before = _finished(case, q_of[k]) if k in q_of else _nearest(case, solver, k, q_before)[0]
+        q.append(q_before)
+    return _found(case, q, spent)
 
 
 def _nearest(case: Case, solver: PoseSolver, k: int, q_s: Array) -> Found:

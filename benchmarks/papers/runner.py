@@ -46,18 +46,19 @@ def _warmed(name: str, thin: int, study: int, series: int) -> None:
 
 
 @functools.cache
-def _code() -> str:
-    """Return a digest of the searches: rows of other code are not taken for those of this."""
-    folder = Path(ikplan.ik.metaheuristics.__file__).parent
+def _code(folder: Path) -> str:
+    """Return a digest of the sources: rows of other code are not taken for those of this."""
     digest = hashlib.sha256()
-    for source in sorted(folder.glob("*.py")):
+    for source in sorted(folder.rglob("*.py")):
         digest.update(source.read_bytes())
     return digest.hexdigest()[:8]
 
 
 def _folder(out: Path, study: Study, series: Series) -> Path:
     label = "".join(c if c.isalnum() else "-" for c in series.name)
-    code = "" if series.method in (PLANNER, OPTIMUM) else _code()
+    searches = Path(ikplan.ik.metaheuristics.__file__).parent
+    library = searches.parents[1]
+    code = _code(library if series.method in (PLANNER, OPTIMUM) else searches)
     return out / study.case.name / f"{label}-{study.case.digest()}{series.digest()}{code}"
 
 

@@ -89,7 +89,8 @@ def run_series(case: Case, series: Series, run: int) -> tuple[list[list[float]],
 
     Returns:
         A row a target, and the convergence over the targets: geometric mean, median and mean of
-        the best value after each iteration, shape (3, T + 1).
+        the best value after each iteration, of the reachable targets and then of the others (NaN
+        where there are none), shape (6, T + 1).
     """
     if series.method in OWN:
         found = OWN[series.method](case, series, run)
@@ -99,7 +100,7 @@ def run_series(case: Case, series: Series, run: int) -> tuple[list[list[float]],
             q, f, spent = found[k]
             rows.append(row_of(case, k, run, q, q_before, f, spent))
             q_before = q
-        return rows, np.empty((3, 0))
+        return rows, np.empty((6, 0))
     solver = find_solver(series.method)
     values = solver.check(series.params)
     tracks = case.tracks if series.tracks is None else series.tracks
@@ -121,8 +122,16 @@ def run_series(case: Case, series: Series, run: int) -> tuple[list[list[float]],
         if tracks:
             q_s = q
     histories = np.maximum(np.nan_to_num(histories, posinf=1e3), FLOOR)
-    curves = [np.exp(np.log(histories).mean(axis=0)), np.median(histories, axis=0)]
-    return rows, np.array([*curves, histories.mean(axis=0)])
+    curves = [_convergence(histories[mask]) for mask in (case.reachable, ~case.reachable)]
+    return rows, np.vstack(curves)
+
+
+def _convergence(histories: Array) -> Array:
+    """Return geometric mean, median and mean over the rows, shape (3, T + 1)."""
+    if len(histories) == 0:
+        return np.full((3, histories.shape[1]), np.nan)
+    geometric = np.exp(np.log(histories).mean(axis=0))
+    return np.array([geometric, np.median(histories, axis=0), histories.mean(axis=0)])
 
 
 def warm_up(case: Case, series: Series) -> None:

@@ -65,7 +65,7 @@ def test_a_run_can_be_made_again_bit_for_bit(folder: Path) -> None:
     timeless = [i for i, c in enumerate(COLUMNS) if not c.endswith("seconds")]
     stored = results.tables["E7a", "BODE-CS"].data[study.case.count :]
     np.testing.assert_array_equal(np.array(rows)[:, timeless], stored[:, timeless])
-    assert curve.shape == (3, series.iterations + 1)
+    assert curve.shape == (6, series.iterations + 1)
     assert (np.diff(curve[0]) <= 0.0).all()
 
 

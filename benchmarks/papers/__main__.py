@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import argparse
+import os
 import sys
 import time
 from pathlib import Path
-
-from benchmarks.papers.runner import find_experiment, run_experiment, threads_to_one
 
 NAMES = [f"E{i}" for i in range(1, 10)]
 
@@ -32,8 +31,11 @@ def main() -> None:
         parser.error(f"no experiment {', '.join(unknown)}; there are {', '.join(NAMES)}")
     if min(options.runs, options.jobs, options.thin) < 1:
         parser.error("--runs, --jobs and --thin are at least 1")
-    threads_to_one()
+    for variable in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "NUMBA_NUM_THREADS"):
+        os.environ.setdefault(variable, "1")
+    # Only now: the threads are counted when NumPy is imported.
     from benchmarks.papers.report import Sections
+    from benchmarks.papers.runner import find_experiment, run_experiment
 
     sections = Sections(options.report or options.out / "REPORT.md", options.out / "sections")
     for name in names:
@@ -41,7 +43,7 @@ def main() -> None:
         results = run_experiment(name, options.runs, options.jobs, options.thin, options.out)
         sections.write(find_experiment(name), results, options.runs, options.thin)
         print(f"{name} done in {time.perf_counter() - begin:.0f} s", file=sys.stderr)
-    sections.join(options.runs, options.thin)
+    sections.join(options.runs, options.thin, 1.0 if options.thin == 1 else 0.2)
     print(sections.report)
 
 

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 
 import matplotlib as mpl
@@ -12,6 +13,8 @@ mpl.use("Agg")
 
 import matplotlib.pyplot as plt
 from matplotlib.figure import Figure
+
+from benchmarks.papers.claims import Claim
 
 __all__ = ["Document", "number", "slashed"]
 
@@ -26,9 +29,9 @@ def number(value: object) -> str:
     if math.isnan(v):
         return "-"
     if v == 0.0 or (math.isfinite(v) and v == int(v) and abs(v) < 1e7):
-        return f"{int(v):d}"
+        return f"{int(v):,d}"
     if 1e-3 <= abs(v) < 1e5:
-        return f"{v:.4g}" if abs(v) < 1e4 else f"{v:.0f}"
+        return f"{v:.4g}" if abs(v) < 1e4 else f"{v:,.0f}"
     return f"{v:.3g}"
 
 
@@ -51,6 +54,18 @@ class Document:
         self.folder = folder
         self.prefix = prefix
         self.lines: list[str] = []
+        self.claims: list[Claim] = []
+
+    def claim(self, subject: str, published: str, ours: str, verdict: str) -> None:
+        """Add a line to the summary of the whole report."""
+        self.claims.append(Claim(subject, published, ours, verdict))
+
+    @contextmanager
+    def details(self, summary: str) -> Iterator[None]:
+        """Fold what is added meanwhile under a line of its own."""
+        self.lines += [f"<details><summary>{summary}</summary>", ""]
+        yield
+        self.lines += ["</details>", ""]
 
     def heading(self, text: str, level: int = 2) -> None:
         """Add a heading."""

@@ -7,9 +7,10 @@ from numpy.typing import NDArray
 
 from benchmarks.papers import published
 from benchmarks.papers.case import Case
+from benchmarks.papers.claims import against
 from benchmarks.papers.document import Document
 from benchmarks.papers.experiment import Experiment, Results, Study
-from benchmarks.papers.plots import curves, new_figure
+from benchmarks.papers.plots import curves, legend_below, new_figure
 from benchmarks.papers.series import OPTIMUM, PLANNER, Series
 from ikplan.kinematics.arm import arm_of
 from ikplan.robots import load_robot
@@ -126,6 +127,8 @@ def report(studies: list[Study], results: Results, document: Document) -> None:
             for k in range(20)
         ],
     )
+    for name, words in (("IK-BA", "noise as printed"), ("IK-BA, eps 0.15", "noise x 0.15")):
+        _claims(name, words, results, case, printed, document)
     figure, axes = new_figure(7.0, 3.6)
     lines = {
         s.name: np.maximum(100.0 * results.curves[case.name, s.name][:, 2].mean(axis=0), 1e-15)
@@ -133,9 +136,31 @@ def report(studies: list[Study], results: Results, document: Document) -> None:
         if (case.name, s.name) in results.curves
     }
     curves(axes[0], lines, "iteration", "mean error [cm]", log=True)
+    legend_below(figure, axes[0])
     axes[0].axhline(MACHINE, color="black", linewidth=0.8, linestyle=":")
     axes[0].annotate("precision of the arm", (T, MACHINE), fontsize=7, ha="right", va="top")
     document.figure(figure, "E3-convergence", "E3: mean error over the iterations (Figure 18)")
+
+
+def _claims(
+    name: str, words: str, results: Results, case: Case, printed: Array, document: Document
+) -> None:
+    table = results.tables[case.name, name]
+    q = np.degrees(table.q).reshape(-1, 20, 4)
+    equal = int((np.abs(np.round(q, 1) - printed) < 0.05).sum())
+    document.claim(
+        f"E3: angles of Table 8, IK-BA, {words}, over all runs",
+        "80 angles",
+        f"{equal:,} of {q.size:,} equal after rounding to 0.1 deg",
+        "reproduced" if equal == q.size else "not reproduced",
+    )
+    error = float(100.0 * table["eps_p"].mean())
+    document.claim(
+        f"E3: mean error of IK-BA, {words}",
+        "2.12e-14 cm",
+        f"{error:.3g} cm",
+        against(2.1196e-14, error),
+    )
 
 
 EXPERIMENT = Experiment("E3", "Dobot circle [S, section 6]", studies, report)

@@ -2,9 +2,20 @@
 
 from __future__ import annotations
 
-__all__ = ["CONTRADICTIONS", "DEFAULTS", "REPRODUCED"]
+__all__ = ["CONTRADICTIONS", "DEFAULTS", "FINDINGS", "READING"]
 
-REPRODUCED = ""
+READING = (
+    "[S] Slim et al., Robotics 2023, 12, 38 (IK-BA). [K] Kanagaraj et al., MENDEL 2022, 28(1), "
+    "41-54 (BAT, GSA, PSO, WOA). [L] Li, Luo, Qiao, Machines 2023, 11(6), 648 (BODE-CS). "
+    "Two rows of every comparison are in no paper: `ikplan`, the project's own planner (IK-BA "
+    "seeds, refinement, least joint motion), and the true optimum where it can be computed: the "
+    "least joint motion found by many restarts on the iiwa and the MH5, the closed form of the "
+    "Dobot and of the EOD arm."
+)
+
+FINDINGS = """\
+## What was found
+"""
 
 CONTRADICTIONS = """\
 ## Published figures that contradict each other

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 from benchmarks.papers.series import OPTIMUM, PLANNER, Series
 
-__all__ = ["LEAST", "OWN", "li_series", "newton_series"]
+__all__ = ["LEAST", "OWN", "controls", "equal_evaluations", "li_series", "newton_series"]
 
 OWN = Series("ikplan", PLANNER, params={"elongation": "independent"}, paper=False, max_runs=3)
 LEAST = Series("closed form", OPTIMUM, paper=False)
@@ -73,6 +73,12 @@ def controls(population: int, iterations: int) -> list[Series]:
             paper=False,
         ),
     ]
+
+
+def equal_evaluations(paper: list[Series], every: list[Series]) -> list[Series]:
+    """Return the paper's series, each where there is one at equal evaluations that instead."""
+    by_name = {s.name: s for s in every}
+    return [by_name.get(f"{s.name}, equal evaluations", s) for s in paper]
 
 
 def newton_series() -> list[Series]:

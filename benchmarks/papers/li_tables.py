@@ -13,9 +13,11 @@ from benchmarks.papers.rows import Table
 from benchmarks.papers.series import Series
 from benchmarks.papers.statistics import average_ranks, friedman, holm, paired
 
-__all__ = ["by_target", "comparison", "pose_table", "solved"]
+__all__ = ["SPREAD", "Targets", "by_target", "comparison", "pose_tables", "solved", "spread"]
 
 Array = NDArray[np.float64]
+Targets = NDArray[np.bool_] | None
+"""One flag a target: those that a table is about; None: all of them."""
 
 
 def solved(table: Table) -> float:
@@ -23,48 +25,54 @@ def solved(table: Table) -> float:
     return float(((table["eps_p"] <= 1e-4) & (table["theta_deg"] <= 0.1)).mean())
 
 
-def by_target(table: Table, column: str) -> Array:
+def of_targets(table: Table, targets: Targets) -> Table:
+    """Return the rows of some targets."""
+    return table if targets is None else table.where(targets)
+
+
+def by_target(table: Table, column: str, targets: Targets = None) -> Array:
     """Return the mean over the runs of each target."""
-    means: Array = table.grid(column).mean(axis=0)
+    means: Array = of_targets(table, targets).grid(column).mean(axis=0)
     return means
 
 
-def spread(values: Array) -> str:
-    """Return mean / median / std / 95 % quantile / max."""
-    return slashed(
-        [
-            float(values.mean()),
-            float(np.median(values)),
-            float(values.std(ddof=1)),
-            float(np.quantile(values, 0.95)),
-            float(values.max()),
-        ]
-    )
+def spread(values: Array) -> list[object]:
+    """Return mean, median, standard deviation, least, 95 % quantile and largest."""
+    deviation = float(values.std(ddof=1)) if len(values) > 1 else None
+    quantile = float(np.quantile(values, 0.95))
+    middle = float(np.median(values))
+    return [float(values.mean()), middle, deviation, values.min(), quantile, values.max()]
 
 
-def pose_table(
+SPREAD = ("mean", "median", "std", "min", "95 %", "max")
+
+
+def pose_tables(
     case: str,
     series: Sequence[Series],
     results: Results,
     document: Document,
     given: Mapping[str, tuple[float, float]] | None = None,
+    targets: Targets = None,
 ) -> None:
-    """Add one line a series: position, orientation, fitness, cost."""
+    """Add a table of what matters, one line a series, and the whole spread of each quantity."""
     rows = []
-    for s in series:
-        table = results.tables[case, s.name]
+    tables = {s.name: of_targets(results.tables[case, s.name], targets) for s in series}
+    for name, table in tables.items():
         millimetres = 1e3 * table["eps_p"]
-        published = (given or {}).get(s.name)
-        run_maxima = 1e3 * table.grid("eps_p").max(axis=1)
+        run_maxima = [
+            1e3 * float(table.grid("eps_p").max(axis=1).mean()),
+            float(table.grid("f").max(axis=1).mean()),
+        ]
         rows.append(
             [
-                s.name,
-                slashed(published),
-                slashed([float(run_maxima.mean()), float(table.grid("f").max(axis=1).mean())]),
-                spread(millimetres),
+                name,
+                slashed((given or {}).get(name)),
+                slashed(run_maxima),
+                float(np.median(millimetres)),
+                float(np.quantile(millimetres, 0.95)),
                 100.0 * (millimetres > 0.1).mean(),
-                slashed([float(table["delta_R"].mean()), float(table["theta_deg"].mean())]),
-                spread(table["f"]),
+                float(np.median(table["theta_deg"])),
                 100.0 * solved(table),
                 table["n_eval"].mean(),
                 1e3 * table["cpu_seconds"].mean(),
@@ -75,11 +83,11 @@ def pose_table(
         [
             "series",
             "published max: mm / fitness",
-            "ours: mean of the runs' max",
-            "position mm: mean / median / std / 95 % / max",
+            "ours, mean of the runs' max",
+            "position median mm",
+            "95 %",
             "% > 0.1 mm",
-            "Delta R / theta deg, mean",
-            "fitness: mean / median / std / 95 % / max",
+            "theta median deg",
             "% pose solved",
             "evaluations",
             "ms",
@@ -87,9 +95,25 @@ def pose_table(
         ],
         rows,
     )
+    with document.details("Spread of position, orientation and fitness over all solves"):
+        for column, title, factor in (
+            ("eps_p", "Position error, mm", 1e3),
+            ("theta_deg", "Orientation error theta, deg", 1.0),
+            ("delta_R", "Orientation error Delta R", 1.0),
+            ("f", "Fitness, mm", 1.0),
+        ):
+            document.say(f"{title}:")
+            lines = [[name, *spread(factor * table[column])] for name, table in tables.items()]
+            document.table(["series", *SPREAD], lines)
 
 
-def comparison(case: str, series: Sequence[Series], results: Results, document: Document) -> None:
+def comparison(
+    case: str,
+    series: Sequence[Series],
+    results: Results,
+    document: Document,
+    targets: Targets = None,
+) -> None:
     """Compare the first series with each other, paired by target."""
     columns = ("eps_p", "f")
     first, others = series[0], series[1:]
@@ -97,7 +121,7 @@ def comparison(case: str, series: Sequence[Series], results: Results, document: 
     ranks: dict[str, dict[str, float]] = {}
     p_all: dict[str, float] = {}
     for column in columns:
-        data = {s.name: by_target(results.tables[case, s.name], column) for s in series}
+        data = {s.name: by_target(results.tables[case, s.name], column, targets) for s in series}
         tests[column] = [paired(data[first.name], data[s.name]) for s in others]
         ranks[column] = average_ranks(data)
         p_all[column] = friedman(data)

@@ -8,18 +8,23 @@ import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
-__all__ = ["boxes", "curves", "new_figure", "paths_3d"]
+__all__ = ["boxes", "curves", "legend_below", "new_figure", "paths_3d"]
 
 Array = NDArray[np.float64]
 
 COLOURS = [plt.get_cmap("tab20")(i) for i in (0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 1, 3, 5, 7, 9)]
 
 
-def new_figure(width: float, height: float, columns: int = 1) -> tuple[Figure, list[Axes]]:
-    """Return a figure of some inches with axes beside each other."""
-    figure, axes = plt.subplots(1, columns, figsize=(width, height), layout="constrained")
+def new_figure(
+    width: float, height: float, columns: int = 1, rows: int = 1, *, same_y: bool = False
+) -> tuple[Figure, list[Axes]]:
+    """Return a figure of some inches with its axes, row by row."""
+    figure, axes = plt.subplots(
+        rows, columns, figsize=(width, height), layout="constrained", sharey=same_y
+    )
     flat = list(np.atleast_1d(axes).ravel())
     for ax in flat:
         ax.grid(visible=True, alpha=0.3)
@@ -45,7 +50,6 @@ def curves(
     *,
     log: bool = False,
     first: int = 0,
-    legend: bool = True,
 ) -> None:
     """Draw curves over their index."""
     for i, (name, values) in enumerate(data.items()):
@@ -56,8 +60,14 @@ def curves(
     ax.set_ylabel(y_label, fontsize=9)
     if log:
         ax.set_yscale("log")
-    if legend:
-        ax.legend(fontsize=7, ncol=2 if len(data) > 6 else 1)
+    ax.xaxis.set_major_locator(MaxNLocator(integer=True))
+
+
+def legend_below(figure: Figure, ax: Axes) -> None:
+    """Add one legend for all axes, of the curves of one, below them."""
+    handles, labels = ax.get_legend_handles_labels()
+    columns = min(len(labels), int(figure.get_figwidth() / 1.3))
+    figure.legend(handles, labels, loc="outside lower center", ncols=columns, fontsize=8)
 
 
 def paths_3d(

@@ -2,12 +2,19 @@
 
 from __future__ import annotations
 
+import platform
 from pathlib import Path
 
+import numba
+import numpy as np
+import pinocchio as pin
+
+from benchmarks.papers.claims import read_claims, write_claims
+from benchmarks.papers.cost import cost_section
 from benchmarks.papers.document import Document
 from benchmarks.papers.experiment import Experiment, Results
-from benchmarks.papers.findings import CONTRADICTIONS, DEFAULTS, REPRODUCED
-from benchmarks.papers.runner import _studies
+from benchmarks.papers.findings import CONTRADICTIONS, DEFAULTS, FINDINGS, READING
+from benchmarks.papers.runner import find_experiment, studies_of
 
 __all__ = ["Sections"]
 
@@ -30,23 +37,66 @@ class Sections:
         document.heading(f"{experiment.name}: {experiment.title}")
         targets = f", every {thin}th target" if thin > 1 else ""
         document.say(f"Runs: {runs}{targets}.")
-        experiment.report(_studies(experiment.name, thin), results, document)
+        experiment.report(studies_of(experiment.name, thin), results, document)
         self.folder.mkdir(parents=True, exist_ok=True)
         (self.folder / f"{experiment.name}.md").write_text(document.text())
+        write_claims(self.folder / f"{experiment.name}.json", document.claims)
 
-    def join(self, runs: int, thin: int) -> None:
-        """Join all sections there are."""
-        thinning = f" --thin {thin}" if thin > 1 else ""
-        command = f"python -m benchmarks.papers --runs {runs}{thinning}"
+    def join(self, runs: int, thin: int, effort: float = 1.0) -> None:
+        """Join all sections there are.
+
+        Args:
+            runs: Runs asked for.
+            thin: Thinning of the targets.
+            effort: Share of the repeats in the table of costs, in (0, 1].
+        """
+        sections = sorted(self.folder.glob("E*.md"))
         parts = [
-            "# The experiments of three papers, run again\n",
-            f"Made by `{command}` (`make papers` makes a reduced one in `out/papers`). Each "
-            "section has the published figures beside ours. Rows, one a solve with its joint "
-            "values, are in `out/papers` after a run.\n",
-            REPRODUCED,
+            self._head(runs, thin, [p.stem for p in sections]),
+            self._summary(),
+            FINDINGS,
             CONTRADICTIONS,
             DEFAULTS,
-            *(p.read_text() for p in sorted(self.folder.glob("E*.md"))),
+            *(p.read_text() for p in sections),
+            cost_section(effort),
         ]
         self.report.parent.mkdir(parents=True, exist_ok=True)
         self.report.write_text("\n".join(parts))
+
+    def _head(self, runs: int, thin: int, names: list[str]) -> str:
+        document = Document(self.report.parent, "figures")
+        document.heading("The experiments of three papers, run again", 1)
+        thinning = f" --thin {thin}" if thin > 1 else ""
+        document.say(
+            f"Made by `python -m benchmarks.papers --runs {runs}{thinning}`; `make papers` makes a "
+            "reduced one in `out/papers`. One solve is one row, with its joint values, in "
+            "`out/papers` after a run; every table is made of these.",
+            READING,
+            f"Times: {_processor()}, Python {platform.python_version()}, numba "
+            f"{numba.__version__}, NumPy {np.__version__}, Pinocchio {pin.__version__}; processor "
+            "time of one thread after a warm-up. Compare their ratios only.",
+        )
+        document.lines += [f"- {n}: {find_experiment(n).title}" for n in names]
+        return document.text()
+
+    def _summary(self) -> str:
+        document = Document(self.report.parent, "figures")
+        document.heading("Summary: claims, published and ours")
+        claims = [c for p in sorted(self.folder.glob("E*.json")) for c in read_claims(p)]
+        document.say(
+            "Reproduced: within a factor of 1.5 of the published figure, or the same order. The "
+            "sections have the spread and the tests behind each line."
+        )
+        rows = [[c.subject, c.published, c.ours, c.verdict] for c in claims]
+        document.table(["claim", "published", "ours", "verdict"], rows)
+        return document.text()
+
+
+def _processor() -> str:
+    """Name of the processor."""
+    cpuinfo = Path("/proc/cpuinfo")
+    if cpuinfo.is_file():
+        for line in cpuinfo.read_text().splitlines():
+            if line.startswith("model name"):
+                return line.partition(":")[2].strip()
+    return platform.processor() or platform.machine()

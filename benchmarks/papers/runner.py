@@ -5,7 +5,6 @@ from __future__ import annotations
 import functools
 import hashlib
 import importlib
-import os
 import sys
 import time
 from collections.abc import Iterator
@@ -20,7 +19,7 @@ from benchmarks.papers.rows import read_rows, write_rows
 from benchmarks.papers.series import OPTIMUM, PLANNER, Series
 from benchmarks.papers.solving import run_series, warm_up
 
-__all__ = ["find_experiment", "run_experiment"]
+__all__ = ["find_experiment", "run_experiment", "studies_of"]
 
 Unit = tuple[int, int, int]
 """Study, series, run."""
@@ -35,13 +34,14 @@ def find_experiment(name: str) -> Experiment:
 
 
 @functools.cache
-def _studies(name: str, thin: int) -> list[Study]:
+def studies_of(name: str, thin: int) -> list[Study]:
+    """Return the studies of an experiment."""
     return find_experiment(name).studies(thin)
 
 
 @functools.cache
 def _warmed(name: str, thin: int, study: int, series: int) -> None:
-    chosen = _studies(name, thin)[study]
+    chosen = studies_of(name, thin)[study]
     warm_up(chosen.case, chosen.series[series])
 
 
@@ -70,7 +70,7 @@ def _do(name: str, thin: int, unit: Unit, path: Path) -> None:
     """Run one unit and write its file; in a worker."""
     study, series, run = unit
     _warmed(name, thin, study, series)
-    chosen = _studies(name, thin)[study]
+    chosen = studies_of(name, thin)[study]
     rows, curve = run_series(chosen.case, chosen.series[series], run)
     path.parent.mkdir(parents=True, exist_ok=True)
     if curve.size:
@@ -120,7 +120,7 @@ def run_experiment(name: str, runs: int, jobs: int, thin: int, out: Path) -> Res
         out: Folder of the rows, by case, which experiments share; what is there already is not
             made again.
     """
-    studies = _studies(name, thin)
+    studies = studies_of(name, thin)
     missing = [(u, p) for u, p in _units(studies, runs, out) if not p.exists()]
     progress = _Progress(name, max(len(missing), 1))
     if jobs == 1:
@@ -144,9 +144,3 @@ def run_experiment(name: str, runs: int, jobs: int, thin: int, out: Path) -> Res
             if arrays[0].exists():
                 curves[key] = np.array([np.load(a) for a in arrays], dtype=np.float64)
     return Results(tables, curves, runs)
-
-
-def threads_to_one() -> None:
-    """Keep numerical libraries to one thread; to be called before they are imported."""
-    for variable in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "NUMBA_NUM_THREADS"):
-        os.environ.setdefault(variable, "1")

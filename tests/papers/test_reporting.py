@@ -1,0 +1,161 @@
+"""The report: verdicts, tables of groups of targets, the summary."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from benchmarks.papers import e9
+from benchmarks.papers.claims import Claim, against, read_claims, write_claims
+from benchmarks.papers.document import Document
+from benchmarks.papers.experiment import Results
+from benchmarks.papers.li_tables import comparison, pose_tables, solved
+from benchmarks.papers.report import Sections
+from benchmarks.papers.rows import COLUMNS, Table
+from benchmarks.papers.runner import find_experiment, run_experiment
+from benchmarks.papers.series import Series
+from benchmarks.papers.solving import run_series
+
+positive = st.floats(1e-12, 1e12)
+
+
+@given(published=positive, ours=positive)
+def test_a_verdict_names_the_factor(published: float, ours: float) -> None:
+    verdict = against(published, ours)
+    ratio = ours / published
+    assert (verdict == "reproduced") == (1.0 / 1.5 <= ratio <= 1.5)
+    if ratio > 1.5:
+        assert "as large" in verdict
+    if ratio < 1.0 / 1.5:
+        assert "as small" in verdict
+
+
+@pytest.mark.parametrize(
+    ("published", "ours", "verdict"),
+    [
+        (0.0019, 0.0021, "reproduced"),
+        (0.0019, 0.0131, "not reproduced: 6.9 times as large"),
+        (2.0, 1.0, "not reproduced: 2 times as small"),
+        (1.0, 1e5, "not reproduced: 1e+05 times as large"),
+    ],
+)
+def test_verdicts(published: float, ours: float, verdict: str) -> None:
+    assert against(published, ours) == verdict
+
+
+@pytest.mark.parametrize("ours", [0.0, float("nan"), float("inf"), -1.0])
+def test_a_figure_without_a_ratio_has_no_verdict(ours: float) -> None:
+    with pytest.raises(ValueError, match="no ratio"):
+        against(1.0, ours)
+
+
+def test_claims_are_kept(tmp_path: Path) -> None:
+    claims = [Claim("a", "1", "2", "no"), Claim("b", "-", "x", "y")]
+    write_claims(tmp_path / "E1.json", claims)
+    assert read_claims(tmp_path / "E1.json") == claims
+
+
+def table_of(errors: np.ndarray) -> Table:
+    """Two runs with given position errors, shape (2, targets)."""
+    runs, targets = errors.shape
+    data = np.zeros((runs * targets, len(COLUMNS) + 6))
+    data[:, COLUMNS.index("run")] = np.repeat(np.arange(runs), targets)
+    data[:, COLUMNS.index("target")] = np.tile(np.arange(targets), runs)
+    data[:, COLUMNS.index("eps_p")] = errors.ravel()
+    data[:, COLUMNS.index("f")] = 1e3 * errors.ravel()
+    data[:, COLUMNS.index("theta_deg")] = 90.0 * (errors.ravel() > 0.5)
+    return Table(data)
+
+
+def test_tables_of_a_group_have_nothing_of_the_others(tmp_path: Path) -> None:
+    errors = np.array([[0.001, 7.0, 0.001, 7.0], [0.003, 7.0, 0.003, 7.0]])
+    series = [Series("a", "cs"), Series("b", "cs"), Series("c", "cs")]
+    tables = {("X", s.name): table_of((i + 1) * errors) for i, s in enumerate(series)}
+    mask = np.array([True, False, True, False])
+    document = Document(tmp_path, "figures")
+    pose_tables("X", series, Results(tables, {}, 2), document, None, mask)
+    comparison("X", series, Results(tables, {}, 2), document, mask)
+    text = document.text()
+    assert "| a | - | 2 / 2 | 2 |" in text  # millimetres: mean of the runs' max, median
+    assert "7,000" not in text
+    assert "7000" not in text
+    assert "90" not in text
+
+
+def test_solved_needs_position_and_orientation() -> None:
+    table = table_of(np.array([[1e-5, 1e-5, 1e-3, 1.0]]))
+    table.data[1, COLUMNS.index("theta_deg")] = 0.2
+    assert solved(table) == 0.25
+
+
+def test_convergence_of_groups_makes_up_that_of_all() -> None:
+    study = find_experiment("E9").studies(40)[0]
+    case = study.case
+    assert 0 < case.reachable.sum() < case.count
+    _, curve = run_series(case, study.series[0], 0)
+    whole = np.ones(case.count, dtype=np.bool_)
+    every = type(case)(**{**case.__dict__, "reachable": whole})
+    _, together = run_series(every, study.series[0], 0)
+    share = case.reachable.mean()
+    mixed = share * np.log(curve[0]) + (1.0 - share) * np.log(curve[3])
+    np.testing.assert_allclose(mixed, np.log(together[0]), atol=1e-9)
+    np.testing.assert_allclose(share * curve[2] + (1.0 - share) * curve[5], together[2])
+    assert np.isnan(together[3:]).all()
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return tmp_path_factory.mktemp("report")
+
+
+def test_a_report_begins_with_its_claims(folder: Path) -> None:
+    results = run_experiment("E8", 1, 1, 50, folder)
+    sections = Sections(folder / "REPORT.md", folder / "sections")
+    sections.write(find_experiment("E8"), results, 1, 50)
+    sections.join(1, 50, effort=0.01)
+    text = (folder / "REPORT.md").read_text()
+    head, _, rest = text.partition("## What was found")
+    assert "| E8, Baxter: largest position error of BODE-CS over 100 poses | 0.0062 mm |" in head
+    assert "28.07 / 28.15" in rest  # the published row of DE/rand/1
+    assert text.count("<details>") == text.count("</details>") == 2
+    costs = rest.split("## Cost of the searches")[1]
+    assert all(f"| {name} |" in costs for name in ("ik-ba", "gsa", "bode-cs"))
+    figures = [line for line in text.splitlines() if line.startswith("![")]
+    assert len(figures) == 2
+    for line in figures:
+        drawn = folder / line.rpartition("(")[2].rstrip(")")
+        assert drawn.stat().st_size > 5_000
+
+
+def test_reachable_and_unreachable_points_have_tables_of_their_own(folder: Path) -> None:
+    results = run_experiment("E9", 1, 1, 50, folder)
+    study = find_experiment("E9").studies(50)[0]
+    document = Document(folder, "figures")
+    e9._trajectory(study, results, document)
+    inside, _, outside = document.text().partition(" unreachable points\n")
+    assert "E9-1, 2 reachable points" in inside
+    for series in ("ikplan, greedy", "closed form", "BODE-CS", "BODE-CS, warm"):
+        assert f"| {series} |" in inside
+        assert (f"| {series} |" in outside) == (series != "closed form")
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [(["E10"], "no experiment E10"), (["E1", "--runs", "0"], "at least 1")],
+)
+def test_a_wrong_command_says_what_is_right(arguments: list[str], message: str) -> None:
+    ran = subprocess.run(
+        [sys.executable, "-m", "benchmarks.papers", *arguments],
+        capture_output=True,
+        text=True,
+        cwd=Path(__file__).parents[2],
+        check=False,
+    )
+    assert ran.returncode == 2
+    assert message in ran.stderr

@@ -8,10 +8,12 @@ from typing import Any
 from fastapi import Request, Response
 
 from ikplan.errors import PlanNotFound
+from ikplan.export.formats import Format
 from ikplan_api.board import PlanBoard
 from ikplan_api.body import read_json_body
 from ikplan_api.disconnect import while_connected
 from ikplan_api.problems import problem_response, request_id_of
+from ikplan_api.representations import accepted_format, plan_answer
 from ikplan_api.schemas import PlanStatus
 from ikplan_api.uploads import robot_document
 
@@ -59,6 +61,7 @@ async def ask_for_plan(request: Request, kind: str) -> Response:
         IkplanError: The verdict on the request.
     """
     board: PlanBoard = request.app.state.board
+    form = accepted_format(request)
     document = await read_json_body(request)
     robot = await robot_document(request, document)
     job = await board.identify(kind, document, robot)
@@ -68,7 +71,7 @@ async def ask_for_plan(request: Request, kind: str) -> Response:
         made = kept
     else:
         return _pending(await board.accept(job), applied=True)
-    return _finished(job.plan_id, made)
+    return await _finished(job.plan_id, made, form)
 
 
 async def kept_plan(request: Request, plan_id: str) -> Response:
@@ -78,10 +81,12 @@ async def kept_plan(request: Request, plan_id: str) -> Response:
         PlanNotFound: Nothing is known under that id.
     """
     board: PlanBoard = request.app.state.board
+    form = accepted_format(request)
     if (document := await board.find(plan_id)) is not None:
-        if _etag(plan_id) in _tags(request, "if-none-match"):
-            return Response(status_code=304, headers={"etag": _etag(plan_id)})
-        return _finished(plan_id, document)
+        etag = _etag(plan_id, form)
+        if etag in _tags(request, "if-none-match"):
+            return Response(status_code=304, headers={"etag": etag, "vary": "Accept"})
+        return await _finished(plan_id, document, form)
     if (making := board.under_way(plan_id)) is not None:
         return _pending(making.status)
     if (problem := await board.failure(plan_id)) is not None:
@@ -89,9 +94,9 @@ async def kept_plan(request: Request, plan_id: str) -> Response:
     raise PlanNotFound(id=plan_id)
 
 
-def _finished(plan_id: str, document: bytes) -> Response:
-    headers = {"content-location": f"{PLANS}/{plan_id}", "etag": _etag(plan_id)}
-    return Response(document, media_type="application/json", headers=headers)
+async def _finished(plan_id: str, document: bytes, form: Format) -> Response:
+    headers = {"content-location": f"{PLANS}/{plan_id}", "etag": _etag(plan_id, form)}
+    return await plan_answer(document, form, headers)
 
 
 def _pending(status: PlanStatus, *, applied: bool = False) -> Response:
@@ -106,8 +111,8 @@ def _pending(status: PlanStatus, *, applied: bool = False) -> Response:
     )
 
 
-def _etag(plan_id: str) -> str:
-    return f'"{plan_id}"'
+def _etag(plan_id: str, form: Format) -> str:
+    return f'"{plan_id}"' if form.name == "json" else f'"{plan_id}-{form.name}"'
 
 
 def _tags(request: Request, header: str) -> set[str]:

@@ -16,9 +16,10 @@ from ikplan.request import FkRequest, IkRequest, PlanRequest
 from ikplan.robots import RobotUpload
 from ikplan.timing_request import TimingRequest
 from ikplan_api.problems import PROBLEM
+from ikplan_api.representations import plan_contents
 from ikplan_api.schemas import PROBLEMS, Problem
 
-__all__ = ["install", "operation_id", "problems", "request_body", "upload_body"]
+__all__ = ["install", "operation_id", "plan_answers", "problems", "request_body", "upload_body"]
 
 _REF = "#/components/schemas/{model}"
 _REQUESTS: tuple[type[BaseModel], ...] = (
@@ -80,6 +81,16 @@ def problems(*classes: type[errors.IkplanError]) -> dict[int | str, dict[str, An
         answers[503]["headers"] = {"Retry-After": header}
     answers["default"] = _answer("Any other failure", [Problem])
     return answers
+
+
+def plan_answers(*classes: type[errors.IkplanError]) -> dict[int | str, dict[str, Any]]:
+    """Document a plan in all its forms, and the problems that can be answered instead of it."""
+    refused = [PROBLEMS[errors.InvalidRequest]]
+    return {
+        200: {"content": plan_contents()},
+        406: _answer("No such form of a plan", refused),
+        **problems(*classes),
+    }
 
 
 def _answer(description: str, models: Sequence[type[Problem]]) -> dict[str, Any]:

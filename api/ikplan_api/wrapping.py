@@ -4,17 +4,29 @@ from __future__ import annotations
 
 from fastapi import FastAPI
 from starlette.middleware.cors import CORSMiddleware
+from starlette_compress import CompressMiddleware
 
 from ikplan_api.access import AccessMiddleware
 from ikplan_api.middleware import RequestIdMiddleware
 from ikplan_api.security_headers import SecurityHeadersMiddleware
 from ikplan_api.settings import Settings
 
-__all__ = ["wrap"]
+__all__ = ["COMPRESSED_FROM", "wrap"]
+
+COMPRESSED_FROM = 1024
+"""Shortest answer that is compressed [bytes]."""
 
 
 def wrap(app: FastAPI, settings: Settings) -> None:
     """Put the middleware around an app; the last one added is the outermost."""
+    # The fastest levels: a plan's digits hardly get shorter at others, and the event loop waits.
+    app.add_middleware(
+        CompressMiddleware,
+        minimum_size=COMPRESSED_FROM,
+        zstd_level=1,
+        gzip_level=1,
+        brotli=False,
+    )
     app.add_middleware(AccessMiddleware, keys=settings.api_keys, rate_limit=settings.rate_limit)
     if settings.cors_origins:
         # Outside of the keys: a browser asks for leave without one.

@@ -9,7 +9,7 @@ from typing import Any, Self, TypeVar
 import httpx
 
 from ikplan.client import calls
-from ikplan.client.wire import Call, authorization, read, unreachable
+from ikplan.client.wire import Call, client_headers, read, unreachable
 from ikplan.request import FkRequest, IkRequest, PlanRequest
 from ikplan.result import FkResult, IkSolution, Plan
 from ikplan.timing_request import TimingRequest
@@ -49,7 +49,7 @@ class AsyncClient:
         try:
             self._http = httpx.AsyncClient(
                 base_url=self.base_url,
-                headers=authorization(key),
+                headers=client_headers(self.base_url, key),
                 transport=transport,
                 timeout=timeout,
             )

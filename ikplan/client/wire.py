@@ -16,7 +16,7 @@ from pydantic import BaseModel, ValidationError
 import ikplan
 from ikplan.errors import IkplanError, InvalidRequest, ServiceUnavailable, error_from_problem
 
-__all__ = ["KEY_VARIABLE", "Call", "authorization", "encode", "read", "unreachable"]
+__all__ = ["KEY_VARIABLE", "Call", "client_headers", "encode", "read", "unreachable"]
 
 T = TypeVar("T")
 
@@ -24,18 +24,25 @@ PROBLEM = "application/problem+json"
 KEY_VARIABLE = "IKPLAN_KEY"
 
 
-def authorization(key: str | None) -> dict[str, str]:
-    """Return the header that shows a key; None: the one in the environment, if there is one.
+def client_headers(base_url: str, key: str | None) -> dict[str, str]:
+    """Return what a client says with every request.
+
+    Args:
+        base_url: Address of the service.
+        key: The key to show; None: the one in the environment, if there is one.
 
     Raises:
         InvalidRequest: The key cannot be sent in a header.
     """
+    headers = {"user-agent": f"ikplan/{ikplan.__version__}"}
+    if httpx.URL(base_url).host in ("127.0.0.1", "::1", "localhost"):
+        headers["accept-encoding"] = "identity"  # compressing takes longer than this wire
     key = os.environ.get(KEY_VARIABLE, "") if key is None else key
-    if not key:
-        return {}
-    if not (key.isascii() and key.isprintable()) or " " in key:
-        raise InvalidRequest("a key is printable ASCII without spaces", field="key")
-    return {"authorization": f"Bearer {key}"}
+    if key:
+        if not (key.isascii() and key.isprintable()) or " " in key:
+            raise InvalidRequest("a key is printable ASCII without spaces", field="key")
+        headers["authorization"] = f"Bearer {key}"
+    return headers
 
 
 @dataclass(frozen=True)
@@ -59,7 +66,6 @@ class Call(Generic[T]):
         """Headers of the request."""
         headers = {
             "accept": f"application/json, {PROBLEM}",
-            "user-agent": f"ikplan/{ikplan.__version__}",
         }
         if self.content is not None:
             headers["content-type"] = "application/json"

@@ -31,7 +31,8 @@ class PortalTransport(httpx.BaseTransport):
                 request.method, request.url, headers=request.headers, content=content
             )
             answer = await self._inner.handle_async_request(outgoing)
-            body = await answer.aread()
+            # As it came: the client is the one who decompresses.
+            body = b"".join([piece async for piece in answer.aiter_raw()])
             return httpx.Response(answer.status_code, headers=answer.headers, content=body)
 
         return self._portal.call(exchange)

@@ -13,7 +13,7 @@ from ikplan.request import PlanRequest
 from ikplan.result import Plan
 from ikplan_api.answering import ACCEPTED, PLANS, PREFER, ask_for_plan, kept_plan
 from ikplan_api.board import PlanBoard
-from ikplan_api.openapi import problems, request_body
+from ikplan_api.openapi import plan_answers, problems, request_body
 from ikplan_api.watching import Watched, find_watched
 
 __all__ = ["PLAN_ERRORS", "router"]
@@ -46,7 +46,7 @@ _EXAMPLE = {
     "",
     summary="Make a plan",
     response_model=Plan,
-    responses=ACCEPTED | problems(errors.InvalidRequest, errors.RobotNotFound, *PLAN_ERRORS),
+    responses=ACCEPTED | plan_answers(errors.InvalidRequest, errors.RobotNotFound, *PLAN_ERRORS),
     openapi_extra=request_body(PlanRequest, _EXAMPLE) | PREFER,
 )
 async def create_plan(request: Request) -> Response:
@@ -65,7 +65,7 @@ async def create_plan(request: Request) -> Response:
     response_model=Plan,
     responses=ACCEPTED
     | {304: {"description": "The caller has it already"}}
-    | problems(errors.PlanNotFound, *PLAN_ERRORS),
+    | plan_answers(errors.PlanNotFound, *PLAN_ERRORS),
 )
 async def get_plan(request: Request, plan_id: str) -> Response:
     """Return a plan, as it was answered, while it is kept.

@@ -8,7 +8,7 @@ from ikplan import errors
 from ikplan.result import Plan
 from ikplan.timing_request import TimingRequest
 from ikplan_api.answering import ACCEPTED, PREFER, ask_for_plan
-from ikplan_api.openapi import problems, request_body
+from ikplan_api.openapi import plan_answers, request_body
 
 __all__ = ["router"]
 
@@ -30,7 +30,7 @@ _EXAMPLE = {
     summary="Time a joint path",
     response_model=Plan,
     responses=ACCEPTED
-    | problems(
+    | plan_answers(
         errors.InvalidRequest,
         errors.RobotNotFound,
         errors.TimingFailed,

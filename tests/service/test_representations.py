@@ -1,0 +1,189 @@
+"""Plans in other forms than JSON, and answers compressed on request."""
+
+from __future__ import annotations
+
+import asyncio
+import gzip
+import io
+import json
+from collections.abc import Callable
+from typing import NamedTuple
+
+import httpx
+import numpy as np
+import pytest
+import zstandard
+
+from ikplan.export import FORMATS, encode
+from ikplan.result import Plan
+from ikplan_api.wrapping import COMPRESSED_FROM
+
+from .bad_requests import GOOD
+
+NAMES = {known.name: known.media_type for known in FORMATS}
+UR5 = {
+    "robot": "ur5",
+    "waypoints": [[0.0, -1.5, 1.5, 0.0, 1.0, 0.0], [0.3, -1.2, 1.2, 0.0, 1.0, 0]],
+}
+
+
+@pytest.fixture(scope="module")
+def plan(client) -> Plan:
+    return client.plan(GOOD)
+
+
+@pytest.mark.parametrize("name", ["json", "csv", "npz", "ros"])
+def test_accept_picks_the_form_for_new_and_for_kept_plans(name, http, plan):
+    headers = {"accept": NAMES[name]}
+    made = http.post("/v1/plans", json=GOOD, headers=headers)
+    kept = http.get(f"/v1/plans/{plan.id}", headers=headers)
+    for answer in (made, kept):
+        assert answer.status_code == 200
+        assert answer.headers["content-type"].partition(";")[0] == NAMES[name]
+        assert "accept" in answer.headers["vary"].lower()
+    if name == "json":
+        assert Plan.load(made.content).id == plan.id
+    else:
+        assert made.content == kept.content == encode(plan, name)
+    if name == "npz":
+        assert np.array_equal(np.load(io.BytesIO(made.content))["q"], plan.trajectory.q)
+
+
+def test_a_timing_has_the_same_forms_and_a_program_where_the_arm_has_one(http):
+    timed = Plan.load(http.post("/v1/timings", json=UR5).content)
+    for name in ("csv", "ros", "urscript"):
+        answer = http.post("/v1/timings", json=UR5, headers={"accept": NAMES[name]})
+        assert answer.content == encode(timed, name)
+
+
+@pytest.mark.parametrize(
+    ("accept", "name"),
+    [
+        ("", "json"),
+        ("*/*", "json"),
+        ("application/*", "json"),
+        ("text/*", "csv"),
+        ("text/html, */*;q=0.1", "json"),
+        ("text/csv;q=0.4, application/json;q=0.5", "json"),
+        ("text/csv;q=0.5, application/json;q=0.4", "csv"),
+        ("application/json;q=0, */*", "csv"),
+        ("application/x-npz, application/problem+json", "npz"),
+        ("application/json, application/problem+json", "json"),
+        ("TEXT/CSV", "csv"),
+        ("text/csv; header=present", "csv"),
+    ],
+)
+def test_the_preferred_form_is_answered(accept, name, http, plan):
+    answer = http.get(f"/v1/plans/{plan.id}", headers={"accept": accept})
+    assert answer.headers["content-type"].partition(";")[0] == NAMES[name]
+
+
+@pytest.mark.parametrize("accept", ["image/png", "text/html", "application/json;q=0", "nonsense"])
+def test_another_form_is_refused_with_those_there_are(accept, http, plan):
+    for answer in (
+        http.get(f"/v1/plans/{plan.id}", headers={"accept": accept}),
+        http.post("/v1/plans", content=b"{", headers={"accept": accept}),
+    ):
+        assert answer.status_code == 406
+        assert answer.headers["content-type"] == "application/problem+json"
+        assert answer.json()["allowed"] == list(NAMES.values())
+
+
+def test_a_program_for_another_arm_is_not_to_be_had(http, plan):
+    answer = http.get(f"/v1/plans/{plan.id}", headers={"accept": NAMES["urscript"]})
+    assert answer.status_code == 406
+    assert "ur3, ur5, ur10" in answer.json()["detail"]
+
+
+class Served(NamedTuple):
+    headers: httpx.Headers
+    body: bytes
+    pieces: int
+
+
+@pytest.fixture(scope="module")
+def served(app, portal) -> Callable[[str, str], Served]:
+    """An answer as it is sent: compressed, in pieces."""
+
+    def ask(path: str, coding: str) -> Served:
+        sent: list[dict] = []
+
+        asked = iter([{"type": "http.request", "body": b"", "more_body": False}])
+
+        async def receive() -> dict:
+            for message in asked:
+                return message
+            await asyncio.sleep(60)
+            raise AssertionError("nobody hangs up")
+
+        async def send(message: dict) -> None:
+            sent.append(message)
+
+        scope = {
+            "type": "http", "method": "GET", "path": path, "raw_path": path.encode(),
+            "query_string": b"", "headers": [(b"accept-encoding", coding.encode())],
+            "http_version": "1.1", "scheme": "http", "server": ("127.0.0.1", 80),
+            "client": ("127.0.0.1", 1), "root_path": "",
+        }  # fmt: skip
+        portal.call(app, scope, receive, send)
+        bodies = [m["body"] for m in sent[1:] if m.get("body")]
+        return Served(httpx.Headers(sent[0]["headers"]), b"".join(bodies), len(bodies))
+
+    return ask
+
+
+@pytest.fixture(scope="module")
+def listing(http) -> bytes:
+    return http.get("/v1/robots", headers={"accept-encoding": "identity"}).content
+
+
+@pytest.mark.parametrize(
+    ("coding", "applied"),
+    [
+        ("gzip", "gzip"),
+        ("zstd", "zstd"),
+        ("gzip, zstd", "zstd"),
+        ("br", None),
+        ("identity", None),
+        ("gzip;q=0", None),
+    ],
+)
+def test_an_answer_is_compressed_as_asked(coding, applied, served, listing):
+    answer = served("/v1/robots", coding)
+    assert answer.headers.get("content-encoding") == applied
+    body = {
+        None: lambda b: b,
+        "gzip": gzip.decompress,
+        "zstd": lambda b: zstandard.ZstdDecompressor().decompressobj().decompress(b),
+    }[applied](answer.body)
+    assert body == listing
+    assert len(listing) > 20 * COMPRESSED_FROM
+    if applied:
+        assert len(answer.body) < 0.5 * len(listing)
+        assert "accept-encoding" in answer.headers["vary"].lower()
+
+
+def test_short_answers_are_left_alone(served):
+    assert "content-encoding" not in served("/livez", "gzip").headers
+
+
+def test_long_plans_are_compressed_piece_by_piece_and_whole(served, client, http):
+    request = {**GOOD, "sampling": {"rate_hz": 5000}}
+    plan = client.plan(request)
+    whole = http.get(f"/v1/plans/{plan.id}", headers={"accept-encoding": "identity"})
+    assert len(whole.content) > 2**20
+    answer = served(f"/v1/plans/{plan.id}", "gzip")
+    assert gzip.decompress(answer.body) == whole.content
+    assert answer.pieces > 4
+    assert json.loads(whole.content)["id"] == plan.id
+
+
+def test_every_form_has_a_tag_of_its_own(http, plan):
+    path, tags = f"/v1/plans/{plan.id}", set()
+    for name in ("json", "csv", "npz"):
+        tag = http.get(path, headers={"accept": NAMES[name]}).headers["etag"]
+        for accept, status in ((NAMES[name], 304), (NAMES["ros"], 200)):
+            headers = {"accept": accept, "if-none-match": tag}
+            assert http.get(path, headers=headers).status_code == status
+        tags.add(tag)
+    assert len(tags) == 3

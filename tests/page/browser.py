@@ -36,7 +36,8 @@ _FLAGS = (
     "--use-angle=swiftshader",
     "--enable-unsafe-swiftshader",
 )
-_WAIT_S = 120.0
+_WAIT_S = 600.0
+"""Where nothing is compiled yet, getting warm takes minutes."""
 
 
 def _missing(what: str) -> NoReturn:
@@ -64,6 +65,7 @@ def served(settings: Settings, planner: Planner | None = None) -> Iterator[str]:
         while not ready and time.monotonic() < deadline:
             time.sleep(0.05)
             ready = httpx.get(f"{address}/readyz").status_code == 200
+        assert ready, "the service did not get warm"
         yield address
     finally:
         server.should_exit = True

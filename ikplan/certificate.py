@@ -296,7 +296,7 @@ def _least_singular_value(claim: Claim) -> tuple[float, float]:
     stride = max(1, count // 128)
 
     def values(indices: list[int]) -> Array:
-        J = np.array([claim.robot.jacobian(claim.q[i])[rows] for i in indices])
+        J = claim.robot.jacobians(claim.q[indices])[:, rows]
         gram = J @ J.transpose(0, 2, 1) if J.shape[1] <= J.shape[2] else J.transpose(0, 2, 1) @ J
         return np.asarray(np.sqrt(np.maximum(np.linalg.eigvalsh(gram)[:, 0], 0.0)))
 

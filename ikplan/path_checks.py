@@ -133,9 +133,7 @@ def follow_checks(
         inside = np.flatnonzero((time >= span.time[0]) & (time <= span.time[-1]))
         if len(inside) == 0:
             continue
-        poses = [robot.fk(q[k]) for k in inside]
-        p = np.array([T.translation for T in poses])
-        R = np.array([T.rotation for T in poses])
+        R, p = robot.poses(q[inside])
         hints = np.interp(time[inside], span.time, span.s)
         plain = path.orientation_free is None and path.tolerance.box is None
         weight = path.tolerance.position / path.tolerance.orientation if plain else 0.0

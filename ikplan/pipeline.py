@@ -70,7 +70,7 @@ def plan(
     limits_of = _segment_limits(robot, request, limits)
 
     solver = _pose_solver(robot, request)
-    with clock.stage("ik"), clock.cutting(solver.cut):
+    with clock.stage("ik"), clock.cutting(solver.cut, solver.search_evaluations):
         arm_limits = joint_limits(robot, limits)
         problem = RouteProblem(
             robot,

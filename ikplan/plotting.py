@@ -189,8 +189,8 @@ def _tool_path(axes: Any, plan: Plan, robot: Robot, *, tip: bool) -> None:
     samples = plan.trajectory.q
     if len(samples) > 600:
         samples = samples[np.linspace(0, len(samples) - 1, 600).astype(int)]
-    path = np.array([robot.fk(q).translation for q in samples])
-    marks = np.array([robot.fk(q).translation for q in plan.waypoints.q])
+    _, path = robot.poses(samples)
+    _, marks = robot.poses(plan.waypoints.q)
     axes.plot(*path.T, color=COLOURS[0], lw=1.6, label="path")
     axes.plot(*marks.T, "o", color=COLOURS[1], ms=4, label="waypoints")
     axes.plot(*path[:1].T, "^", color=COLOURS[2], ms=8, label="start")

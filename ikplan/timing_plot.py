@@ -152,7 +152,7 @@ def _times(axes: Axes, plan: Plan, title: str, label: str) -> None:
 
 def _tool_speed(axes: Axes, plan: Plan, robot: Robot, limits: MotionLimits) -> None:
     motion = plan.trajectory
-    twist = np.array([robot.jacobian(q) @ dq for q, dq in zip(motion.q, motion.dq, strict=True)])
+    twist = np.einsum("mij,mj->mi", robot.jacobians(motion.q), motion.dq)
     for part, unit, line, limit in (
         (slice(0, 3), "linear [m/s]", COLOURS[0], limits.tool_speed[0]),
         (slice(3, 6), "angular [rad/s]", COLOURS[1], limits.tool_speed[1]),

@@ -120,6 +120,11 @@ class PoseSolver:
         """Flag that ends searches early, shape (1,); see :class:`ikplan.ik.search.Searcher`."""
         return np.zeros(1, dtype=np.bool_) if self.searcher is None else self.searcher.cut
 
+    @property
+    def search_evaluations(self) -> int:
+        """About how many candidates one search evaluates."""
+        return 0 if self.searcher is None else self.searcher.population * self.searcher.iterations
+
     def solve(self, target: Target, q_start: Array) -> Solved:
         """Return solutions of a target, the one nearest to ``q_start`` first.
 

@@ -20,6 +20,10 @@ Progress = Callable[[str, int, int], None]
 """Is told of a stage's name, and how many of how many waypoints it has done; 0 of 0: begun."""
 
 
+_WATCHED = 20_000
+"""Evaluations of the shortest search that a thread watches: they take some 20 ms."""
+
+
 class Clock:
     """Counts a plan's time. It decides whether there is a plan, never which one.
 
@@ -76,15 +80,20 @@ class Clock:
             raise self._exceeded()
 
     @contextmanager
-    def cutting(self, cut: NDArray[np.bool_]) -> Iterator[None]:
+    def cutting(self, cut: NDArray[np.bool_], evaluations: int) -> Iterator[None]:
         """End long searches when the budget has run out.
 
         Args:
             cut: Shape (1,): the flag that searches look at.
+            evaluations: How long one search is; short ones are not worth a thread that watches
+                them: the clock is looked at between them.
 
         Raises:
             BudgetExceeded: A search was cut short; with the last best that was known.
         """
+        if evaluations < _WATCHED:
+            yield
+            return
         timer = threading.Timer(min(max(self.left, 0.0), threading.TIMEOUT_MAX), cut.fill, [True])
         timer.daemon = True
         timer.start()

@@ -184,6 +184,43 @@ class Robot:
         J: Array = self._tip_to_tool @ J_tip.reshape(6, self.model.nv) @ self.coupling
         return J
 
+    def poses(self, q: Array) -> tuple[Array, Array]:
+        """Poses of the tool frame in the base frame at many joint values, unchecked.
+
+        Args:
+            q: Joint values, shape (m, dof) [rad or m].
+
+        Returns:
+            Rotations, shape (m, 3, 3), and positions, shape (m, 3) [m], as :meth:`fk` returns
+            them one by one.
+        """
+        model, data, tip = self.model, self._data(), self.tip_frame_id
+        R, p = np.empty((len(q), 3, 3)), np.empty((len(q), 3))
+        for k, configuration in enumerate(self.configurations(q)):
+            pin.forwardKinematics(model, data, configuration)
+            T_universe_tip = pin.updateFramePlacement(model, data, tip)
+            R[k], p[k] = T_universe_tip.rotation, T_universe_tip.translation
+        base, tool = self._T_base_universe, self.T_tip_tool
+        p += R @ tool.translation
+        return base.rotation @ R @ tool.rotation, p @ base.rotation.T + base.translation
+
+    def jacobians(self, q: Array) -> Array:
+        """Jacobians of the tool frame, expressed in it, at many joint values, unchecked.
+
+        Args:
+            q: Joint values, shape (m, dof) [rad or m].
+
+        Returns:
+            Shape (m, 6, dof), as :meth:`jacobian` returns them one by one.
+        """
+        model, data, tip = self.model, self._data(), self.tip_frame_id
+        J_tip = np.empty((len(q), 6, model.nv))
+        for k, configuration in enumerate(self.configurations(q)):
+            J = pin.computeFrameJacobian(model, data, configuration, tip, pin.ReferenceFrame.LOCAL)
+            J_tip[k] = J.reshape(6, model.nv)
+        jacobians: Array = self._tip_to_tool @ J_tip @ self.coupling
+        return jacobians
+
     def clip(self, q: ArrayLike) -> Array:
         """The nearest joint values inside the position limits, shape (dof,) [rad or m].
 

@@ -81,6 +81,19 @@ def test_jacobian_is_the_derivative_of_the_pose(name: str, tool: bool) -> None:
 
 
 @pytest.mark.parametrize("name", NAMES)
+def test_many_at_once_are_the_same_as_one_by_one(name: str) -> None:
+    robot = load_robot(name).with_tool([0.1, -0.2, 0.3], [0.5, 0.5, -0.5, 0.5])
+    rng = np.random.default_rng(9)
+    q = np.array([robot.random_configuration(rng) for _ in range(5)])
+    R, p = robot.poses(q)
+    J = robot.jacobians(q)
+    for k in range(len(q)):
+        np.testing.assert_allclose(R[k], robot.fk(q[k]).rotation, atol=1e-14)
+        np.testing.assert_allclose(p[k], robot.fk(q[k]).translation, atol=1e-14)
+        np.testing.assert_allclose(J[k], robot.jacobian(q[k]), atol=1e-14)
+
+
+@pytest.mark.parametrize("name", NAMES)
 def test_pickled_robot_is_the_same(name: str) -> None:
     robot = load_robot(name).with_tool([0, 0, 0.1])
     copy = pickle.loads(pickle.dumps(robot))

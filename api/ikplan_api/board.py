@@ -49,18 +49,21 @@ class PlanBoard:
             if job.plan_id not in self._making:
                 self._begin(job, patient=True).accepted = True
 
-    async def identify(self, kind: str, document: bytes, robot: bytes | None) -> Job:
+    async def identify(
+        self, kind: str, document: bytes, robot: bytes | None, *, patient: bool = False
+    ) -> Job:
         """Tell the id of a request before it is planned.
 
         Args:
             kind: ``"plan"`` or ``"time"``.
             document: The request document.
             robot: The upload of the robot that it names; None: one of the catalogue.
+            patient: Wait for room to read it, instead of being refused.
 
         Raises:
             IkplanError: What is wrong with the request.
         """
-        identity = await identify(self._planner, kind, document, robot)
+        identity = await identify(self._planner, kind, document, robot, patient=patient)
         budget_s = min(identity.budget_s, self._max_budget_s)
         return Job(identity.plan_id, kind, document, robot, budget_s)
 

@@ -18,7 +18,12 @@ _SHORT = 8 * 1024
 
 
 async def identify(
-    planner: Planner, kind: str, document: bytes, robot: bytes | None = None
+    planner: Planner,
+    kind: str,
+    document: bytes,
+    robot: bytes | None = None,
+    *,
+    patient: bool = False,
 ) -> Identity:
     """Tell the id of a request's plan before it is made, and the time it may take.
 
@@ -26,7 +31,8 @@ async def identify(
         planner: Reads what would keep the event loop too long.
         kind: ``"plan"`` or ``"time"``.
         document: The request document.
-        robot: URDF of an uploaded robot that the request names; None: the catalogue's.
+        robot: Upload of the robot that the request names; None: one of the catalogue.
+        patient: Wait for room, instead of being refused.
 
     Raises:
         IkplanError: What is wrong with the request.
@@ -34,5 +40,5 @@ async def identify(
     """
     if len(document) <= _SHORT and robot is None:
         return tasks.identify(kind, Work(document))
-    answer = await planner.run(f"identify-{kind}", document, robot=robot)
+    answer = await planner.run(f"identify-{kind}", document, robot=robot, patient=patient)
     return Identity(*json.loads(answer.document))

@@ -17,7 +17,7 @@ from ikplan.robots import RobotUpload
 from ikplan.timing_request import TimingRequest
 from ikplan_api.problems import PROBLEM
 from ikplan_api.representations import plan_contents
-from ikplan_api.schemas import PROBLEMS, Problem
+from ikplan_api.schemas import PROBLEMS, BatchLine, Problem
 
 __all__ = ["install", "operation_id", "plan_answers", "problems", "request_body", "upload_body"]
 
@@ -138,7 +138,7 @@ def install(app: FastAPI) -> None:
                 routes=app.routes,
                 tags=app.openapi_tags,
             )
-            models: list[type[BaseModel]] = [*_REQUESTS, Problem, *PROBLEMS.values()]
+            models: list[type[BaseModel]] = [*_REQUESTS, BatchLine, Problem, *PROBLEMS.values()]
             _, extra = models_json_schema(
                 [(model, "validation") for model in models], ref_template=_REF
             )

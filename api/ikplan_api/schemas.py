@@ -8,9 +8,19 @@ from pydantic import BaseModel, ConfigDict, Field, create_model
 
 from ikplan import errors
 from ikplan.ik.registry import Solver
+from ikplan.result import Plan
 from ikplan.robots import RobotInfo
 
-__all__ = ["PROBLEMS", "PlanStatus", "Problem", "RobotList", "SolverList", "State", "Version"]
+__all__ = [
+    "PROBLEMS",
+    "BatchLine",
+    "PlanStatus",
+    "Problem",
+    "RobotList",
+    "SolverList",
+    "State",
+    "Version",
+]
 
 
 class RobotList(BaseModel):
@@ -66,6 +76,15 @@ class Problem(BaseModel):
     status: int = Field(description="The HTTP status.")
     detail: str = Field(description="What happened this time, and what can be done.")
     instance: str = Field(description="The id of the request, as in the header X-Request-ID.")
+
+
+class BatchLine(BaseModel):
+    """What became of one request of a batch: a plan or a problem."""
+
+    index: int = Field(description="Place of the request in the batch, from 0.")
+    status: int = Field(description="The HTTP status that the request alone would have had.")
+    plan: Plan | None = Field(None, description="The plan.")
+    problem: Problem | None = Field(None, description="Why there is none.")
 
 
 _Names = list[str]

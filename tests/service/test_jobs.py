@@ -65,7 +65,7 @@ def test_the_id_is_the_plans_own_and_known_before_it_is_made(http):
 
 @pytest.mark.parametrize("prefer", ["respond-async", "wait=5, Respond-Async;x=1"])
 def test_a_job_is_accepted_polled_and_found(prefer):
-    async def use(planner, http, _) -> None:
+    async def use(planner, http, board) -> None:
         accepted = await http.post("/v1/plans", json=GOOD, headers={"prefer": prefer})
         assert accepted.status_code == 202
         place = accepted.headers["location"]
@@ -83,7 +83,7 @@ def test_a_job_is_accepted_polled_and_found(prefer):
             "id": GOOD_ID, "state": "running", "stage": "ik", "done": 2, "total": 5,
         }  # fmt: skip
         planner.answer()
-        await until(lambda: not planner.load.running)
+        await until(lambda: not board._making)
         found = await http.get(place)
         assert (found.status_code, found.json()) == (200, {"plan": 1})
         unchanged = await http.get(place, headers={"if-none-match": f'"x", W/"{GOOD_ID}"'})
@@ -110,11 +110,11 @@ def test_a_job_that_fails_tells_why_and_is_tried_again_when_asked_again():
         "too far", waypoint=0, position_error=1.0, orientation_error=None, q=[0.0], reason="far"
     )
 
-    async def use(planner, http, _) -> None:
+    async def use(planner, http, board) -> None:
         place = (await http.post("/v1/plans", json=GOOD, headers=ASYNC)).headers["location"]
         await until(lambda: planner.asked)
         planner.fail(error)
-        await until(lambda: not planner.load.running)
+        await until(lambda: not board._making)
         for _ in range(2):
             answer = await http.get(place)
             problem = answer.json()
@@ -129,11 +129,11 @@ def test_a_job_that_fails_tells_why_and_is_tried_again_when_asked_again():
 
 
 def test_an_unforeseen_fault_of_a_job_is_told_without_its_details(caplog):
-    async def use(planner, http, _) -> httpx.Response:
+    async def use(planner, http, board) -> httpx.Response:
         place = (await http.post("/v1/plans", json=GOOD, headers=ASYNC)).headers["location"]
         await until(lambda: planner.asked)
         planner.fail(ZeroDivisionError("secret"))
-        await until(lambda: not planner.load.running)
+        await until(lambda: not board._making)
         return await http.get(place)
 
     answer = served(use)
@@ -186,7 +186,7 @@ def test_a_caller_who_leaves_frees_the_worker_unless_another_waits():
 
 
 def test_a_caller_who_leaves_does_not_end_a_job():
-    async def use(planner, http, _) -> None:
+    async def use(planner, http, board) -> None:
         waiting = ask(http)
         await until(lambda: planner.asked)
         place = (await http.post("/v1/plans", json=GOOD, headers=ASYNC)).headers["location"]
@@ -194,7 +194,7 @@ def test_a_caller_who_leaves_does_not_end_a_job():
         await asyncio.sleep(0.02)
         assert not planner.cancelled
         planner.answer()
-        await until(lambda: not planner.load.running)
+        await until(lambda: not board._making)
         assert (await http.get(place)).status_code == 200
 
     served(use)
@@ -315,13 +315,13 @@ def test_jobs_outlive_a_restart_and_are_done_in_their_order(tmp_path: Path):
         planner.answer(b'{"plan": 0}')
         await until(lambda: len(planner.asked) == 5 and planner.load.running == 4)
 
-    async def go_on(planner, http, _) -> None:
+    async def go_on(planner, http, board) -> None:
         await until(lambda: len(planner.asked) == 4)
         assert [json.loads(document) for document in planner.asked] == requests[1:]
         for _ in range(4):
             planner.answer()
             await asyncio.sleep(0)
-        await until(lambda: not planner.load.running)
+        await until(lambda: not board._making)
         for place in places:
             assert (await http.get(place)).status_code == 200
         assert (await http.get(places[0])).json() == {"plan": 0}
@@ -361,12 +361,12 @@ def test_with_a_full_disk_plans_are_answered_and_jobs_are_not_accepted(monkeypat
 def test_a_timing_is_a_job_like_a_plan():
     request = {"robot": "ur5", "waypoints": [[0.0] * 6, [0.1] * 6]}
 
-    async def use(planner, http, _) -> None:
+    async def use(planner, http, board) -> None:
         accepted = await http.post("/v1/timings", json=request, headers=ASYNC)
         assert accepted.status_code == 202
         await until(lambda: planner.asked)
         planner.answer()
-        await until(lambda: not planner.load.running)
+        await until(lambda: not board._making)
         assert (await http.get(accepted.headers["location"])).status_code == 200
 
     served(use)

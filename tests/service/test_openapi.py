@@ -15,6 +15,7 @@ OPERATIONS = {
     "get_plan": ("get", "/v1/plans/{plan_id}"),
     "delete_plan": ("delete", "/v1/plans/{plan_id}"),
     "watch_plan": ("get", "/v1/plans/{plan_id}/events"),
+    "create_batch": ("post", "/v1/batches"),
     "create_timing": ("post", "/v1/timings"),
     "compute_fk": ("post", "/v1/fk"),
     "solve_ik": ("post", "/v1/ik"),

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from fastapi import APIRouter
 
-from ikplan_api.routes import docs, health, page, plans, poses, robots, timings, visuals
+from ikplan_api.routes import batches, docs, health, page, plans, poses, robots, timings, visuals
 
 __all__ = ["ROUTERS"]
 
 ROUTERS: tuple[APIRouter, ...] = (
     plans.router,
+    batches.router,
     timings.router,
     poses.router,
     robots.router,

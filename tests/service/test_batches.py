@@ -1,0 +1,115 @@
+"""Many requests in one."""
+
+import asyncio
+import json
+
+import httpx
+import pytest
+
+import ikplan
+from ikplan_api.app import create_app
+from ikplan_api.batch import NDJSON
+from ikplan_api.settings import Settings
+
+from .bad_requests import GOOD
+from .conftest import ADDRESS
+from .stand_in import StandIn
+
+HEADERS = {"content-type": NDJSON}
+
+
+def lines(*requests: object) -> bytes:
+    return b"\n".join(json.dumps(r).encode() for r in requests)
+
+
+def at(x: float) -> dict:
+    return {**GOOD, "path": {"waypoints": [{"position": [x, 0.0, 0.5]}]}}
+
+
+def test_every_line_is_answered_in_its_place_and_none_spoils_another(http):
+    requests = [at(0.5), at(9.0), {"robot": "x"}, at(0.55), [1], at(0.5)]
+    body = lines(*requests[:3]) + b"\n\n  \n{not JSON\n" + lines(*requests[3:]) + b"\r\n"
+    answer = http.post("/v1/batches", content=body, headers=HEADERS)
+    assert answer.status_code == 200
+    assert answer.headers["content-type"] == NDJSON
+    told = [json.loads(line) for line in answer.text.splitlines()]
+    assert [t["index"] for t in told] == list(range(7))
+    assert [t["status"] for t in told] == [200, 422, 422, 422, 200, 422, 200]
+    assert [t["problem"]["type"] if "problem" in t else None for t in told] == [
+        None, "urn:ikplan:unreachable", "urn:ikplan:invalid-request",
+        "urn:ikplan:invalid-request", None, "urn:ikplan:invalid-request", None,
+    ]  # fmt: skip
+    assert told[1]["problem"]["instance"].endswith(answer.headers["x-request-id"])
+    alone = ikplan.plan(requests[0]).model_dump(mode="json", exclude={"stats"})
+    for k in (0, 6):
+        assert {**told[k]["plan"], "stats": None} == {**alone, "stats": None}
+    kept = http.get(f"/v1/plans/{told[4]['plan']['id']}")
+    assert kept.json() == told[4]["plan"]
+
+
+@pytest.mark.parametrize(
+    ("body", "status"), [(b"", 422), (b"\n \n", 422), (b"1\n" * 4, 413), (b" " * 5000, 413)]
+)
+def test_a_batch_that_is_none_or_too_long_is_refused(body, status):
+    app = create_app(Settings(max_batch_lines=3, max_batch_bytes=4000), planner=StandIn())
+
+    async def ask() -> httpx.Response:
+        transport = httpx.ASGITransport(app)
+        async with httpx.AsyncClient(transport=transport, base_url=ADDRESS) as plain:
+            return await plain.post("/v1/batches", content=body, headers=HEADERS)
+
+    answer = asyncio.run(ask())
+    assert answer.status_code == status
+    assert answer.json()["type"] == "urn:ikplan:invalid-request"
+
+
+def test_a_batch_says_that_it_is_json_lines(http):
+    answer = http.post("/v1/batches", json=GOOD)
+    assert answer.status_code == 415
+    assert NDJSON in answer.json()["allowed"]
+
+
+def test_a_batch_is_answered_as_it_goes_and_stopped_when_nobody_reads_on():
+    planner = StandIn()
+    app = create_app(Settings(), planner=planner)
+    body = lines(*(at(0.5 + 0.001 * i) for i in range(50)))
+    sent: list[bytes] = []
+    gone = asyncio.Event()
+
+    async def run() -> None:
+        asked = iter([{"type": "http.request", "body": body, "more_body": False}])
+
+        async def receive() -> dict:
+            if (message := next(asked, None)) is not None:
+                return message
+            await gone.wait()
+            return {"type": "http.disconnect"}
+
+        async def send(message: dict) -> None:
+            if message.get("body"):
+                sent.append(message["body"])
+
+        scope = {
+            "type": "http", "method": "POST", "path": "/v1/batches", "raw_path": b"/v1/batches",
+            "query_string": b"", "headers": [(b"content-type", NDJSON.encode())],
+            "http_version": "1.1", "scheme": "http", "server": ("127.0.0.1", 80),
+            "client": ("127.0.0.1", 1), "root_path": "",
+        }  # fmt: skip
+        async with asyncio.timeout(20), app.router.lifespan_context(app):
+            serving = asyncio.create_task(app(scope, receive, send))
+            for k in range(3):
+                while planner.load.running < 2:
+                    await asyncio.sleep(0.005)
+                assert planner.load.running == 2  # twice the one worker: no more at once
+                planner.answer()
+                while len(sent) < k + 1:
+                    await asyncio.sleep(0.005)
+            gone.set()
+            await serving
+            while planner.load.running:
+                await asyncio.sleep(0.005)
+
+    asyncio.run(run())
+    assert [json.loads(line)["index"] for line in sent] == [0, 1, 2]
+    assert len(planner.asked) <= 5
+    assert planner.cancelled

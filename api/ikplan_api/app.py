@@ -12,6 +12,9 @@ from fastapi import FastAPI
 import ikplan
 from ikplan_api import openapi, problems
 from ikplan_api.board import PlanBoard
+from ikplan_api.measured import MeasuredPlanner
+from ikplan_api.metrics import Metrics
+from ikplan_api.observing import is_probe
 from ikplan_api.planner import Planner
 from ikplan_api.pool import ProcessPlanner
 from ikplan_api.robot_builder import RobotBuilder
@@ -64,14 +67,18 @@ def create_app(
         redirect_slashes=False,
         generate_unique_id_function=openapi.operation_id,
         lifespan=_lifespan,
+        # Traces go where OTEL_EXPORTER_OTLP_ENDPOINT says; Prometheus has the figures already.
+        telemetry={"auto_configure": True, "metrics": False, "exclude": is_probe},
     )
     app.state.settings = settings
-    app.state.planner = planner or ProcessPlanner(
+    planner = planner or ProcessPlanner(
         settings.worker_count,
         settings.max_queued,
         memory_bytes=settings.worker_memory_bytes,
         grace_s=settings.grace_s,
     )
+    app.state.metrics = Metrics(planner)
+    app.state.planner = MeasuredPlanner(planner, app.state.metrics)
     app.state.store = store or _store(settings)
     app.state.board = PlanBoard(app.state.planner, app.state.store, settings.max_budget_s)
     app.state.robots = robots or MemoryRobotStore(settings.store_robots, settings.store_robot_bytes)
@@ -80,7 +87,7 @@ def create_app(
         app.include_router(router)
     problems.install(app)
     openapi.install(app)
-    wrap(app, settings)
+    wrap(app, settings, app.state.metrics)
     return app
 
 

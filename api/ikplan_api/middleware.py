@@ -8,6 +8,7 @@ import uuid
 from starlette.datastructures import Headers, MutableHeaders
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
+from ikplan_api import logs
 from ikplan_api.problems import http_problem, problem_response
 
 __all__ = ["RequestIdMiddleware"]
@@ -34,6 +35,7 @@ class RequestIdMiddleware:
         given = Headers(scope=scope).get(_HEADER, "")
         request_id = given if _ACCEPTED.fullmatch(given) else uuid.uuid4().hex
         scope.setdefault("state", {})["request_id"] = request_id
+        token = logs.request_id.set(request_id)
         started = False
 
         async def send_with_id(message: Message) -> None:
@@ -51,3 +53,5 @@ class RequestIdMiddleware:
                 answer = problem_response(http_problem(500, detail), request_id)
                 await answer(scope, receive, send_with_id)
             raise  # for the server to log
+        finally:
+            logs.request_id.reset(token)

@@ -60,8 +60,9 @@ class ProcessPlanner:
 
     @property
     def ready(self) -> bool:
-        """Whether the workers are warm."""
-        return self._ready and not self._closed
+        """Whether the workers are warm, and at least one of them is there."""
+        alive = len(self._filling) < self._workers
+        return self._ready and alive and not self._closed
 
     @property
     def load(self) -> Load:

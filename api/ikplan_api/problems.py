@@ -79,6 +79,7 @@ def plain(value: Any) -> Any:
 
 def error_response(request: Request, error: IkplanError, status: int | None = None) -> Response:
     """Return the answer that tells an error."""
+    request.scope.setdefault("state", {})["problem"] = error.slug  # for the log
     document = error.to_problem()
     headers = {}
     if status is not None:

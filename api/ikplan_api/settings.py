@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from typing import Literal
 
 from pydantic import Field, ValidationError
 from pydantic_settings import SettingsConfigDict
@@ -69,6 +70,13 @@ class Settings(AccessSettings):
     )
     robot_timeout_s: float = Field(
         20.0, gt=0, le=600, description="Time for building an uploaded robot [s]."
+    )
+
+    log_format: Literal["auto", "json", "text"] = Field(
+        "auto", description="What the log looks like; auto: text on a terminal, else JSON."
+    )
+    log_level: Literal["debug", "info", "warning", "error"] = Field(
+        "info", description="What is logged; debug: probes too."
     )
 
     @property

@@ -22,6 +22,7 @@ from ikplan.request import FkRequest, IkRequest, PlanRequest
 from ikplan.retiming import time_request
 from ikplan.robots import Robot, RobotUpload, catalogue_robot, robot_names
 from ikplan.timing_request import TimingRequest
+from ikplan_api.facts import PlanFacts, facts_of
 
 __all__ = [
     "TASKS",
@@ -42,10 +43,12 @@ class Answer(NamedTuple):
     Attributes:
         document: The JSON document.
         plan_id: Its id, if it is a plan.
+        facts: What is measured of it, if it is a plan.
     """
 
     document: bytes
     plan_id: str | None = None
+    facts: PlanFacts | None = None
 
 
 @dataclass(frozen=True)
@@ -125,14 +128,14 @@ def make_plan(work: Work) -> Answer:
     """Answer ``POST /v1/plans``."""
     request = parse_json(PlanRequest, work.document)
     made = plan(request, robot=work.robot_named(request.robot), progress=work.progress)
-    return Answer(made.model_dump_json().encode(), made.id)
+    return Answer(made.model_dump_json().encode(), made.id, facts_of(made))
 
 
 def make_timing(work: Work) -> Answer:
     """Answer ``POST /v1/timings``."""
     request = parse_json(TimingRequest, work.document)
     made = time_request(request, robot=work.robot_named(request.robot), progress=work.progress)
-    return Answer(made.model_dump_json().encode(), made.id)
+    return Answer(made.model_dump_json().encode(), made.id, facts_of(made))
 
 
 def answer_ik(work: Work) -> Answer:

@@ -7,7 +7,9 @@ from starlette.middleware.cors import CORSMiddleware
 from starlette_compress import CompressMiddleware
 
 from ikplan_api.access import AccessMiddleware
+from ikplan_api.metrics import Metrics
 from ikplan_api.middleware import RequestIdMiddleware
+from ikplan_api.observing import ObserveMiddleware
 from ikplan_api.security_headers import SecurityHeadersMiddleware
 from ikplan_api.settings import Settings
 
@@ -17,7 +19,7 @@ COMPRESSED_FROM = 1024
 """Shortest answer that is compressed [bytes]."""
 
 
-def wrap(app: FastAPI, settings: Settings) -> None:
+def wrap(app: FastAPI, settings: Settings, metrics: Metrics) -> None:
     """Put the middleware around an app; the last one added is the outermost."""
     # The fastest levels: a plan's digits hardly get shorter at others, and the event loop waits.
     app.add_middleware(
@@ -38,4 +40,5 @@ def wrap(app: FastAPI, settings: Settings) -> None:
             expose_headers=["content-location", "etag", "location", "retry-after", "x-request-id"],
         )
     app.add_middleware(SecurityHeadersMiddleware)
+    app.add_middleware(ObserveMiddleware, metrics=metrics)
     app.add_middleware(RequestIdMiddleware)

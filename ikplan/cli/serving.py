@@ -7,6 +7,7 @@ import contextlib
 import os
 import socket
 import sys
+from typing import Any
 
 from ikplan.errors import InvalidRequest
 
@@ -26,7 +27,14 @@ def serve(options: argparse.Namespace) -> None:
         raise InvalidRequest("--port: 0..65535 is allowed", field="--port", allowed="0..65535")
     import uvicorn
 
-    config = uvicorn.Config(APP, factory=True, host=options.host, port=options.port)
+    config = uvicorn.Config(
+        APP,
+        factory=True,
+        host=options.host,
+        port=options.port,
+        log_config=_logging(),
+        access_log=False,  # the service tells more of each request itself
+    )
     with _listen(options.host, options.port) as listening:
         # The service reads its settings from the environment, however it is started.
         os.environ["IKPLAN_HOST"], os.environ["IKPLAN_PORT"] = options.host, str(options.port)
@@ -36,6 +44,27 @@ def serve(options: argparse.Namespace) -> None:
         sys.stderr.write(f"ikplan: listening on {_address(listening)} (manual at /docs)\n")
         with contextlib.suppress(KeyboardInterrupt):
             uvicorn.Server(config).run(sockets=[listening])
+
+
+def _logging() -> dict[str, Any]:
+    """How to log, for :mod:`logging`; a level that does not exist is for the service to refuse."""
+    level = os.environ.get("IKPLAN_LOG_LEVEL", "info").upper()
+    known = level in ("DEBUG", "INFO", "WARNING", "ERROR")
+    return {
+        "version": 1,
+        "disable_existing_loggers": False,
+        "filters": {"request": {"()": "ikplan_api.logs.RequestFilter"}},
+        "formatters": {"chosen": {"()": "ikplan_api.logs.formatter"}},
+        "handlers": {
+            "stderr": {
+                "class": "logging.StreamHandler",
+                "formatter": "chosen",
+                "filters": ["request"],
+            }
+        },
+        "root": {"handlers": ["stderr"], "level": "WARNING"},
+        "loggers": {name: {"level": level if known else "INFO"} for name in ("ikplan", "uvicorn")},
+    }
 
 
 def _address(listening: socket.socket) -> str:

@@ -28,6 +28,7 @@ OPERATIONS = {
     "livez": ("get", "/livez"),
     "readyz": ("get", "/readyz"),
     "get_version": ("get", "/version"),
+    "get_metrics": ("get", "/metrics"),
 }
 
 

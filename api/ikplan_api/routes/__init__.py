@@ -4,7 +4,18 @@ from __future__ import annotations
 
 from fastapi import APIRouter
 
-from ikplan_api.routes import batches, docs, health, page, plans, poses, robots, timings, visuals
+from ikplan_api.routes import (
+    batches,
+    docs,
+    health,
+    metrics,
+    page,
+    plans,
+    poses,
+    robots,
+    timings,
+    visuals,
+)
 
 __all__ = ["ROUTERS"]
 
@@ -16,6 +27,7 @@ ROUTERS: tuple[APIRouter, ...] = (
     robots.router,
     visuals.router,
     health.router,
+    metrics.router,
     docs.router,
     page.router,
 )

@@ -9,7 +9,7 @@ import importlib
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from ikplan.client import AsyncClient, Client
+    from ikplan.client import AsyncClient, AsyncPlanJob, Client, PlanJob
     from ikplan.errors import (
         AccessDenied,
         BudgetExceeded,
@@ -33,11 +33,13 @@ if TYPE_CHECKING:
     from ikplan.result import Certificate, FkResult, IkSolution, Plan
     from ikplan.retiming import time_path, time_request
     from ikplan.robots import Robot, load_robot, robot_names
+    from ikplan.status import PlanStatus
     from ikplan.timing_request import TimingRequest
 
 _HOMES = {
     "AccessDenied": "errors",
     "AsyncClient": "client",
+    "AsyncPlanJob": "client",
     "BudgetExceeded": "errors",
     "Certificate": "result",
     "CertificateViolated": "errors",
@@ -52,8 +54,10 @@ _HOMES = {
     "InvalidRobot": "errors",
     "MemoryExceeded": "errors",
     "Plan": "result",
+    "PlanJob": "client",
     "PlanNotFound": "errors",
     "PlanRequest": "request",
+    "PlanStatus": "status",
     "RateLimited": "errors",
     "Robot": "robots",
     "RobotNotFound": "errors",
@@ -73,6 +77,7 @@ _HOMES = {
 __all__ = [
     "AccessDenied",
     "AsyncClient",
+    "AsyncPlanJob",
     "BudgetExceeded",
     "Certificate",
     "CertificateViolated",
@@ -87,8 +92,10 @@ __all__ = [
     "InvalidRobot",
     "MemoryExceeded",
     "Plan",
+    "PlanJob",
     "PlanNotFound",
     "PlanRequest",
+    "PlanStatus",
     "RateLimited",
     "Robot",
     "RobotNotFound",

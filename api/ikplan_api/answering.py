@@ -9,12 +9,12 @@ from fastapi import Request, Response
 
 from ikplan.errors import PlanNotFound
 from ikplan.export.formats import Format
+from ikplan.status import PlanStatus
 from ikplan_api.board import PlanBoard
 from ikplan_api.body import read_json_body
 from ikplan_api.disconnect import while_connected
 from ikplan_api.problems import problem_response, request_id_of
 from ikplan_api.representations import accepted_format, plan_answer
-from ikplan_api.schemas import PlanStatus
 from ikplan_api.uploads import robot_document
 
 __all__ = ["ACCEPTED", "PLANS", "PREFER", "ask_for_plan", "kept_plan"]

@@ -14,11 +14,11 @@ from ikplan.errors import (
     PlanNotFound,
     ServiceUnavailable,
 )
+from ikplan.status import PlanStatus
 from ikplan_api.identity import identify
 from ikplan_api.making import Making
 from ikplan_api.planner import Planner
 from ikplan_api.problems import http_problem, plain
-from ikplan_api.schemas import PlanStatus
 from ikplan_api.store import Job, PlanStore, RecentPlans, StoreFault
 from ikplan_api.tasks import Answer
 

@@ -14,7 +14,6 @@ from ikplan.robots import RobotInfo
 __all__ = [
     "PROBLEMS",
     "BatchLine",
-    "PlanStatus",
     "Problem",
     "RobotList",
     "SolverList",
@@ -45,25 +44,6 @@ class State(BaseModel):
     """State of the service."""
 
     status: Literal["alive", "ready"]
-
-
-class PlanStatus(BaseModel):
-    """How far a plan is."""
-
-    id: str = Field(description="Id of the plan.")
-    state: Literal["queued", "running", "finished", "failed", "cancelled"] = Field(
-        description="What becomes of it."
-    )
-    stage: str | None = Field(
-        None, description="What is being done: ik, planning, timing or certificate."
-    )
-    done: int = Field(0, description="Waypoints that the stage has done.")
-    total: int = Field(0, description="Waypoints that it has to do; 0: it does not count them.")
-
-    @property
-    def ended(self) -> bool:
-        """Whether nothing will change any more."""
-        return self.state not in ("queued", "running")
 
 
 class Problem(BaseModel):

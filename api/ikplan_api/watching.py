@@ -9,10 +9,10 @@ from fastapi import Request
 from fastapi.sse import ServerSentEvent
 
 from ikplan.errors import PlanNotFound
+from ikplan.status import PlanStatus
 from ikplan_api.board import PlanBoard
 from ikplan_api.making import Making
 from ikplan_api.problems import request_id_of
-from ikplan_api.schemas import PlanStatus
 
 __all__ = ["Watched", "find_watched"]
 

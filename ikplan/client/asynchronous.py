@@ -2,21 +2,31 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import asyncio
+from collections.abc import AsyncIterator, Iterable, Mapping
 from types import TracebackType
 from typing import Any, Self, TypeVar
 
 import httpx
+from httpx_sse import EventSource, SSEError
 
 from ikplan.client import calls
-from ikplan.client.wire import Call, client_headers, read, unreachable
+from ikplan.client.jobs import AsyncPlanJob
+from ikplan.client.retrying import Patience
+from ikplan.client.streams import BATCH, batch_body, read_event, read_line
+from ikplan.client.wire import EVENTS, PROBLEM, Call, client_headers, read, unreachable
+from ikplan.errors import IkplanError
 from ikplan.request import FkRequest, IkRequest, PlanRequest
 from ikplan.result import FkResult, IkSolution, Plan
+from ikplan.status import PlanStatus
 from ikplan.timing_request import TimingRequest
 
 __all__ = ["AsyncClient"]
 
 T = TypeVar("T")
+
+_SILENCE_S = 60.0
+"""Longest time without any event, [s]; a service that lives sends at least a sign of it."""
 
 
 class AsyncClient:
@@ -31,6 +41,8 @@ class AsyncClient:
         key: The key that the service wants; None: the environment variable ``IKPLAN_KEY``.
         transport: How requests travel; None: over the network.
         timeout: Longest wait for an answer [s]; a plan may take as long as its ``budget_s``.
+        retries: How often to ask again when the service is busy (429, 503: as late as its
+            ``Retry-After`` says) or the connection fails.
 
     Raises:
         ServiceUnavailable: ``base_url`` is no address.
@@ -44,8 +56,10 @@ class AsyncClient:
         key: str | None = None,
         transport: httpx.AsyncBaseTransport | None = None,
         timeout: float | httpx.Timeout = 60.0,
+        retries: int = 3,
     ) -> None:
         self.base_url = base_url.rstrip("/")
+        self._retries = retries
         try:
             self._http = httpx.AsyncClient(
                 base_url=self.base_url,
@@ -73,12 +87,43 @@ class AsyncClient:
 
     async def _send(self, call: Call[T]) -> T:
         try:
-            response = await self._http.request(
-                call.method, call.path, content=call.content, headers=call.headers
-            )
+            response = await self._exchange(call)
         except (httpx.HTTPError, httpx.InvalidURL) as error:
             raise unreachable(error, self.base_url + call.path) from error
         return read(call, response)
+
+    async def _exchange(self, call: Call[Any]) -> httpx.Response:
+        """One answer, asked for again while that makes sense."""
+        patience = Patience(self._retries)
+        while True:
+            try:
+                response = await self._http.request(
+                    call.method, call.path, content=call.content, headers=call.headers
+                )
+            except httpx.HTTPError as error:
+                if (wait_s := patience.wait_s(error)) is None:
+                    raise
+            else:
+                if (wait_s := patience.wait_s(response)) is None:
+                    return response
+            await asyncio.sleep(wait_s)
+
+    async def _watch(self, plan_id: str, left_s: float) -> AsyncIterator[PlanStatus | IkplanError]:
+        """The events of a plan, for at most a time [s] without any."""
+        call = calls.peek(plan_id)
+        url = f"{self.base_url}{call.path}/events"
+        timeout = httpx.Timeout(min(_SILENCE_S, left_s + 0.01))
+        try:
+            async with self._http.stream(
+                "GET", f"{call.path}/events", headers=EVENTS, timeout=timeout
+            ) as response:
+                if not response.is_success:
+                    await response.aread()
+                    read(call, response)
+                async for event in EventSource(response).aiter_sse():
+                    yield read_event(event, url)
+        except (httpx.HTTPError, SSEError) as error:
+            raise unreachable(error, url) from error
 
     async def plan(self, request: Mapping[str, Any] | PlanRequest) -> Plan:
         """Make a plan.
@@ -104,11 +149,74 @@ class AsyncClient:
         """
         return await self._send(calls.time(request))
 
+    async def submit(self, request: Mapping[str, Any] | PlanRequest) -> AsyncPlanJob:
+        """Ask for a plan without waiting for it; the service makes it even if it is restarted.
+
+        Args:
+            request: The request, as for :meth:`plan`.
+
+        Raises:
+            IkplanError: What is wrong with the request.
+            ServiceUnavailable: The service cannot be reached, or accepts no jobs now.
+        """
+        return self._job(await self._send(calls.submit(request)))
+
+    async def submit_time(self, request: Mapping[str, Any] | TimingRequest) -> AsyncPlanJob:
+        """Ask for the timing of a joint path without waiting for it, see :meth:`submit`.
+
+        Args:
+            request: The request, as for :meth:`time`.
+
+        Raises:
+            IkplanError: What is wrong with the request.
+            ServiceUnavailable: The service cannot be reached, or accepts no jobs now.
+        """
+        return self._job(await self._send(calls.submit_time(request)))
+
+    def _job(self, answer: Plan | PlanStatus) -> AsyncPlanJob:
+        return AsyncPlanJob(self, answer.id, answer if isinstance(answer, Plan) else None)
+
+    def job(self, plan_id: str) -> AsyncPlanJob:
+        """Return the job of a plan that was asked for before, by its id."""
+        return AsyncPlanJob(self, plan_id)
+
+    async def batch(
+        self, requests: Iterable[Mapping[str, Any] | PlanRequest]
+    ) -> AsyncIterator[Plan | IkplanError]:
+        """Make many plans.
+
+        Args:
+            requests: The requests, each as for :meth:`plan`.
+
+        Yields:
+            For each, in their order and as soon as it is known, the plan, or the error that
+            :meth:`plan` would have raised.
+
+        Raises:
+            InvalidRequest: There is none, or too many.
+            ServiceUnavailable: The service cannot be reached, or stopped in between.
+        """
+        call: Call[Any] = Call("POST", "/v1/batches", Plan.load, batch_body(requests))
+        headers = {**call.headers, "content-type": BATCH, "accept": f"{BATCH}, {PROBLEM}"}
+        url = self.base_url + call.path
+        try:
+            async with self._http.stream(
+                call.method, call.path, content=call.content, headers=headers
+            ) as response:
+                if not response.is_success:
+                    await response.aread()
+                    read(call, response)
+                async for line in response.aiter_lines():
+                    yield read_line(line, url)
+        except (httpx.HTTPError, httpx.InvalidURL) as error:
+            raise unreachable(error, url) from error
+
     async def get_plan(self, plan_id: str) -> Plan:
         """Fetch a finished plan by its id.
 
         Raises:
             PlanNotFound: The service keeps no plan of that id.
+            ServiceUnavailable: It is not finished yet.
         """
         return await self._send(calls.get_plan(plan_id))
 

@@ -8,19 +8,26 @@ from typing import Any
 from urllib.parse import quote
 
 from ikplan.client.wire import Call, encode
+from ikplan.errors import ServiceUnavailable
 from ikplan.request import FkRequest, IkRequest, PlanRequest
 from ikplan.result import FkResult, IkSolution, Plan
+from ikplan.status import PlanStatus
 from ikplan.timing_request import TimingRequest
 
 __all__ = [
+    "delete_plan",
     "delete_robot",
     "fk",
     "get_plan",
     "ik",
+    "peek",
     "plan",
+    "plan_path",
     "robot",
     "robots",
     "solvers",
+    "submit",
+    "submit_time",
     "time",
     "upload_robot",
     "version",
@@ -37,9 +44,50 @@ def time(request: Mapping[str, Any] | TimingRequest) -> Call[Plan]:
     return Call("POST", "/v1/timings", Plan.load, encode(request))
 
 
+def plan_path(plan_id: str) -> str:
+    """Where a plan is."""
+    return f"/v1/plans/{quote(plan_id, safe='')}"
+
+
 def get_plan(plan_id: str) -> Call[Plan]:
     """Fetch a finished plan."""
-    return Call("GET", f"/v1/plans/{quote(plan_id, safe='')}", Plan.load)
+    return Call("GET", plan_path(plan_id), Plan.load, unfinished=_not_yet)
+
+
+def submit(request: Mapping[str, Any] | PlanRequest) -> Call[Plan | PlanStatus]:
+    """Ask for a plan without waiting for it."""
+    return _later("/v1/plans", encode(request))
+
+
+def submit_time(request: Mapping[str, Any] | TimingRequest) -> Call[Plan | PlanStatus]:
+    """Ask for the timing of a joint path without waiting for it."""
+    return _later("/v1/timings", encode(request))
+
+
+def _later(path: str, content: bytes) -> Call[Plan | PlanStatus]:
+    status = PlanStatus.model_validate_json
+    return Call("POST", path, Plan.load, content, unfinished=status, prefer="respond-async")
+
+
+def peek(plan_id: str) -> Call[Plan | PlanStatus]:
+    """Fetch a plan, or how far it is."""
+    status = PlanStatus.model_validate_json
+    return Call("GET", plan_path(plan_id), Plan.load, unfinished=status)
+
+
+def delete_plan(plan_id: str) -> Call[None]:
+    """Cancel or forget a plan."""
+    return Call("DELETE", plan_path(plan_id), lambda _: None)
+
+
+def _not_yet(body: bytes) -> Plan:
+    status = PlanStatus.model_validate_json(body)
+    raise ServiceUnavailable(
+        f"plan {status.id} is not finished: it is {status.state}",
+        url=plan_path(status.id),
+        status_code=202,
+        retry_after_s=1.0,
+    )
 
 
 def ik(request: Mapping[str, Any] | IkRequest) -> Call[IkSolution]:

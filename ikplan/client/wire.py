@@ -16,11 +16,22 @@ from pydantic import BaseModel, ValidationError
 import ikplan
 from ikplan.errors import IkplanError, InvalidRequest, ServiceUnavailable, error_from_problem
 
-__all__ = ["KEY_VARIABLE", "Call", "client_headers", "encode", "read", "unreachable"]
+__all__ = [
+    "EVENTS",
+    "KEY_VARIABLE",
+    "PROBLEM",
+    "Call",
+    "client_headers",
+    "encode",
+    "read",
+    "unreachable",
+]
 
 T = TypeVar("T")
 
 PROBLEM = "application/problem+json"
+EVENTS = {"accept": f"text/event-stream, {PROBLEM}", "cache-control": "no-store"}
+"""Headers of a request for events."""
 KEY_VARIABLE = "IKPLAN_KEY"
 
 
@@ -54,12 +65,16 @@ class Call(Generic[T]):
         path: Path below the service's address.
         read: From the body of the answer to what the caller gets.
         content: Body of the request, or None.
+        unfinished: From the body of the answer 202 to what the caller gets; None: as ``read``.
+        prefer: The header ``Prefer``, or None.
     """
 
     method: str
     path: str
     read: Callable[[bytes], T]
     content: bytes | None = None
+    unfinished: Callable[[bytes], T] | None = None
+    prefer: str | None = None
 
     @property
     def headers(self) -> dict[str, str]:
@@ -69,6 +84,8 @@ class Call(Generic[T]):
         }
         if self.content is not None:
             headers["content-type"] = "application/json"
+        if self.prefer is not None:
+            headers["prefer"] = self.prefer
         return headers
 
 
@@ -139,7 +156,8 @@ def read(call: Call[T], response: httpx.Response) -> T:
     if not response.is_success:
         raise _verdict(response, url)
     try:
-        return call.read(response.content)
+        unfinished = call.unfinished if status == 202 else None
+        return (unfinished or call.read)(response.content)
     except (ValidationError, ValueError, TypeError, KeyError) as error:
         raise ServiceUnavailable(
             f"{url} answered something else than expected: is it an ikplan service?",

@@ -18,7 +18,7 @@ REQUEST = {"robot": "iiwa14", "path": {"waypoints": [{"position": [0.6, 0.0, 0.4
 
 
 def answering(response: httpx.Response) -> Client:
-    return Client(ADDRESS, transport=httpx.MockTransport(lambda _: response))
+    return Client(ADDRESS, transport=httpx.MockTransport(lambda _: response), retries=0)
 
 
 def sent(request, method: str = "plan") -> dict:
@@ -181,13 +181,13 @@ def test_no_answer_is_service_unavailable_with_the_address(failure, words):
         raise failure
 
     async def twin() -> ServiceUnavailable:
-        async with AsyncClient(ADDRESS, transport=httpx.MockTransport(fail)) as client:
+        async with AsyncClient(ADDRESS, transport=httpx.MockTransport(fail), retries=0) as client:
             with pytest.raises(ServiceUnavailable) as caught:
                 await client.plan(REQUEST)
         return caught.value
 
     with (
-        Client(ADDRESS, transport=httpx.MockTransport(fail)) as client,
+        Client(ADDRESS, transport=httpx.MockTransport(fail), retries=0) as client,
         pytest.raises(ServiceUnavailable, match=words) as caught,
     ):
         client.plan(REQUEST)

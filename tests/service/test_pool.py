@@ -218,7 +218,7 @@ def busy_service(queued: int, scenario: Callable[[ProcessPlanner, AsyncClient], 
         os.kill(planner.pids[0], signal.SIGSTOP)
         try:
             transport = httpx.ASGITransport(app)
-            async with AsyncClient(ADDRESS, transport=transport) as client:
+            async with AsyncClient(ADDRESS, transport=transport, retries=0) as client:
                 return await scenario(planner, client)
         finally:
             os.kill(planner.pids[0], signal.SIGCONT)

@@ -12,6 +12,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
+from benchmarks.timing.further import steady_study, tool_study, torque_study
 from benchmarks.timing.paths import KINDS, random_limits, random_waypoints
 from benchmarks.timing.reference import toppra_duration
 from ikplan.errors import TimingFailed
@@ -182,17 +183,22 @@ def cost() -> None:
 
 
 def main() -> None:
-    """Run the studies asked for."""
+    """Run the studies asked for; a count of 0 leaves one out."""
     parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--no-cost", dest="cost", action="store_false", help="not the helix")
     parser.add_argument("--robots", type=int, default=500, help="paths over six robots")
     parser.add_argument("--wild", type=int, default=2000, help="paths of every kind")
     parser.add_argument("--jerk", type=int, default=60, help="paths timed under jerk limits")
     parser.add_argument(
+        "--further", type=int, default=20, help="paths a robot under torque and tool limits"
+    )
+    parser.add_argument(
         "--compare-up-to", type=int, default=3000, help="largest grid compared with toppra"
     )
     options = parser.parse_args()
-    print("cost of a helix of 20 waypoints, 7 joints")
-    cost()
+    if options.cost:
+        print("cost of a helix of 20 waypoints, 7 joints")
+        cost()
     if options.robots:
         print("random joint paths over", ", ".join(ROBOTS))
         study(robot_cases(options.robots), options.compare_up_to)
@@ -203,6 +209,13 @@ def main() -> None:
         print("the first of the paths over six robots, under jerk limits")
         for multiple in (5.0, 20.0, 100.0):
             jerk_study(robot_cases(options.jerk), multiple)
+    if options.further:
+        print("torque limits at half of what the free motion takes beyond gravity")
+        torque_study(options.further)
+        print("tool speed and acceleration limits")
+        tool_study(options.further)
+        print("straight lines under a tool speed limit of 0.1 m/s")
+        steady_study()
 
 
 if __name__ == "__main__":

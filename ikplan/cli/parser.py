@@ -104,6 +104,10 @@ def make_parser() -> argparse.ArgumentParser:
         metavar="FILE",
         help="a request document, or with a robot: joint values as a JSON list of rows, or CSV",
     )
+    time.add_argument(
+        "--robot", dest="urdf", metavar="FILE", help="time for the robot of this URDF file"
+    )
+    _robot_frames(time)
     time.add_argument("--rate", type=float, metavar="HZ", help="samples per second")
     time.add_argument("--scale", type=float, help="share of the robot's limits")
     time.add_argument("--jerk", type=float, help="highest joint jerk [rad/s^3 or m/s^3]")

@@ -18,14 +18,14 @@ if TYPE_CHECKING:
     from ikplan.robots import Robot
     from ikplan.timing_request import TimingRequest
 
-__all__ = ["check_outputs", "draw", "plan", "report"]
+__all__ = ["check_outputs", "draw", "plan", "report", "robot_of_file"]
 
 
 def plan(options: argparse.Namespace) -> None:
     """Make a plan, here or by a service, and write it."""
     check_outputs(options)
     document = _read(options.request)
-    robot = _robot(options, document)
+    robot = robot_of_file(options.robot, options, document)
     made = _by_service(options.server, document) if options.server else _here(document, robot)
     draw(made, options, document, PlanRequest, robot)
     report(made, options)
@@ -70,9 +70,9 @@ def _read(name: str) -> Any:
     return load_json(sys.stdin.buffer.read() if name == "-" else Path(name).read_bytes())
 
 
-def _robot(options: argparse.Namespace, document: Any) -> Robot | None:
+def robot_of_file(file: str | None, options: argparse.Namespace, document: Any) -> Robot | None:
     """The robot of a file, whose name then stands in the document; None: the document's."""
-    if options.robot is None:
+    if file is None:
         if options.base is not None or options.tip is not None:
             raise InvalidRequest("--base and --tip belong to --robot FILE", field="command line")
         return None
@@ -83,7 +83,7 @@ def _robot(options: argparse.Namespace, document: Any) -> Robot | None:
         )
     from ikplan.robots import load_robot
 
-    robot = load_robot(Path(options.robot), base=options.base, tip=options.tip)
+    robot = load_robot(Path(file), base=options.base, tip=options.tip)
     if isinstance(document, dict):
         document["robot"] = robot.name
     return robot
@@ -112,6 +112,7 @@ def draw(
     """Draw a plan with the tool and the limits of its request, which a plan does not tell."""
     if options.plot is None and options.plot_timing is None:
         return
+    from ikplan.identity import with_tool
     from ikplan.plotting import plot_plan
     from ikplan.robots import catalogue_robot, robot_names
     from ikplan.timing_plot import plot_timing
@@ -120,7 +121,7 @@ def draw(
     if robot is None and made.robot in robot_names():
         robot = catalogue_robot(made.robot)
     if robot is not None:
-        robot = robot.with_tool(request.tool.position, request.tool.quaternion_xyzw)
+        robot = with_tool(robot, request.tool)
     if options.plot is not None:
         plot_plan(made, options.plot, robot=robot)
     if options.plot_timing is not None:

@@ -9,13 +9,14 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ikplan.cli.planning import check_outputs, draw, report
+from ikplan.cli.planning import check_outputs, draw, report, robot_of_file
 from ikplan.documents import load_json
 from ikplan.errors import InvalidRequest
 from ikplan.timing_request import TimingRequest
 
 if TYPE_CHECKING:
     from ikplan.result import Plan
+    from ikplan.robots import Robot
 
 __all__ = ["time"]
 
@@ -24,8 +25,9 @@ def time(options: argparse.Namespace) -> None:
     """Time a joint path, here or by a service, and write the trajectory."""
     check_outputs(options)
     document = _document(options)
-    made = _by_service(options.server, document) if options.server else _here(document)
-    draw(made, options, document, TimingRequest)
+    robot = robot_of_file(options.urdf, options, document)
+    made = _by_service(options.server, document) if options.server else _here(document, robot)
+    draw(made, options, document, TimingRequest, robot)
     report(made, options)
 
 
@@ -34,12 +36,12 @@ def _document(options: argparse.Namespace) -> Any:
     read = _read(options.path)
     if isinstance(read, dict) and options.robot is None:
         document = read
-    elif isinstance(read, list) and options.robot is not None:
-        document = {"robot": options.robot, "waypoints": read}
+    elif isinstance(read, list) and (options.robot is None) != (options.urdf is None):
+        document = {"robot": options.robot or "a file's", "waypoints": read}
     else:
         raise InvalidRequest(
-            "give either a request document, or a robot and a file of joint values: a JSON list "
-            "of rows, or CSV",
+            "give either a request document, or a robot (a name, or --robot FILE) and a file of "
+            "joint values: a JSON list of rows, or CSV",
             field="command line",
         )
     if options.rate is not None:
@@ -80,10 +82,10 @@ def _read(name: str) -> Any:
         ) from error
 
 
-def _here(document: Any) -> Plan:
+def _here(document: Any, robot: Robot | None) -> Plan:
     from ikplan.retiming import time_request
 
-    return time_request(document)
+    return time_request(document, robot=robot)
 
 
 def _by_service(url: str, document: Any) -> Plan:

@@ -161,6 +161,29 @@ def test_plan_for_the_robot_of_a_file(run, urdf, tmp_path):
     assert np.allclose(plan.waypoints.q[-1], [np.arctan2(y, x), np.hypot(x, y) - 0.3], atol=1e-6)
 
 
+def test_a_joint_path_is_timed_for_the_robot_of_a_file(run, fail, urdf, tmp_path):
+    rows, document = tmp_path / "rows.csv", tmp_path / "request.json"
+    rows.write_text("0,0.1\n1,0.4\n")
+    waypoints = [[0.0, 0.1], [1.0, 0.4]]
+    document.write_text(json.dumps({"robot": "any", "waypoints": waypoints}))
+    options = ["--robot", urdf, "--base", "base", "--tip", "tip"]
+    plot = tmp_path / "timing.svg"
+    timed = [
+        ikplan.Plan.load(run("time", file, *options, "--json", "--plot-timing", plot))
+        for file in (rows, document)
+    ]
+    assert timed[0].id == timed[1].id
+    assert timed[0].robot == "two"
+    assert np.array_equal(timed[0].q[[0, -1]], waypoints)
+    for limits in ({"torque": True}, {"torque": [5.0, 5.0]}):
+        document.write_text(json.dumps({"robot": "any", "waypoints": waypoints, "limits": limits}))
+        line = fail("time", document, *options)
+        assert line.startswith("invalid-request: limits.torque: two has no sourced inertias")
+    assert "a name, or --robot FILE" in fail("time", rows)
+    assert "a name, or --robot FILE" in fail("time", "ur5", rows, *options)
+    assert "--server" in fail("time", rows, *options, "--server", "http://x")
+
+
 def test_schema_is_the_requests(run):
     assert json.loads(run("schema")) == json_schema()
 

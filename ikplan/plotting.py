@@ -215,7 +215,11 @@ def _tool_path(axes: Any, plan: Plan, robot: Robot, *, tip: bool) -> None:
 def _certificate(panel: SubFigure, plan: Plan) -> None:
     """What the independent check measured, in words."""
     panel.text(0.04, 0.95, "Certificate", va="top", fontweight="bold", fontsize=10)
-    for row, (what, value) in enumerate(certificate_rows(plan)):
-        height = 0.82 - 0.105 * row
-        panel.text(0.04, height, what, va="top", color="#555555")
-        panel.text(0.46, height, value, va="top")
+    rows = certificate_rows(plan)
+    # Seven rows fill the panel; more of them stand closer.
+    step = min(0.105, 0.84 / len(rows))
+    size = 9.0 * min(1.0, step / 0.085)
+    for row, (what, value) in enumerate(rows):
+        height = 0.84 - step * row
+        panel.text(0.04, height, what, va="top", color="#555555", fontsize=size)
+        panel.text(0.42, height, value, va="top", fontsize=size)

@@ -25,6 +25,7 @@ def certificate_rows(plan: Plan) -> list[tuple[str, str]]:
         ("velocity limits", _share(c.velocity_limit_ratio, c.velocity_limit_at)),
         ("acceleration limits", _share(c.acceleration_limit_ratio, c.acceleration_limit_at)),
         *_further_rows(c),
+        *_segment_rows(c),
         (
             "least singular value",
             f"{c.min_singular_value:.3g} at {c.min_singular_value_time:.2f} s",
@@ -50,6 +51,26 @@ def _further_rows(c: Certificate) -> list[tuple[str, str]]:
         if ratio is not None:
             rows.append((f"tool {kind}", f"{_share(ratio, None)} at {time or 0.0:.2f} s"))
     return rows
+
+
+def _segment_rows(c: Certificate) -> list[tuple[str, str]]:
+    """A row for all segments with limits of their own: the one that uses most of them."""
+    used = [
+        (ratio, segment)
+        for segment in c.segments
+        for ratio in (
+            segment.velocity_limit_ratio,
+            segment.acceleration_limit_ratio,
+            segment.torque_limit_ratio,
+            segment.tool_speed_ratio,
+            segment.tool_acceleration_ratio,
+        )
+        if ratio is not None
+    ]
+    if not used:
+        return []
+    ratio, segment = max(used, key=lambda pair: pair[0])
+    return [("limits of segments", f"{_share(ratio, None)} on {segment.field.rpartition('.')[2]}")]
 
 
 def _both(position: float, orientation: float | None) -> str:

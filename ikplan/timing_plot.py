@@ -33,6 +33,7 @@ if TYPE_CHECKING:
 __all__ = ["draw_timing", "plot_timing"]
 
 Array = NDArray[np.float64]
+_POSITIONS = "Positions over their ranges"
 _LIMIT: dict[str, Any] = {"color": "#B00020", "lw": 1.0, "ls": (0, (4, 3))}
 
 
@@ -85,6 +86,10 @@ def draw_timing(
         )
         if plan.timing is not None:
             figure.text(0.012, 0.944, _shortened(plan.timing.summary), color="#555555")
+        if plan.certificate.segments:
+            figure.text(
+                0.98, 0.958, "shaded: a segment's own limits hold too", ha="right", color="#555555"
+            )
         _joints(panels, plan, robot, promised)
         _tool_speed(panels[2, 0], plan, robot, promised)
         _phase_plane(panels[2, 1], plan, promised)
@@ -107,7 +112,7 @@ def _joints(panels: Any, plan: Plan, robot: Robot, limits: MotionLimits) -> None
     half = np.where(bounded, 0.5 * (robot.upper - robot.lower), np.pi)
     up = motion.dq / np.where(motion.dq > 0.0, limits.velocity, -limits.velocity_lower)
     above = motion.ddq / np.where(motion.ddq > 0.0, limits.acceleration, -limits.acceleration_lower)
-    _ratios(panels[0, 0], plan, (motion.q - middle) / half, "Positions over their ranges")
+    _ratios(panels[0, 0], plan, (motion.q - middle) / half, _POSITIONS)
     _ratios(panels[0, 1], plan, up, "Velocities over their limits")
     _ratios(panels[1, 0], plan, above, "Accelerations over their limits")
     effort = robot.effort_limit if limits.torque is None else limits.torque
@@ -127,6 +132,7 @@ def _joints(panels: Any, plan: Plan, robot: Robot, limits: MotionLimits) -> None
         _ratios(panels[1, 1], plan, tau, title, lowest=0.0)
         return
     panels[1, 1].set_title("Torques")
+    panels[1, 1].set(xticks=[], yticks=[])
     panels[1, 1].text(
         0.5, 0.5, "the robot's inertias have no source", ha="center", color="#555555",
         transform=panels[1, 1].transAxes,
@@ -138,9 +144,17 @@ def _ratios(axes: Axes, plan: Plan, ratios: Array, title: str, lowest: float = -
         axes.plot(plan.trajectory.time, ratios[:, j], color=colour(j), ls=line_style(j), lw=1.2)
     for limit in {lowest, 1.0} - {0.0}:
         axes.axhline(limit, **_LIMIT)
+    if title != _POSITIONS:
+        _segments(axes, plan)
     top = 1.1 * max(1.0, float(np.abs(ratios).max(initial=0.0)))
     axes.set_ylim(-top if lowest < 0.0 else 0.0, top)
     _times(axes, plan, title, "share of the limit")
+
+
+def _segments(axes: Axes, plan: Plan) -> None:
+    """Shade where limits of segments hold, which are not those drawn."""
+    for segment in plan.certificate.segments:
+        axes.axvspan(segment.begin, segment.end, color="#000000", alpha=0.06, lw=0.0, zorder=0.0)
 
 
 def _times(axes: Axes, plan: Plan, title: str, label: str) -> None:
@@ -162,6 +176,7 @@ def _tool_speed(axes: Axes, plan: Plan, robot: Robot, limits: MotionLimits) -> N
             axes.axhline(limit, **_LIMIT)
     axes.set_ylim(0.0, 1.08 * max(float(axes.get_ylim()[1]), 1e-9))
     axes.legend(loc="lower right", bbox_to_anchor=(1.01, 0.98), ncols=2)
+    _segments(axes, plan)
     _times(axes, plan, "Tool speed", "speed")
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import io
 import json
+import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
@@ -22,6 +23,10 @@ from ikplan_api.settings import Settings
 
 from .browser import NoPlanner, Visit, chromium, served
 
+RED = (0xC6, 0x2A, 0x1F)
+"""Of what failed, in light surroundings."""
+DARK = (0x17, 0x1B, 0x1F)
+"""Behind the scene, in dark ones."""
 EXAMPLES = Path(__file__).parents[2] / "examples"
 Open = Callable[..., Page]
 
@@ -104,10 +109,25 @@ def tool(page: Page) -> NDArray[np.float64]:
     return np.array(cells.evaluate_all("cells => cells.map(c => Number(c.dataset.value))"))
 
 
+def picture(page: Page) -> NDArray[np.int64]:
+    """The 3D view as pixels, shape (height, width, 3)."""
+    image = Image.open(io.BytesIO(page.locator("#stage canvas").screenshot()))
+    return np.asarray(image.convert("RGB"), dtype=np.int64)
+
+
 def near_colour(page: Page, colour: tuple[int, int, int]) -> int:
     """How many pixels of the 3D view have nearly that colour."""
-    picture = Image.open(io.BytesIO(page.locator("#stage canvas").screenshot())).convert("RGB")
-    return int((np.abs(np.asarray(picture, dtype=int) - colour).max(axis=2) < 12).sum())
+    return int((np.abs(picture(page) - colour).max(axis=2) < 12).sum())
+
+
+def drawn(true: Callable[[], bool]) -> bool:
+    """Whether something is true within a while: the next picture may take long to be drawn."""
+    deadline = time.monotonic() + 30
+    while not true():
+        if time.monotonic() > deadline:
+            return False
+        time.sleep(0.1)
+    return True
 
 
 def check_samples(page: Page, made: ikplan.Plan, robot: Robot) -> None:
@@ -220,7 +240,6 @@ def test_every_robot_stands_in_the_scene_as_pinocchio_has_it(visit: Open) -> Non
                 "([p]) => [...document.querySelectorAll('#tool dd')]"
                 ".every((c, i) => Math.abs(Number(c.dataset.value) - p[i]) < 1e-6)",
                 arg=[robot.fk(robot.home).translation.tolist()],
-                timeout=10_000,
             )
         except Exception as error:
             raise AssertionError(f"{name}: {tool(page)}") from error
@@ -236,8 +255,8 @@ def test_meshes_come_from_the_service_and_are_drawn(visit: Open) -> None:
     )
     assert len(sizes) == 8
     assert min(sizes) > 100_000
-    picture = Image.open(io.BytesIO(page.locator("#stage canvas").screenshot())).convert("L")
-    assert np.asarray(picture).std() > 10  # an arm before the ground, not the ground alone
+    # The arm is nearly white, the ground is not.
+    assert drawn(lambda: int((picture(page).min(axis=2) > 246).sum()) > 500)
 
 
 def test_a_refusal_is_told_drawn_and_repaired(visit: Open) -> None:
@@ -246,8 +265,7 @@ def test_a_refusal_is_told_drawn_and_repaired(visit: Open) -> None:
         ikplan.plan(request)
     error = caught.value
     page = visit("beyond_reach_xarm7")
-    red = (0xC6, 0x2A, 0x1F)
-    before = near_colour(page, red)
+    before = near_colour(page, RED)
     page.click("#plan")
     card = page.locator("#result .verdict")
     card.wait_for()
@@ -255,14 +273,29 @@ def test_a_refusal_is_told_drawn_and_repaired(visit: Open) -> None:
     assert error.reason in card.inner_text()
     closest = catalogue_robot("xarm7").fk(error.q).translation
     np.testing.assert_allclose(tool(page), closest, atol=1e-6)
-    page.wait_for_timeout(300)
-    assert near_colour(page, red) > before + 100
+    assert drawn(lambda: near_colour(page, RED) > before + 100)
     card.get_by_role("button", name="Apply and plan").first.click()
     page.wait_for_selector("#result .certificate")
     repaired = json.loads(page.input_value("#editor"))
     change = error.repairs[0]["change"]["path"]
     assert {key: repaired["path"][key] for key in change} == change
     assert repaired["path"]["waypoints"] == request["path"]["waypoints"]
+
+
+def test_two_waypoints_without_a_way_between_them_are_drawn(visit: Open) -> None:
+    page = visit("helix_iiwa14")
+    problem = ikplan.Disconnected("no way", waypoints=[4, 5], jump=1.0).to_problem()
+    page.route(
+        "**/v1/plans",
+        lambda route: route.fulfill(
+            status=422, content_type="application/problem+json", body=json.dumps(problem)
+        ),
+    )
+    before = near_colour(page, RED)
+    page.click("#plan")
+    expect(page.locator("#result .verdict")).to_contain_text("No way.")
+    expect(page.locator("#result .verdict")).to_contain_text("No repair was found")
+    assert drawn(lambda: near_colour(page, RED) > before + 100)
 
 
 def test_a_wrong_field_and_a_wrong_document_are_told(visit: Open) -> None:
@@ -282,7 +315,7 @@ def test_by_keyboard_alone_in_the_dark(visit: Open) -> None:
     page.focus("#editor")
     page.keyboard.press("Control+Enter")
     page.wait_for_selector("#result .certificate")
-    assert near_colour(page, (0x17, 0x1B, 0x1F)) > 1000  # the scene's background
+    assert drawn(lambda: near_colour(page, DARK) > 1000)
 
 
 def test_a_key_is_asked_for_where_one_is_needed(browser: Browser) -> None:

@@ -169,6 +169,15 @@ def test_the_urdf_over_http_names_addresses_of_the_service(http: httpx.Client) -
     assert (again.status_code, again.content) == (304, b"")
 
 
+def test_meshes_are_compressed_on_request(http: httpx.Client) -> None:
+    (address, *_) = sorted(mesh_names(http.get("/v1/robots/panda/visual").text))
+    plain = http.get(address, headers={"accept-encoding": "identity"})
+    short = http.get(address, headers={"accept-encoding": "gzip"})
+    assert short.headers["content-encoding"] == "gzip"
+    assert short.content == plain.content
+    assert "content-encoding" not in plain.headers
+
+
 def test_a_mesh_is_sent_once(http: httpx.Client) -> None:
     address = f"/v1/robots/xarm7/meshes/{GOOD_PATH}"
     answer = http.get(address)

@@ -115,3 +115,11 @@ export function isNumbers(value: unknown, length?: number): value is number[] {
     value.every((v) => typeof v === "number" && Number.isFinite(v))
   );
 }
+
+/** The waypoints that a problem names: the one that failed, all that do, or two without a way. */
+export function failedWaypoints(problem: Problem): number[] {
+  const named = [problem.waypoint, ...(problem.waypoints ?? [])].map((entry) =>
+    isObject(entry) ? entry["waypoint"] : entry,
+  );
+  return [...new Set(named.filter((entry) => typeof entry === "number"))];
+}

@@ -2,7 +2,7 @@
 
 import { Clock } from "./clock";
 import type { Plan, Problem, Repair, Request, RobotInfo } from "./documents";
-import { isNumbers } from "./documents";
+import { failedWaypoints, isNumbers } from "./documents";
 import { byId, h } from "./dom";
 import { EXAMPLES } from "./examples";
 import { limitsOf } from "./limits";
@@ -152,10 +152,13 @@ function showRefusal({ problem, retryAfter }: Refusal, request: Request): void {
 }
 
 function drawVerdict(problem: Problem, request: Request, robot: RobotInfo): void {
-  if (!isNumbers(problem.q, robot.joints.length)) return;
-  const target = problem.waypoint === undefined ? null : targetsOf(request)[problem.waypoint];
-  if (target) view.markFailure(target, problem.q);
-  view.setJoints(problem.q);
+  const closest = isNumbers(problem.q, robot.joints.length) ? problem.q : null;
+  const targets = targetsOf(request);
+  for (const index of failedWaypoints(problem)) {
+    const target = targets[index];
+    if (target) view.markFailure(target, index === problem.waypoint ? closest : null);
+  }
+  if (closest !== null) view.setJoints(closest);
   view.follow();
 }
 

@@ -108,9 +108,10 @@ export class ArmView {
     this.marks.showTrace(points);
   }
 
-  markFailure(target: Target, q: number[]): void {
-    const [tool] = this.toolPositions([q]);
-    if (tool !== undefined) this.marks.showFailure(target, tool, 0.01);
+  /** Marks a waypoint that failed; `q` is the closest configuration, null where none is told. */
+  markFailure(target: Target, q: number[] | null): void {
+    const [tool] = q === null ? [] : this.toolPositions([q]);
+    this.marks.showFailure(target, tool ?? null, 0.01);
   }
 
   setPassed(pieces: number): void {

@@ -6,6 +6,7 @@ import asyncio
 import hashlib
 
 from fastapi import APIRouter, HTTPException, Request, Response
+from starlette_compress import add_compress_type
 
 from ikplan import errors
 from ikplan.robots import (
@@ -26,6 +27,8 @@ router = APIRouter(prefix="/v1/robots", tags=["robots and solvers"])
 _URDF = {"application/xml": {"schema": {"type": "string"}}}
 _MEDIA = {".dae": "model/vnd.collada+xml", ".obj": "model/obj", ".stl": "model/stl"}
 _A_WEEK = "max-age=604800"
+for _media_type in _MEDIA.values():
+    add_compress_type(_media_type)  # text or plain numbers: a fraction of the bytes
 
 
 @router.get(

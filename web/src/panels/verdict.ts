@@ -1,6 +1,6 @@
 /** Why there is no plan, and what would help. */
 
-import type { Problem, Repair } from "../documents";
+import { failedWaypoints, type Problem, type Repair } from "../documents";
 import { h } from "../dom";
 
 export function verdictPanel(
@@ -17,9 +17,10 @@ export function verdictPanel(
     card.append(h("ul", {}, ...others.map(({ field, detail }) =>
       h("li", {}, h("code", {}, field), ` ${detail}`))));
   }
-  if (problem.q !== undefined) {
+  if (failedWaypoints(problem).length > 0) {
+    const closest = problem.q === undefined ? "" : "the closest configuration found, and ";
     card.append(h("p", { class: "hint" },
-      "Shown: the closest configuration found, and in red the pose asked for. Waypoints count from 0."));
+      `Shown: ${closest}in red the poses asked for that failed. Waypoints count from 0.`));
   }
   if (problem.repairs !== undefined && problem.repairs.length > 0) {
     card.append(h("h3", {}, "What would make it feasible"), h("ul", { class: "repairs" },

@@ -66,8 +66,8 @@ export class Marks {
     this.done.geometry.instanceCount = Math.max(pieces, 1);
   }
 
-  /** Marks a waypoint that cannot be reached, and how far from it the tool stays. */
-  showFailure(target: Target, tool: Vector3, size: number): void {
+  /** Marks a waypoint that failed, and how far from it the tool stays; null: that is not known. */
+  showFailure(target: Target, tool: Vector3 | null, size: number): void {
     const material = new MeshBasicMaterial({ color: palette().fault });
     const mark: Object3D[] = [new Mesh(new SphereGeometry(size * 1.5, 20, 14), material)];
     for (const turn of [0, Math.PI / 2]) {
@@ -81,10 +81,12 @@ export class Marks {
       mark.push(frame);
     }
     for (const part of mark) part.position.copy(target.position);
+    this.group.add(...mark);
+    if (tool === null) return;
     const gap = new LineGeometry().setPositions([...tool.toArray(), ...target.position.toArray()]);
     const line = new LineMaterial({
       color: palette().fault, linewidth: 3, dashed: true, dashSize: size * 2, gapSize: size * 1.4,
     });
-    this.group.add(...mark, new Line2(gap, line).computeLineDistances());
+    this.group.add(new Line2(gap, line).computeLineDistances());
   }
 }

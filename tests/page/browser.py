@@ -51,7 +51,8 @@ def served(settings: Settings, planner: Planner | None = None) -> Iterator[str]:
     """The address of a service on a free port of the loopback, warm unless it has a planner."""
     if not (bundle_folder() / "index.html").is_file():
         _missing(f"there is no page; {BUNDLE_HINT} makes it")
-    app = create_app(settings, planner=planner)
+    in_memory = settings.model_copy(update={"store_path": ":memory:"})
+    app = create_app(in_memory, planner=planner)
     server = uvicorn.Server(uvicorn.Config(app, host="127.0.0.1", port=0, log_level="error"))
     thread = threading.Thread(target=server.run)
     thread.start()

@@ -65,12 +65,14 @@ def upload_body(
     return made
 
 
-def problems(*classes: type[errors.IkplanError]) -> dict[int | str, dict[str, Any]]:
-    """Document the problems that a route can answer, by status."""
+def problems(
+    *classes: type[errors.IkplanError], body: bool = True
+) -> dict[int | str, dict[str, Any]]:
+    """Document the problems that a route can answer, by status; ``body``: it reads one."""
     by_status: dict[int | str, list[type[errors.IkplanError]]] = {}
     for cls in classes:
         by_status.setdefault(cls.status, []).append(cls)
-    if errors.InvalidRequest in classes:
+    if body and errors.InvalidRequest in classes:
         by_status[413] = by_status[415] = [errors.InvalidRequest]
     answers: dict[int | str, dict[str, Any]] = {
         status: _answer(" or ".join(c.title for c in kinds), [PROBLEMS[c] for c in kinds])
@@ -83,13 +85,15 @@ def problems(*classes: type[errors.IkplanError]) -> dict[int | str, dict[str, An
     return answers
 
 
-def plan_answers(*classes: type[errors.IkplanError]) -> dict[int | str, dict[str, Any]]:
+def plan_answers(
+    *classes: type[errors.IkplanError], body: bool = True
+) -> dict[int | str, dict[str, Any]]:
     """Document a plan in all its forms, and the problems that can be answered instead of it."""
     refused = [PROBLEMS[errors.InvalidRequest]]
     return {
         200: {"content": plan_contents()},
         406: _answer("No such form of a plan", refused),
-        **problems(*classes),
+        **problems(*classes, body=body),
     }
 
 

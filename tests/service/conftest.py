@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import socket
+import time
 from collections.abc import Iterator
 
 import httpx
 import pytest
+import uvicorn
 from anyio.from_thread import BlockingPortal, start_blocking_portal
 from fastapi import FastAPI
 
@@ -68,3 +71,17 @@ def http(transport: PortalTransport) -> Iterator[httpx.Client]:
 def client(transport: PortalTransport) -> Iterator[Client]:
     with Client(ADDRESS, transport=transport) as made:
         yield made
+
+
+@pytest.fixture(scope="session")
+def live_address(app: FastAPI, portal: BlockingPortal) -> Iterator[str]:
+    """The same service on a socket, for programs that have no loop to share with it."""
+    with socket.create_server(("127.0.0.1", 0)) as listening:
+        config = uvicorn.Config(app, lifespan="off", log_level="critical", access_log=False)
+        server = uvicorn.Server(config)
+        serving = portal.start_task_soon(server.serve, [listening])
+        while not server.started:
+            time.sleep(0.01)
+        yield f"http://127.0.0.1:{listening.getsockname()[1]}"
+        server.should_exit = True
+        serving.result(timeout=30)

@@ -65,7 +65,14 @@ async def create_plan(request: Request) -> Response:
     response_model=Plan,
     responses=ACCEPTED
     | {304: {"description": "The caller has it already"}}
-    | plan_answers(errors.PlanNotFound, *PLAN_ERRORS),
+    | plan_answers(
+        errors.PlanNotFound,
+        errors.InvalidRequest,
+        errors.RobotNotFound,
+        errors.InvalidRobot,
+        *PLAN_ERRORS,
+        body=False,
+    ),
 )
 async def get_plan(request: Request, plan_id: str) -> Response:
     """Return a plan, as it was answered, while it is kept.

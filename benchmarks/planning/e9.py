@@ -26,7 +26,7 @@ def e9_request(name: str, free: Any = None) -> dict[str, Any]:
             "waypoints": [pose_document(EQ_47, p) for p in path_points(name)],
             "orientation_free": free,
         },
-        "budget_s": 60,
+        "budget_s": 600,
     }
 
 

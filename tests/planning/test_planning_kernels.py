@@ -179,3 +179,22 @@ def test_the_polish_leaves_the_only_solution_alone() -> None:
     polish(arm_of(robot).chain, stacked, q, home, False, lower, upper, 50, 1e-9)
     np.testing.assert_array_equal(q, before)
     assert stacked.freedom.axis == no_freedom().axis
+
+
+def test_the_polish_lets_go_of_a_long_stretch_at_a_limit_at_once() -> None:
+    """Dense waypoints on a ring: ways that begin at a limit of the last joint, and need not."""
+    robot = load_robot("iiwa14")
+    arm = arm_of(robot)
+    R = np.diag([1.0, -1.0, -1.0])
+    targets = []
+    for a in np.linspace(0.0, 4.0 * np.pi, 800):
+        p = [0.58 + 0.12 * np.cos(a), 0.12 * np.sin(a), 0.35 + 0.05 * np.sin(3.5 * a)]
+        targets.append(pose_target(np.array(p), R))
+    found, stacked, lower, upper, home = grown(robot, targets)
+    ways = distinct_paths(arm.chain, found, home, False, lower, upper, 6, 0.6, 0.1)
+    stretch = ((ways <= lower + 1e-4) | (ways >= upper - 1e-4)).any(axis=2).sum(axis=1)
+    q = ways[int(np.argmax(stretch))]
+    assert stretch.max() > 50
+    length, _ = polish(arm.chain, stacked, q, home, False, lower, upper, 12, 1e-9)
+    least, _ = polish(arm.chain, stacked, q, home, False, lower, upper, 300, 1e-12)
+    assert length <= 1.001 * least

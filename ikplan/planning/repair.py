@@ -28,7 +28,8 @@ Array = NDArray[np.float64]
 
 _MOST_BRANCHES = 12
 _SAMPLES = 12
-"""Places on each tool path at which a shift of the path is tried first."""
+"""Places on each tool path at which a shift of the path is tried first; of the targets that are out
+of reach, how many a round of it examines."""
 _ROUNDS = 8
 _FARTHEST = 0.5
 """Longest shift that is offered [m]."""
@@ -177,7 +178,9 @@ def _needed_shift(problem: RouteProblem) -> Array | None:
     solver = PoseSolver(problem.solver.arm, "lm", params={"restarts": 60})
     worst: Array | None = None
     targets = _targets(problem)
-    for k in _unreached(problem, targets):
+    unreached = _unreached(problem, targets)
+    # Those left out are looked at in the next round, if they are still out of reach by then.
+    for k in unreached[:: -(-len(unreached) // _SAMPLES) or 1]:
         problem.clock.check()
         target = targets[k]
         try:
@@ -202,7 +205,7 @@ def _unreached(problem: RouteProblem, targets: list[Target]) -> NDArray[np.intp]
         arm.upper,
         4,
         60,
-        60,
+        4,
         0.5,
         1e-9,
     )

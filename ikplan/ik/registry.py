@@ -1,6 +1,6 @@
 """The solvers by name: what each is, its parameters, its source and where its kernel lives.
 
-A new solver is one file under ``metaheuristics/`` and one entry in ``catalogue.py``. Nothing
+A new solver is one file under ``metaheuristics/`` and one entry in ``catalogue/``. Nothing
 compiled is imported before a solver is used.
 """
 

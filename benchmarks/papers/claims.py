@@ -43,9 +43,8 @@ def against(published: float, ours: float) -> str:
         raise ValueError(f"no ratio of {ours} to {published}")
     if 1.0 / NEAR <= ratio <= NEAR:
         return "reproduced"
-    times = ratio if ratio > 1.0 else 1.0 / ratio
-    figure = f"{times:.2g}" if times < 1e3 else f"{times:.0e}"
-    return f"not reproduced: {figure} times as {'large' if ratio > 1.0 else 'small'}"
+    times = float(f"{ratio if ratio > 1.0 else 1.0 / ratio:.2g}")
+    return f"{times:g} times as {'large' if ratio > 1.0 else 'small'}"
 
 
 def write_claims(path: Path, claims: Sequence[Claim]) -> None:

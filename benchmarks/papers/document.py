@@ -31,7 +31,7 @@ def number(value: object) -> str:
     if v == 0.0 or (math.isfinite(v) and v == int(v) and abs(v) < 1e7):
         return f"{int(v):,d}"
     if 1e-3 <= abs(v) < 1e5:
-        return f"{v:.4g}" if abs(v) < 1e4 else f"{v:,.0f}"
+        return f"{v:.4g}" if abs(v) < 1e3 else f"{v:,.0f}"
     return f"{v:.3g}"
 
 
@@ -39,7 +39,7 @@ def slashed(values: Sequence[float] | None) -> str:
     """Write numbers with slashes in between."""
     if values is None:
         return "-"
-    return " / ".join("-" if math.isnan(v) else f"{v:.4g}" for v in values)
+    return " / ".join(number(v) for v in values)
 
 
 class Document:

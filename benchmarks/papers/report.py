@@ -84,8 +84,9 @@ class Sections:
         document.heading("Summary: claims, published and ours")
         claims = [c for p in sorted(self.folder.glob("E*.json")) for c in read_claims(p)]
         document.say(
-            "Reproduced: within a factor of 1.5 of the published figure, or the same order. The "
-            "sections have the spread and the tests behind each line."
+            "Reproduced: within a factor of 1.5 of the published figure, otherwise by what factor "
+            "it is off; for an order, the same order. The sections have the spread and the tests "
+            "behind each line."
         )
         rows = [[c.subject, c.published, c.ours, c.verdict] for c in claims]
         document.table(["claim", "published", "ours", "verdict"], rows)

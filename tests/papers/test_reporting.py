@@ -40,9 +40,10 @@ def test_a_verdict_names_the_factor(published: float, ours: float) -> None:
     ("published", "ours", "verdict"),
     [
         (0.0019, 0.0021, "reproduced"),
-        (0.0019, 0.0131, "not reproduced: 6.9 times as large"),
-        (2.0, 1.0, "not reproduced: 2 times as small"),
-        (1.0, 1e5, "not reproduced: 1e+05 times as large"),
+        (0.0019, 0.0131, "6.9 times as large"),
+        (2.0, 1.0, "2 times as small"),
+        (0.0019, 0.2675, "140 times as large"),
+        (1.0, 1e5, "100000 times as large"),
     ],
 )
 def test_verdicts(published: float, ours: float, verdict: str) -> None:

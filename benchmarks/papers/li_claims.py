@@ -49,12 +49,14 @@ def pose_claims(
     first = paper[0].name
     table = results.tables[case, first]
     millimetres = 1e3 * table["eps_p"]
-    largest = float(1e3 * table.grid("eps_p").max(axis=1).mean())
+    maxima = 1e3 * table.grid("eps_p").max(axis=1)
+    largest = float(maxima.mean())
     document.claim(
         f"{title}: largest position error of {first} over 100 poses",
         f"{given[first][0]:g} mm",
-        f"{largest:.3g} mm (mean over the runs); median {np.median(millimetres):.2g}, 95 % "
-        f"{np.quantile(millimetres, 0.95):.2g} mm",
+        f"{largest:.2g} mm (mean over the runs, least {maxima.min():.2g}); median of all solves "
+        f"{np.median(millimetres):.2g}, 95 % quantile {np.quantile(millimetres, 0.95):.2g}; "
+        f"{100.0 * (millimetres > given[first][0]).mean():.1f} % above the published maximum",
         against(given[first][0], largest),
     )
     others = [s.name for s in paper[1:]]

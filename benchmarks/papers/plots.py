@@ -15,6 +15,8 @@ __all__ = ["boxes", "curves", "legend_below", "new_figure", "paths_3d"]
 
 Array = NDArray[np.float64]
 
+FLOOR = 1e-14
+"""Smaller values are drawn as this on a logarithmic axis: they are rounding."""
 COLOURS = [plt.get_cmap("tab20")(i) for i in (0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 1, 3, 5, 7, 9)]
 
 
@@ -34,7 +36,7 @@ def new_figure(
 
 def boxes(ax: Axes, data: Mapping[str, Array], label: str, *, log: bool = False) -> None:
     """Draw a box plot, one box a series."""
-    values = [np.maximum(v, 1e-18) if log else v for v in data.values()]
+    values = [np.maximum(v, FLOOR) if log else v for v in data.values()]
     ax.boxplot(values, tick_labels=list(data), widths=0.6, flierprops={"markersize": 3})
     ax.set_ylabel(label, fontsize=9)
     plt.setp(ax.get_xticklabels(), rotation=35, ha="right", fontsize=8)

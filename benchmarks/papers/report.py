@@ -13,10 +13,20 @@ from benchmarks.papers.claims import read_claims, write_claims
 from benchmarks.papers.cost import cost_section
 from benchmarks.papers.document import Document
 from benchmarks.papers.experiment import Experiment, Results
-from benchmarks.papers.findings import CONTRADICTIONS, DEFAULTS, FINDINGS, READING
 from benchmarks.papers.runner import find_experiment, studies_of
 
 __all__ = ["Sections"]
+
+READING = (
+    "[S] Slim et al., Robotics 2023, 12, 38 (IK-BA). [K] Kanagaraj et al., MENDEL 2022, 28(1), "
+    "41-54 (BAT, GSA, PSO, WOA). [L] Li, Luo, Qiao, Machines 2023, 11(6), 648 (BODE-CS). "
+    "Two rows of every comparison are in no paper: `ikplan`, the project's own planner (IK-BA "
+    "seeds, refinement, least joint motion), and the true optimum where it can be computed: the "
+    "least joint motion found by many restarts on the iiwa and the MH5, the closed form of the "
+    "Dobot and of the EOD arm."
+)
+TEXT = Path(__file__).parent / "text"
+"""What people have to say about the full run."""
 
 
 class Sections:
@@ -54,9 +64,7 @@ class Sections:
         parts = [
             self._head(runs, thin, [p.stem for p in sections]),
             self._summary(),
-            FINDINGS,
-            CONTRADICTIONS,
-            DEFAULTS,
+            *((TEXT / f"{n}.md").read_text() for n in ("found", "contradictions", "defaults")),
             *(p.read_text() for p in sections),
             cost_section(effort),
         ]

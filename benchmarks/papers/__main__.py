@@ -43,7 +43,7 @@ def main() -> None:
         results = run_experiment(name, options.runs, options.jobs, options.thin, options.out)
         sections.write(find_experiment(name), results, options.runs, options.thin)
         print(f"{name} done in {time.perf_counter() - begin:.0f} s", file=sys.stderr)
-    sections.join(options.runs, options.thin, 1.0 if options.thin == 1 else 0.2)
+    sections.join(1.0 if options.thin == 1 else 0.2)
     print(sections.report)
 
 

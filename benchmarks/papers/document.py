@@ -76,12 +76,13 @@ class Document:
         for paragraph in paragraphs:
             self.lines += [paragraph, ""]
 
-    def table(self, head: Sequence[str], rows: Sequence[Sequence[object]]) -> None:
-        """Add a table; numbers are written with four digits."""
+    def table(
+        self, head: Sequence[str], rows: Sequence[Sequence[object]], *, words: bool = False
+    ) -> None:
+        """Add a table; numbers are written with four digits, and to the right but for words."""
         self.lines.append("| " + " | ".join(head) + " |")
-        self.lines.append(
-            "|" + "|".join(" --- " if i == 0 else " ---: " for i in range(len(head))) + "|"
-        )
+        sides = [" --- " if words or i == 0 else " ---: " for i in range(len(head))]
+        self.lines.append("|" + "|".join(sides) + "|")
         self.lines += ["| " + " | ".join(number(v) for v in row) + " |" for row in rows]
         self.lines.append("")
 

@@ -51,18 +51,18 @@ class Sections:
         self.folder.mkdir(parents=True, exist_ok=True)
         (self.folder / f"{experiment.name}.md").write_text(document.text())
         write_claims(self.folder / f"{experiment.name}.json", document.claims)
+        options = f"--runs {runs}" + (f" --thin {thin}" if thin > 1 else "")
+        (self.folder / f"{experiment.name}.options").write_text(options)
 
-    def join(self, runs: int, thin: int, effort: float = 1.0) -> None:
+    def join(self, effort: float = 1.0) -> None:
         """Join all sections there are.
 
         Args:
-            runs: Runs asked for.
-            thin: Thinning of the targets.
             effort: Share of the repeats in the table of costs, in (0, 1].
         """
         sections = sorted(self.folder.glob("E*.md"))
         parts = [
-            self._head(runs, thin, [p.stem for p in sections]),
+            self._head([p.stem for p in sections]),
             self._summary(),
             *((TEXT / f"{n}.md").read_text() for n in ("found", "contradictions", "defaults")),
             *(p.read_text() for p in sections),
@@ -71,14 +71,22 @@ class Sections:
         self.report.parent.mkdir(parents=True, exist_ok=True)
         self.report.write_text("\n".join(parts))
 
-    def _head(self, runs: int, thin: int, names: list[str]) -> str:
+    def _head(self, names: list[str]) -> str:
         document = Document(self.report.parent, "figures")
         document.heading("The experiments of three papers, run again", 1)
-        thinning = f" --thin {thin}" if thin > 1 else ""
+        by_options: dict[str, list[str]] = {}
+        for name in names:
+            options = (self.folder / f"{name}.options").read_text()
+            by_options.setdefault(options, []).append(name)
+        commands = [
+            f"`python -m benchmarks.papers {' '.join(found)} {options} --report "
+            "benchmarks/papers/REPORT.md`"
+            for options, found in by_options.items()
+        ]
         document.say(
-            f"Made by `python -m benchmarks.papers --runs {runs}{thinning}`; `make papers` makes a "
-            "reduced one in `out/papers`. One solve is one row, with its joint values, in "
-            "`out/papers` after a run; every table is made of these.",
+            f"Made by {', '.join(commands)}; `make papers` makes a reduced one in `out/papers`. "
+            "One solve is one row, with its joint values, in `out/papers` after a run; every table "
+            "is made of these.",
             READING,
             f"Times: {_processor()}, Python {platform.python_version()}, numba "
             f"{numba.__version__}, NumPy {np.__version__}, Pinocchio {pin.__version__}; processor "
@@ -97,7 +105,7 @@ class Sections:
             "behind each line."
         )
         rows = [[c.subject, c.published, c.ours, c.verdict] for c in claims]
-        document.table(["claim", "published", "ours", "verdict"], rows)
+        document.table(["claim", "published", "ours", "verdict"], rows, words=True)
         return document.text()
 
 

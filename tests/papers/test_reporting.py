@@ -119,11 +119,12 @@ def test_a_report_begins_with_its_claims(folder: Path) -> None:
     results = run_experiment("E8", 1, 1, 50, folder)
     sections = Sections(folder / "REPORT.md", folder / "sections")
     sections.write(find_experiment("E8"), results, 1, 50)
-    sections.join(1, 50, effort=0.01)
+    sections.join(effort=0.01)
     text = (folder / "REPORT.md").read_text()
     head, _, rest = text.partition("## What was found")
     assert "| E8, Baxter: largest position error of BODE-CS over 100 poses | 0.0062 mm |" in head
     assert "28.07 / 28.15" in rest  # the published row of DE/rand/1
+    assert "`python -m benchmarks.papers E8 --runs 1 --thin 50 --report" in head
     assert text.count("<details>") == text.count("</details>") == 2
     costs = rest.split("## Cost of the searches")[1]
     assert all(f"| {name} |" in costs for name in ("ik-ba", "gsa", "bode-cs"))

@@ -25,6 +25,13 @@ READING = (
     "least joint motion found by many restarts on the iiwa and the MH5, the closed form of the "
     "Dobot and of the EOD arm."
 )
+RUNS = 20
+"""Runs that the experiments ask for."""
+FEW = (
+    "**Fewer runs than the 20 asked for: {}.** With R runs no test paired by run can give a p below "
+    "2 / 2^R before Holm's correction; tests paired by target do not suffer. The commands above "
+    "with `--runs 20` make what is missing and keep what is there."
+)
 TEXT = Path(__file__).parent / "text"
 """What people have to say about the full run."""
 
@@ -75,9 +82,13 @@ class Sections:
         document = Document(self.report.parent, "figures")
         document.heading("The experiments of three papers, run again", 1)
         by_options: dict[str, list[str]] = {}
+        few: list[str] = []
         for name in names:
             options = (self.folder / f"{name}.options").read_text()
             by_options.setdefault(options, []).append(name)
+            runs = int(options.split()[1])
+            if runs < RUNS:
+                few.append(f"{name} {runs}")
         commands = [
             f"`python -m benchmarks.papers {' '.join(found)} {options} --report "
             "benchmarks/papers/REPORT.md`"
@@ -87,6 +98,7 @@ class Sections:
             f"Made by {', '.join(commands)}; `make papers` makes a reduced one in `out/papers`. "
             "One solve is one row, with its joint values, in `out/papers` after a run; every table "
             "is made of these.",
+            *([FEW.format(", ".join(few))] if few else []),
             READING,
             f"Times: {_processor()}, Python {platform.python_version()}, numba "
             f"{numba.__version__}, NumPy {np.__version__}, Pinocchio {pin.__version__}; processor "

@@ -28,7 +28,7 @@ READING = (
 RUNS = 20
 """Runs that the experiments ask for."""
 FEW = (
-    "**Fewer runs than the 20 asked for: {}.** With R runs no test paired by run can give a p below "
+    "**Fewer runs than the 20 asked for: {}.** With R runs no test paired by run gives a p below "
     "2 / 2^R before Holm's correction; tests paired by target do not suffer. The commands above "
     "with `--runs 20` make what is missing and keep what is there."
 )

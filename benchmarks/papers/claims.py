@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
-__all__ = ["Claim", "against", "read_claims", "write_claims"]
+__all__ = ["Claim", "against", "read_claims", "short", "write_claims"]
 
 NEAR = 1.5
 """A figure within this factor of the published one is reproduced."""
@@ -43,8 +43,13 @@ def against(published: float, ours: float) -> str:
         raise ValueError(f"no ratio of {ours} to {published}")
     if 1.0 / NEAR <= ratio <= NEAR:
         return "reproduced"
-    times = float(f"{ratio if ratio > 1.0 else 1.0 / ratio:.2g}")
-    return f"{times:g} times as {'large' if ratio > 1.0 else 'small'}"
+    times = short(ratio if ratio > 1.0 else 1.0 / ratio)
+    return f"{times} times as {'large' if ratio > 1.0 else 'small'}"
+
+
+def short(value: float) -> str:
+    """Write a figure with two digits."""
+    return f"{float(f'{value:.2g}'):g}"
 
 
 def write_claims(path: Path, claims: Sequence[Claim]) -> None:

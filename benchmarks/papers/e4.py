@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from scipy import stats
 
 from benchmarks.papers import published
-from benchmarks.papers.claims import against
+from benchmarks.papers.claims import against, short
 from benchmarks.papers.document import Document, slashed
 from benchmarks.papers.experiment import Experiment, Results, Study
 from benchmarks.papers.plots import boxes, new_figure, paths_3d
@@ -199,7 +199,7 @@ def _claims(studies: list[Study], results: Results, document: Document) -> None:
         document.claim(
             f"E4: mean error of {name}: {', '.join(names)} (the coordinates are ours)",
             ", ".join(f"{v:g}" for v in theirs) + " x 1e-4",
-            ", ".join(f"{v:.2g}" for v in ours[name]) + " x 1e-4 m (geometric means)",
+            ", ".join(short(v) for v in ours[name]) + " x 1e-4 m (geometric means)",
             against(float(stats.gmean(theirs)), float(stats.gmean(ours[name]))),
         )
     orders = [[n for _, n in sorted((ours[n][i], n) for n in NAMES)] for i in range(len(names))]

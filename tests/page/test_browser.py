@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import io
 import json
+import math
 import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -155,7 +156,19 @@ def test_the_tool_of_the_request_is_the_one_that_is_shown(visit: Open) -> None:
     page = visit("curve_ur5")
     plan(page)
     robot = catalogue_robot("ur5").with_tool(request["tool"]["position"])
-    check_samples(page, ikplan.plan(request), robot)
+    made = ikplan.plan(request)
+    check_samples(page, made, robot)
+    (segment,) = made.certificate.segments
+    used = {
+        "Joint velocities": made.certificate.velocity_limit_ratio,
+        "Joint accelerations": made.certificate.acceleration_limit_ratio,
+        "Joint jerks": made.certificate.jerk_limit_ratio,
+        "Own limits of segments[1]": segment.tool_speed_ratio,
+    }
+    for promise, ratio in used.items():
+        assert ratio is not None
+        row = page.locator(".certificate tr", has=page.get_by_role("rowheader", name=promise))
+        expect(row).to_contain_text(f"{math.ceil(ratio * 1000 - 1e-6) / 10:.1f} %")
 
 
 def test_between_samples_the_motion_is_the_librarys(helix: Page, made: ikplan.Plan) -> None:

@@ -26,6 +26,17 @@ export interface Place {
   time: number;
 }
 
+/** A segment with limits of its own; null: not limited there. */
+export interface SegmentCertificate {
+  field: string;
+  begin: number;
+  velocity_limit_ratio: number | null;
+  acceleration_limit_ratio: number | null;
+  torque_limit_ratio: number | null;
+  tool_speed_ratio: number | null;
+  tool_acceleration_ratio: number | null;
+}
+
 export interface Certificate {
   valid: boolean;
   max_position_error: number | null;
@@ -53,6 +64,7 @@ export interface Certificate {
   min_singular_value_time: number;
   elongation_sum: number;
   elongation_lower_bound: number;
+  segments: SegmentCertificate[];
 }
 
 export interface Trajectory {

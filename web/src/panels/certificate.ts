@@ -87,6 +87,14 @@ function rows(plan: Plan, request: Request): Row[] {
   share("Joint torques", c.torque_limit_ratio, c.torque_limit_at);
   share("Tool speed", c.tool_speed_ratio, { time: c.tool_speed_time ?? 0 });
   share("Tool acceleration", c.tool_acceleration_ratio, { time: c.tool_acceleration_time ?? 0 });
+  for (const segment of c.segments) {
+    const ratios = [
+      segment.velocity_limit_ratio, segment.acceleration_limit_ratio, segment.torque_limit_ratio,
+      segment.tool_speed_ratio, segment.tool_acceleration_ratio,
+    ].filter((ratio) => ratio !== null);
+    const name = segment.field.slice(segment.field.lastIndexOf(".") + 1);
+    if (ratios.length > 0) share(`Own limits of ${name}`, Math.max(...ratios), { time: segment.begin });
+  }
   found.push(
     {
       promise: "Least singular value",

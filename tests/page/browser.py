@@ -140,11 +140,11 @@ class Visit:
         if not url.startswith((f"{self._address}/", "data:", f"blob:{self._address}/")):
             self.foreign.append(url)
 
-    def open(self, example: str = "", *, meshes: bool = False) -> Page:
+    def open(self, example: str = "", *, meshes: bool = False, fine: bool = False) -> Page:
         """Load the page with an example; without meshes, unless they are what is tested."""
         if not meshes:
             self.page.route("**/meshes/**", lambda route: route.fulfill(status=404, body=""))
-        self.page.goto(f"{self._address}/#{example}")
+        self.page.goto(f"{self._address}/{'?fine' if fine else ''}#{example}")
         self.page.wait_for_selector("#stage[data-meshes=ready]")
         return self.page
 

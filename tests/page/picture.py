@@ -17,7 +17,7 @@ def main(path: Path) -> None:
     """Plan an example in the page and write what is seen, in few colours."""
     with served(Settings(workers=1)) as address, chromium() as browser:
         visit = Visit(browser, address, width=1360, height=900, dark=False)
-        page = visit.open("lines_panda", meshes=True)
+        page = visit.open("lines_panda", meshes=True, fine=True)
         page.click("#plan")
         page.wait_for_selector("#result .certificate")
         page.locator("#time").evaluate(

@@ -25,14 +25,16 @@ export class Stage {
   private readonly sun = new DirectionalLight("#ffffff", 2.2);
   private readonly renderer: WebGLRenderer;
   private readonly controls: OrbitControls;
+  private readonly fine: boolean;
   private pending = false;
   private touched = false;
 
   /** Throws if the browser cannot draw in 3D. */
   constructor(private readonly host: HTMLElement) {
-    this.renderer = new WebGLRenderer({ antialias: true });
+    this.fine = location.search === "?fine" || !drawsInSoftware();
+    this.renderer = new WebGLRenderer({ antialias: this.fine });
     this.renderer.outputColorSpace = SRGBColorSpace;
-    this.renderer.shadowMap.enabled = true;
+    this.renderer.shadowMap.enabled = this.fine;
     this.renderer.shadowMap.type = PCFShadowMap;
     const canvas = this.renderer.domElement;
     canvas.setAttribute("role", "img");
@@ -128,10 +130,20 @@ export class Stage {
   private resize(): void {
     const { clientWidth: width, clientHeight: height } = this.host;
     if (width === 0 || height === 0) return;
-    this.renderer.setPixelRatio(Math.min(devicePixelRatio, 2));
+    this.renderer.setPixelRatio(this.fine ? Math.min(devicePixelRatio, 2) : 1);
     this.renderer.setSize(width, height);
     this.camera.aspect = width / height;
     this.camera.updateProjectionMatrix();
     this.draw();
   }
+}
+
+/** Whether there is no graphics processor: then smooth edges and shadows would cost the motion. */
+function drawsInSoftware(): boolean {
+  const probe = document.createElement("canvas").getContext("webgl2");
+  if (probe === null) return true;
+  const info = probe.getExtension("WEBGL_debug_renderer_info");
+  const name = String(probe.getParameter(info?.UNMASKED_RENDERER_WEBGL ?? probe.RENDERER));
+  probe.getExtension("WEBGL_lose_context")?.loseContext();
+  return /swiftshader|llvmpipe|softpipe|software|basic render/i.test(name);
 }

@@ -27,7 +27,7 @@ def main(path: Path) -> None:
         page.wait_for_timeout(1000)
         picture = Image.open(io.BytesIO(page.screenshot())).convert("RGB")
         visit.close()
-    picture.quantize(128, dither=Image.Dither.NONE).save(path, optimize=True)
+    picture.quantize(256, dither=Image.Dither.NONE).save(path, optimize=True)
 
 
 if __name__ == "__main__":

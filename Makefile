@@ -32,6 +32,7 @@ check: $(STAMP)  ## lint and type-check
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
+	$(BIN)/hadolint docker/Dockerfile
 
 serve: $(STAMP)  ## start the service on 127.0.0.1:8000
 	$(BIN)/ikplan serve

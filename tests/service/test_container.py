@@ -1,15 +1,26 @@
 """No container engine is needed to see that the files fit the checkout."""
 
 import fnmatch
+import json
 import re
 import shlex
+import socket
+import subprocess
+import sys
+import threading
+from http.server import BaseHTTPRequestHandler, HTTPServer
 from pathlib import Path
 
 import pytest
 import yaml
 
+import ikplan
+from ikplan.errors import InvalidRequest
+from ikplan_api.settings import Settings, load_settings
+
 ROOT = Path(__file__).parents[2]
 DOCKERFILE = (ROOT / "docker/Dockerfile").read_text()
+BUILDER, RUNTIME = DOCKERFILE.split("\nFROM ")[-2:]
 COMPOSE = yaml.safe_load((ROOT / "docker/compose.yaml").read_text())
 
 
@@ -41,25 +52,83 @@ def test_the_package_is_built_from_what_is_copied():
 
 
 def test_the_service_does_not_run_as_root():
-    stages = DOCKERFILE.split("\nFROM ")
-    user = re.search(r"^USER (\d+)$", stages[-1], re.MULTILINE)
-    assert user is not None
-    assert int(user[1]) > 0
-    assert f"--uid {user[1]} " in stages[-1]
+    user, group = re.search(r"^USER (\d+):(\d+)$", RUNTIME, re.MULTILINE).groups()
+    assert int(user) > 0
+    assert f"--uid {user} --gid {group} " in RUNTIME
 
 
 def test_kernels_are_compiled_for_the_folder_and_processor_they_are_used_with():
-    builder, runtime = DOCKERFILE.split("\nFROM ")[-2:]
     for setting in ("NUMBA_CPU_NAME=generic", "IKPLAN_CACHE_DIR=/opt/ikplan-cache"):
-        assert setting in builder
-        assert setting in runtime
+        assert setting in BUILDER
+        assert setting in RUNTIME
 
 
-def test_the_health_check_is_python_that_compiles():
-    match = re.search(r'CMD \["python", "-c", "(.+)"\]', DOCKERFILE)
-    assert match is not None
-    compile(match[1], "healthcheck", "exec")
-    assert "/readyz" in match[1]
+def test_every_stage_has_the_same_python():
+    bases = re.findall(r"^FROM (\S+)", DOCKERFILE, re.MULTILINE)
+    assert len({base for base in bases if base.startswith("python:")}) == 1
+
+
+def test_the_image_keeps_plans_where_its_user_may_write():
+    (volume,) = json.loads(re.search(r"^VOLUME (.+)$", RUNTIME, re.MULTILINE)[1])
+    store = Path(image_settings()["IKPLAN_STORE_PATH"])
+    assert store.parent == Path(volume)
+    assert re.search(rf"install --directory --owner 10001 .* {volume}$", RUNTIME, re.MULTILINE)
+
+
+def image_settings() -> dict[str, str]:
+    """The service's settings that the image sets."""
+    return dict(re.findall(r"\b(IKPLAN_\w+)=(\S+)", RUNTIME))
+
+
+def test_the_image_does_not_start_without_a_key(monkeypatch):
+    for name, value in image_settings().items():
+        monkeypatch.setenv(name, value)
+    with pytest.raises(InvalidRequest, match="IKPLAN_API_KEYS"):
+        load_settings()
+    monkeypatch.setenv("IKPLAN_API_KEYS", "cell-7:" + "0" * 64)
+    assert load_settings().host == "0.0.0.0"
+
+
+def test_the_labels_tell_the_version():
+    assert f'image.version="{ikplan.__version__}"' in RUNTIME
+
+
+def health_check() -> list[str]:
+    return json.loads(re.search(r"^ +CMD (\[.+\])$", RUNTIME, re.MULTILINE)[1])
+
+
+@pytest.mark.parametrize(("status", "healthy"), [(200, True), (503, False)])
+def test_the_health_check_asks_readyz(status, healthy):
+    asked = []
+
+    class Answers(BaseHTTPRequestHandler):
+        def do_GET(self) -> None:
+            asked.append(self.path)
+            self.send_response(status)
+            self.end_headers()
+
+        def log_message(self, *_: object) -> None:
+            pass
+
+    with HTTPServer(("127.0.0.1", 0), Answers) as server:
+        thread = threading.Thread(target=server.handle_request)
+        thread.start()
+        _, *arguments = health_check()
+        environment = {"IKPLAN_PORT": str(server.server_port)}
+        done = subprocess.run([sys.executable, *arguments], env=environment, check=False)
+        thread.join()
+    assert asked == ["/readyz"]
+    assert (done.returncode == 0) == healthy
+
+
+def test_the_health_check_fails_where_nobody_listens():
+    with socket.socket() as taken:
+        taken.bind(("127.0.0.1", 0))
+        environment = {"IKPLAN_PORT": str(taken.getsockname()[1])}
+        _, *arguments = health_check()
+        command = [sys.executable, *arguments]
+        done = subprocess.run(command, env=environment, check=False, stderr=subprocess.DEVNULL)
+    assert done.returncode == 1
 
 
 @pytest.mark.parametrize(
@@ -67,8 +136,9 @@ def test_the_health_check_is_python_that_compiles():
     [
         ("read_only", True),
         ("cap_drop", ["ALL"]),
-        ("tmpfs", ["/tmp"]),
+        ("tmpfs", ["/tmp:size=64m"]),
         ("security_opt", ["no-new-privileges:true"]),
+        ("user", "10001:10001"),
     ],
 )
 def test_compose_takes_every_right_away(key, value):
@@ -81,3 +151,19 @@ def test_compose_listens_on_this_machine_only_and_builds_this_dockerfile():
     assert all(port.startswith("127.0.0.1:") for port in service["ports"])
     context = ROOT / "docker" / service["build"]["context"]
     assert (context / service["build"]["dockerfile"]).resolve() == ROOT / "docker/Dockerfile"
+
+
+def test_compose_keeps_plans_and_jobs_and_asks_for_keys():
+    (service,) = COMPOSE["services"].values()
+    (volume,) = service["volumes"]
+    name, _, folder = volume.partition(":")
+    assert name in COMPOSE["volumes"]
+    assert image_settings()["IKPLAN_STORE_PATH"].startswith(f"{folder}/")
+    assert service["environment"]["IKPLAN_API_KEYS"].startswith("${IKPLAN_API_KEYS:?")
+
+
+def test_what_compose_sets_are_settings_of_the_service():
+    (service,) = COMPOSE["services"].values()
+    known = {f"IKPLAN_{name}".upper() for name in Settings.model_fields}
+    assert set(service["environment"]) <= known
+    assert set(image_settings()) - {"IKPLAN_CACHE_DIR"} <= known

@@ -42,19 +42,25 @@ def instructions() -> list[tuple[str, str]]:
     return [(line.split()[0], line.split(maxsplit=1)[1].strip()) for line in lines if line.strip()]
 
 
-def build(place: Path) -> Stage:
-    """Follow every stage; what ``place/debian`` holds stands for the Dockerfile's base image."""
+def build(place: Path, kept: list[str]) -> Stage:
+    """Follow every stage; what ``place/debian`` holds stands for the Dockerfile's base image.
+
+    Stages that are kept were made before; what they set still counts.
+    """
     stages: dict[str, Stage] = {}
     stage = Stage(place / "debian")
     for word, rest in instructions():
+        if word in ("COPY", "RUN") and stage.root.name in kept:
+            continue
         began = time.monotonic()
         if word == "FROM":
             image, _, name = rest.partition(" AS ")
             name = name or "final"
             root = place / name
-            shutil.rmtree(root, ignore_errors=True)
             source = stages.get(image, Stage(place / "debian"))
-            subprocess.run(["cp", "-a", source.root, root], check=True)
+            if name not in kept:
+                shutil.rmtree(root, ignore_errors=True)
+                subprocess.run(["cp", "-a", source.root, root], check=True)
             stage = replace(source, root=root, env=dict(source.env))
             stages[name] = stage
         elif word == "COPY":
@@ -161,12 +167,13 @@ def main() -> None:
     """Build, or run a command in what was built."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("place", type=Path, help="folder with the Debian root `debian`")
+    parser.add_argument("--keep", action="append", default=[], help="a stage made before")
     parser.add_argument("--run", nargs=argparse.REMAINDER, help="[NAME=VALUE ...] [COMMAND ...]")
     options = parser.parse_args()
     place = options.place.resolve()
     record = place / "final.json"
     if options.run is None:
-        stage = build(place)
+        stage = build(place, options.keep)
         known = {**vars(stage), "root": str(stage.root)}
         record.write_text(json.dumps(known, indent=1))
         return

@@ -1,0 +1,1 @@
+"""How the service stands up: overhead, load, overload and faults, over real sockets."""

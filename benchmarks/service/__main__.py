@@ -1,0 +1,36 @@
+"""``python -m benchmarks.service [overhead] [load] [overload] [faults]``."""
+
+from __future__ import annotations
+
+import argparse
+import os
+import tempfile
+from pathlib import Path
+
+from benchmarks.service.faults import try_faults
+from benchmarks.service.load import measure_load, measure_overload
+from benchmarks.service.overhead import measure_overhead
+
+_STUDIES = {
+    "overhead": measure_overhead,
+    "load": measure_load,
+    "overload": measure_overload,
+    "faults": try_faults,
+}
+
+
+def main() -> None:
+    """Run the studies named, or all."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("studies", nargs="*", choices=[*_STUDIES, []], help="default: all")
+    studies = parser.parse_args().studies or list(_STUDIES)
+    with tempfile.TemporaryDirectory() as folder:
+        os.environ["IKPLAN_STORE_PATH"] = str(Path(folder) / "store.sqlite3")
+        for name in studies:
+            print(f"{name}:", flush=True)
+            for line in _STUDIES[name]():
+                print(f"  {line}", flush=True)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,77 @@
+"""What a plan costs over HTTP beyond what it costs in Python."""
+
+from __future__ import annotations
+
+import itertools
+import json
+import statistics
+import time
+
+import httpx
+
+import ikplan
+from benchmarks.service.requests import helices
+from benchmarks.service.server import Server, processor_s, serving
+
+__all__ = ["measure_overhead"]
+
+
+def measure_overhead(pairs: int = 40) -> list[str]:
+    """Make each plan here and over HTTP, in turn, and compare.
+
+    Args:
+        pairs: How many plans are made.
+
+    Returns:
+        Lines of the report.
+    """
+    here, document, exchange, client_s = [], [], [], []
+    own_s = spent_s = 0.0
+    with (
+        serving(workers="1", store_path=":memory:") as server,
+        httpx.Client(base_url=server.address, headers={"accept-encoding": "identity"}) as http,
+        ikplan.Client(server.address) as client,
+    ):
+        for k, body in enumerate(itertools.islice(helices(), pairs + 5)):
+            request = json.loads(body)
+            if k == 5:  # both are warm
+                spent_s = _spent_s(server)
+            begin, own = time.perf_counter(), time.process_time()
+            plan = ikplan.plan(request)
+            own = time.process_time() - own
+            planned = time.perf_counter()
+            plan.model_dump_json()
+            written = time.perf_counter()
+            headers = {"content-type": "application/json"}
+            answer = http.post("/v1/plans", content=body, headers=headers)
+            answered = time.perf_counter()
+            assert answer.json()["id"] == plan.id
+            client.job(plan.id).cancel()
+            again = time.perf_counter()
+            client.plan(request)
+            read = time.perf_counter()
+            if k >= 5:
+                own_s += own
+                here.append(planned - begin)
+                document.append(written - begin)
+                exchange.append(answered - written)
+                client_s.append(read - again)
+        spent_s = _spent_s(server) - spent_s
+    rows = (
+        ("HTTP exchange over plan() alone", exchange, here),
+        ("HTTP exchange over plan() and its JSON", exchange, document),
+        ("Client.plan() over plan()", client_s, here),
+    )
+    lines = [f"plan() {1e3 * statistics.median(here):.1f} ms, median of {pairs}"]
+    for name, over, under in rows:
+        extra = [a - b for a, b in zip(over, under, strict=True)]
+        lines.append(f"{name}: {1e3 * statistics.median(extra):.1f} ms (median of pairs)")
+    lines.append(
+        f"processor time of a plan: {1e3 * own_s / pairs:.1f} ms here, "
+        f"{1e3 * spent_s / (2 * pairs):.1f} ms of the service's processes"
+    )
+    return lines
+
+
+def _spent_s(server: Server) -> float:
+    return sum(processor_s(pid) for pid in server.processes())

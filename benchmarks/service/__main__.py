@@ -5,13 +5,14 @@ from __future__ import annotations
 import argparse
 import os
 import tempfile
+from collections.abc import Callable, Iterable
 from pathlib import Path
 
 from benchmarks.service.faults import try_faults
 from benchmarks.service.load import measure_load, measure_overload
 from benchmarks.service.overhead import measure_overhead
 
-_STUDIES = {
+_STUDIES: dict[str, Callable[[], Iterable[str]]] = {
     "overhead": measure_overhead,
     "load": measure_load,
     "overload": measure_overload,

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ikplan.cli.output import say, table
+from ikplan.cli.progress import progress_bar
 from ikplan.documents import load_json, parse
 from ikplan.errors import InvalidRequest
 from ikplan.request import PlanRequest
@@ -92,14 +93,22 @@ def robot_of_file(file: str | None, options: argparse.Namespace, document: Any) 
 def _here(document: Any, robot: Robot | None) -> Plan:
     from ikplan.pipeline import plan as make
 
-    return make(document, robot=robot)
+    with progress_bar() as progress:
+        return make(document, robot=robot, progress=progress)
 
 
 def _by_service(url: str, document: Any) -> Plan:
     from ikplan.client import Client
 
-    with Client(url, timeout=3600.0) as client:
-        return client.plan(document)
+    with Client(url, timeout=3600.0) as client, progress_bar() as progress:
+        if progress is None:
+            return client.plan(document)
+        job = client.submit(document)
+        try:
+            return job.wait(progress=lambda s: progress(s.stage or s.state, s.done, s.total))
+        except KeyboardInterrupt:
+            job.cancel()
+            raise
 
 
 def draw(

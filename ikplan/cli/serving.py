@@ -14,6 +14,8 @@ from ikplan.errors import InvalidRequest
 __all__ = ["serve"]
 
 APP = "ikplan_api.app:create_app"
+_LAST_ANSWERS_S = 30
+"""Time for the requests under way when the service is to stop [s]."""
 
 
 def serve(options: argparse.Namespace) -> None:
@@ -33,6 +35,7 @@ def serve(options: argparse.Namespace) -> None:
         host=options.host,
         port=options.port,
         log_config=_logging(),
+        timeout_graceful_shutdown=_LAST_ANSWERS_S,
         access_log=False,  # the service tells more of each request itself
     )
     with _listen(options.host, options.port) as listening:

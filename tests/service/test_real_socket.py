@@ -1,6 +1,7 @@
 """Once over a real socket: the command that serves, the clients, the shell, the signal to stop."""
 
 import asyncio
+import io
 import json
 import re
 import signal
@@ -85,6 +86,54 @@ def test_the_command_plans_by_the_service(address, tmp_path, capsys):
     capsys.readouterr()
     assert main(["plan", str(request), "--server", address]) == 2
     assert capsys.readouterr().err.startswith("ikplan: invalid-request: start")
+
+
+def test_the_command_shows_the_progress_of_a_service(address, tmp_path, monkeypatch):
+    class Terminal(io.StringIO):
+        def isatty(self) -> bool:
+            return True
+
+    terminal = Terminal()
+    monkeypatch.setattr(sys, "stderr", terminal)
+    request, out = tmp_path / "request.json", tmp_path / "plan.csv"
+    new = {**GOOD, "ik": {"seed": 77}}
+    request.write_text(json.dumps(new))
+    assert main(["plan", str(request), "--server", address, "-o", str(out)]) == 0
+    assert out.read_bytes() == encode(ikplan.plan(new), "csv")
+    assert re.search(r"(ik|certificate|finished) \d", terminal.getvalue())
+
+
+def test_events_come_while_the_plan_is_made_and_a_caller_who_leaves_ends_it(address):
+    slow = {
+        **GOOD,
+        "path": {"waypoints": [{"position": [0.5, 0.01 * i, 0.5]} for i in range(50)]},
+        "ik": {"population": 1000, "iterations": 1000},
+        "budget_s": 100,
+    }
+    with Client(address) as client:
+        job = client.submit(slow)
+        heard = []
+
+        class Enough(Exception):
+            pass
+
+        def hear(status: ikplan.PlanStatus) -> None:
+            heard.append(status)
+            if status.done >= 1:
+                raise Enough
+
+        with pytest.raises(Enough):
+            job.wait(progress=hear)
+        assert heard[-1].stage == "ik"
+        assert heard[-1].total == 50
+        begin = time.monotonic()
+        assert client.version()["version"] == ikplan.__version__
+        assert time.monotonic() - begin < 2.0
+        job.cancel()
+        with pytest.raises(httpx.ReadTimeout):
+            httpx.post(f"{address}/v1/plans", json=slow, timeout=1.0)
+        # The only worker is free again.
+        assert client.plan({**GOOD, "ik": {"seed": 78}}).certificate.valid
 
 
 def test_raw_bytes_do_not_disturb_the_service(address):

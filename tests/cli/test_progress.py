@@ -17,14 +17,14 @@ class Terminal(io.StringIO):
         return True
 
 
-@pytest.fixture
-def terminal(monkeypatch: pytest.MonkeyPatch) -> Terminal:
+def on_a_terminal(monkeypatch: pytest.MonkeyPatch) -> Terminal:
     made = Terminal()
     monkeypatch.setattr(sys, "stderr", made)
     return made
 
 
-def test_a_bar_tells_stage_and_waypoints_and_leaves_nothing_behind(terminal):
+def test_a_bar_tells_stage_and_waypoints_and_leaves_nothing_behind(monkeypatch):
+    terminal = on_a_terminal(monkeypatch)
     with progress_bar() as tell:
         tell("ik", 1, 4)
         tell("ik", 3, 4)
@@ -42,7 +42,8 @@ def test_where_nobody_looks_nothing_is_shown(capsys):
     assert capsys.readouterr().err == ""
 
 
-def test_a_plan_made_on_a_terminal_shows_its_progress(terminal, tmp_path):
+def test_a_plan_made_on_a_terminal_shows_its_progress(monkeypatch, tmp_path):
+    terminal = on_a_terminal(monkeypatch)
     file = tmp_path / "request.json"
     file.write_text(json.dumps(REQUEST))
     assert main(["plan", str(file), "-o", str(tmp_path / "plan.json")]) == 0

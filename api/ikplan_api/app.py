@@ -21,6 +21,7 @@ from ikplan_api.robot_builder import RobotBuilder
 from ikplan_api.robot_store import MemoryRobotStore, RobotStore
 from ikplan_api.routes import ROUTERS
 from ikplan_api.settings import Settings, load_settings
+from ikplan_api.sqlite_robots import SqliteRobotStore
 from ikplan_api.sqlite_store import SqliteStore
 from ikplan_api.store import PlanStore
 from ikplan_api.wrapping import wrap
@@ -43,7 +44,7 @@ def create_app(
         settings: What the operator set; None: read from the environment.
         planner: Who plans; None: as many processes as the settings say.
         store: Where plans and jobs are kept; None: where the settings say.
-        robots: Where uploaded robots are kept; None: in memory.
+        robots: Where uploaded robots are kept; None: where the plans are, else in memory.
 
     Returns:
         The application. Its lifespan warms the planner up in the background, so that ``/livez``
@@ -81,11 +82,11 @@ def create_app(
     app.state.planner = MeasuredPlanner(planner, app.state.metrics)
     app.state.store = store or _store(settings)
     app.state.board = PlanBoard(app.state.planner, app.state.store, settings.max_budget_s)
-    app.state.robots = robots or MemoryRobotStore(settings.store_robots, settings.store_robot_bytes)
+    app.state.robots = robots or _robots(settings, app.state.store)
     app.state.robot_builder = RobotBuilder(settings.robot_memory_bytes, settings.robot_timeout_s)
     for router in ROUTERS:
         app.include_router(router)
-    problems.install(app)
+    problems.install(app, ROUTERS)
     openapi.install(app)
     wrap(app, settings, app.state.metrics)
     return app
@@ -100,6 +101,13 @@ def _store(settings: Settings) -> SqliteStore:
     )
     store.check()  # now, where a wrong setting is told in one line
     return store
+
+
+def _robots(settings: Settings, store: PlanStore) -> RobotStore:
+    bounds = settings.store_robots, settings.store_robot_bytes
+    if isinstance(store, SqliteStore):
+        return SqliteRobotStore(store, *bounds)
+    return MemoryRobotStore(*bounds)
 
 
 @contextlib.asynccontextmanager

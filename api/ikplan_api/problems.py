@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 import http
+import itertools
 import json
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
-from fastapi import FastAPI, Request, Response
+from fastapi import APIRouter, FastAPI, Request, Response
 from fastapi.exceptions import RequestValidationError
+from fastapi.routing import APIRoute
 from starlette.exceptions import HTTPException
+from starlette.routing import Match
 
 from ikplan.errors import (
     AccessDenied,
@@ -134,11 +137,26 @@ async def _on_http_exception(request: Request, error: Exception) -> Response:
         405: f"{request.method} is not what {path} is for; see /docs",
     }
     document = http_problem(error.status_code, details.get(error.status_code, str(error.detail)))
-    return problem_response(document, request_id_of(request), error.headers)
+    headers = dict(error.headers or {})
+    if error.status_code == 405:
+        # Starlette tells the methods of the first route there only.
+        headers["Allow"] = ", ".join(sorted(_methods_at(request)))
+    return problem_response(document, request_id_of(request), headers)
 
 
-def install(app: FastAPI) -> None:
-    """Make the app tell every failure as a problem document."""
+def _methods_at(request: Request) -> set[str]:
+    """The methods of all routes that have the path of a request."""
+    routers: Sequence[APIRouter] = request.app.state.routers
+    found: set[str] = set()
+    for route in itertools.chain.from_iterable(router.routes for router in routers):
+        if isinstance(route, APIRoute) and route.matches(request.scope)[0] is not Match.NONE:
+            found |= route.methods
+    return found
+
+
+def install(app: FastAPI, routers: Sequence[APIRouter]) -> None:
+    """Make an app of these routers tell every failure as a problem document."""
+    app.state.routers = tuple(routers)
     app.add_exception_handler(IkplanError, _on_ikplan_error)
     app.add_exception_handler(Refusal, _on_refusal)
     app.add_exception_handler(ClientGone, _on_client_gone)

@@ -24,13 +24,21 @@ class RobotStore(Protocol):
     """Uploaded robots by id."""
 
     async def put(self, name: str, robot: StoredRobot) -> bool:
-        """Keep a robot; return whether it is new."""
+        """Keep a robot; return whether it is new.
+
+        Raises:
+            StoreFault: It cannot be kept.
+        """
 
     async def get(self, name: str) -> StoredRobot | None:
         """Return a robot, or None if it is not kept."""
 
     async def delete(self, name: str) -> bool:
-        """Forget a robot; return whether it was kept."""
+        """Forget a robot; return whether it was kept.
+
+        Raises:
+            StoreFault: It cannot be forgotten.
+        """
 
     async def names(self) -> list[str]:
         """Return the names of all robots kept, sorted."""

@@ -36,6 +36,10 @@ CREATE TABLE IF NOT EXISTS jobs (
     budget_s REAL NOT NULL, accepted REAL NOT NULL, problem BLOB, robot BLOB,
     document BLOB NOT NULL
 );
+CREATE TABLE IF NOT EXISTS robots (
+    name TEXT PRIMARY KEY, bytes INTEGER NOT NULL, used REAL NOT NULL, document BLOB NOT NULL,
+    info BLOB NOT NULL
+);
 COMMIT;
 """
 _OLD_PLANS = "DELETE FROM plans WHERE made < ?"
@@ -116,8 +120,12 @@ class SqliteStore:
             self._connection = None
 
     @asynccontextmanager
-    async def _write(self) -> AsyncIterator[aiosqlite.Connection]:
-        """All or nothing of several changes."""
+    async def writing(self) -> AsyncIterator[aiosqlite.Connection]:
+        """All or nothing of several changes.
+
+        Raises:
+            StoreFault: They cannot be made now.
+        """
         connection = self._open_connection()
         async with self._writing:
             try:
@@ -137,7 +145,8 @@ class SqliteStore:
         assert self._connection is not None, "the store is not open"
         return self._connection
 
-    async def _row(self, query: str, values: Sequence[Any]) -> Any:
+    async def row(self, query: str, values: Sequence[Any]) -> Any:
+        """Return the first row of an answer, or None."""
         async with self._open_connection().execute(query, values) as cursor:
             return await cursor.fetchone()
 
@@ -145,7 +154,7 @@ class SqliteStore:
         """Keep a plan; those unused for longest make room for it."""
         now = time.time()
         row = (plan_id, len(document), now, now, document)
-        async with self._write() as connection:
+        async with self.writing() as connection:
             await connection.execute("INSERT OR REPLACE INTO plans VALUES (?, ?, ?, ?, ?)", row)
             await connection.execute("DELETE FROM jobs WHERE id = ?", (plan_id,))
             await connection.execute(_OLD_PLANS, (now - self._max_age_s,))
@@ -154,14 +163,14 @@ class SqliteStore:
     async def get(self, plan_id: str) -> bytes | None:
         """Return a plan, or None if it is not kept."""
         now = time.time()
-        row = await self._row(
+        row = await self.row(
             "SELECT document FROM plans WHERE id = ? AND made >= ?",
             (plan_id, now - self._max_age_s),
         )
         if row is None:
             return None
         try:
-            async with self._write() as connection:
+            async with self.writing() as connection:
                 await connection.execute("UPDATE plans SET used = ? WHERE id = ?", (now, plan_id))
         except StoreFault:
             pass  # it can still be read
@@ -170,7 +179,7 @@ class SqliteStore:
     async def accept(self, job: Job) -> None:
         """Keep a job; a failure of the same request before is forgotten."""
         row = (*job, time.time())
-        async with self._write() as connection:
+        async with self.writing() as connection:
             await connection.execute(
                 "INSERT OR REPLACE INTO jobs (id, kind, document, robot, budget_s, accepted) "
                 "VALUES (?, ?, ?, ?, ?, ?)",
@@ -179,19 +188,19 @@ class SqliteStore:
 
     async def fail(self, plan_id: str, problem: bytes) -> None:
         """Keep the problem document of a job that failed."""
-        async with self._write() as connection:
+        async with self.writing() as connection:
             await connection.execute("UPDATE jobs SET problem = ? WHERE id = ?", (problem, plan_id))
             await connection.execute(_OLD_FAILURES, (time.time() - self._max_age_s,))
 
     async def problem(self, plan_id: str) -> bytes | None:
         """Return why a job failed, or None if none of that id has."""
-        row = await self._row("SELECT problem FROM jobs WHERE id = ?", (plan_id,))
+        row = await self.row("SELECT problem FROM jobs WHERE id = ?", (plan_id,))
         return None if row is None or row[0] is None else bytes(row[0])
 
     async def delete(self, plan_id: str) -> bool:
         """Forget a plan, a job and its failure; return whether there was any."""
         found = 0
-        async with self._write() as connection:
+        async with self.writing() as connection:
             for table in ("plans", "jobs"):
                 statement = f"DELETE FROM {table} WHERE id = ?"
                 async with connection.execute(statement, (plan_id,)) as cursor:

@@ -102,6 +102,21 @@ def test_what_is_not_there_is_a_problem_too(method, path, status, http):
 
 
 @pytest.mark.parametrize(
+    ("path", "methods"),
+    [
+        ("/v1/robots", "GET, POST"),
+        ("/v1/robots/ur5", "DELETE, GET"),
+        ("/v1/plans", "POST"),
+        ("/livez", "GET"),
+        ("/docs", "GET"),
+    ],
+)
+def test_a_wrong_method_is_told_the_right_ones(path, methods, http):
+    answer = http.request("PATCH", path)
+    assert (answer.status_code, answer.headers["allow"]) == (405, methods)
+
+
+@pytest.mark.parametrize(
     "content_type",
     [None, "", "text/plain", "application/x-www-form-urlencoded", "multipart/form-data; boundary=x",
      "application/jsonx", "*/*"],

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
-from collections.abc import Iterator
+from collections.abc import AsyncIterator, Iterator
+from pathlib import Path
 
 import httpx
 import numpy as np
@@ -14,7 +16,9 @@ from ikplan import Client, InvalidRobot, RobotNotFound
 from ikplan.robots import robot_from_urdf
 from ikplan_api.build_robot import _build
 from ikplan_api.robot_builder import RobotBuilder
-from ikplan_api.robot_store import MemoryRobotStore, StoredRobot
+from ikplan_api.robot_store import MemoryRobotStore, RobotStore, StoredRobot
+from ikplan_api.sqlite_robots import SqliteRobotStore
+from ikplan_api.sqlite_store import SqliteStore
 
 from .urdfs import ARM, chain
 
@@ -129,20 +133,44 @@ def robot(size: int) -> StoredRobot:
     return StoredRobot(b"d" * size, b"")
 
 
+@contextlib.asynccontextmanager
+async def robot_store(kind: str, path: Path | str, **bounds: int) -> AsyncIterator[RobotStore]:
+    if kind == "memory":
+        yield MemoryRobotStore(**bounds)
+        return
+    file = SqliteStore(str(path), max_plans=9, max_bytes=10**6, max_age_s=3600.0)
+    await file.open()
+    yield SqliteRobotStore(file, **bounds)
+    await file.close()
+
+
 @pytest.mark.anyio
-async def test_the_store_is_bounded_and_forgets_what_was_unused_for_longest():
-    store = MemoryRobotStore(max_robots=2, max_bytes=10)
-    assert [await store.put(n, robot(1)) for n in ("a", "b", "a")] == [True, True, False]
-    await store.get("b")
-    await store.put("c", robot(1))
-    assert await store.names() == ["b", "c"]
-    await store.put("d", robot(10))
-    assert await store.names() == ["d"]
-    await store.put("e", robot(11))
-    assert await store.names() == []
-    assert not await store.delete("e")
-    assert await store.put("f", robot(10))
-    assert await store.names() == ["f"]
+@pytest.mark.parametrize("kind", ["memory", "sqlite"])
+async def test_the_store_is_bounded_and_forgets_what_was_unused_for_longest(kind):
+    async with robot_store(kind, ":memory:", max_robots=2, max_bytes=10) as store:
+        assert [await store.put(n, robot(1)) for n in ("a", "b", "a")] == [True, True, False]
+        assert await store.get("b") == robot(1)
+        await store.put("c", robot(1))
+        assert await store.names() == ["b", "c"]
+        await store.put("d", robot(10))
+        assert await store.names() == ["d"]
+        await store.put("e", robot(11))
+        assert "e" not in await store.names()
+        assert not await store.delete("e")
+        assert await store.get("e") is None
+        assert await store.put("f", robot(10))
+        assert await store.names() == ["f"]
+        assert await store.delete("f")
+
+
+@pytest.mark.anyio
+async def test_robots_outlive_the_service(tmp_path):
+    bounds = {"max_robots": 9, "max_bytes": 100}
+    async with robot_store("sqlite", tmp_path / "plans.sqlite", **bounds) as store:
+        await store.put("a", robot(3))
+    async with robot_store("sqlite", tmp_path / "plans.sqlite", **bounds) as store:
+        assert await store.get("a") == robot(3)
+        assert not await store.put("a", robot(4))
 
 
 def document(urdf: str) -> bytes:

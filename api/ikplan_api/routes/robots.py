@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import json
+import logging
 
 from fastapi import APIRouter, Request, Response
 
@@ -15,11 +16,14 @@ from ikplan_api.problems import Refusal
 from ikplan_api.robot_builder import RobotBuilder
 from ikplan_api.robot_store import RobotStore, StoredRobot
 from ikplan_api.schemas import RobotList, SolverList
+from ikplan_api.store import StoreFault
 from ikplan_api.uploads import QUERY, XML, read_upload, stored_robot
 
 __all__ = ["router"]
 
 router = APIRouter(prefix="/v1", tags=["robots and solvers"])
+
+_log = logging.getLogger("ikplan.service")
 
 _JSON = "application/json"
 _URDF = (
@@ -72,7 +76,15 @@ async def upload_robot(request: Request) -> Response:
     if known is None:
         info = await builder.build(document, name=name)
         known = StoredRobot(document, json.dumps(info, allow_nan=False).encode())
-    new = await store.put(name, known)
+    try:
+        new = await store.put(name, known)
+    except StoreFault as error:
+        _log.error("a robot could not be kept: %s", error)
+        raise errors.ServiceUnavailable(
+            "robots cannot be kept now",
+            status_code=errors.ServiceUnavailable.status,
+            retry_after_s=60.0,
+        ) from error
     return Response(
         known.info,
         status_code=201 if new else 200,

@@ -150,7 +150,7 @@ def _methods_at(request: Request) -> set[str]:
     found: set[str] = set()
     for route in itertools.chain.from_iterable(router.routes for router in routers):
         if isinstance(route, APIRoute) and route.matches(request.scope)[0] is not Match.NONE:
-            found |= route.methods
+            found |= route.methods or set()
     return found
 
 

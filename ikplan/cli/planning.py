@@ -78,16 +78,31 @@ def robot_of_file(file: str | None, options: argparse.Namespace, document: Any) 
             raise InvalidRequest("--base and --tip belong to --robot FILE", field="command line")
         return None
     if options.server is not None:
-        raise InvalidRequest(
-            "--robot FILE cannot be combined with --server: a service plans for its own robots",
-            field="command line",
-        )
+        _upload(Path(file), options, document)
+        if options.plot is None and options.plot_timing is None:
+            return None
     from ikplan.robots import load_robot
 
     robot = load_robot(Path(file), base=options.base, tip=options.tip)
-    if isinstance(document, dict):
+    if isinstance(document, dict) and options.server is None:
         document["robot"] = robot.name
     return robot
+
+
+def _upload(file: Path, options: argparse.Namespace, document: Any) -> None:
+    """Let the service have the robot of a file; its id then stands in the document."""
+    if file.suffix in (".yaml", ".yml") or file.is_dir():
+        raise InvalidRequest(
+            f"--robot {file}: only a URDF can be uploaded to a service", field="command line"
+        )
+    from ikplan.client import Client
+
+    frames = {"base": options.base, "tip": options.tip}
+    with Client(options.server) as client:
+        said = {key: link for key, link in frames.items() if link is not None}
+        info = client.upload_robot(file.read_bytes(), title=file.stem or "robot", **said)
+    if isinstance(document, dict):
+        document["robot"] = info["name"]
 
 
 def _here(document: Any, robot: Robot | None) -> Plan:

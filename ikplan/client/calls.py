@@ -8,7 +8,7 @@ from typing import Any
 from urllib.parse import quote
 
 from ikplan.client.wire import Call, encode
-from ikplan.errors import ServiceUnavailable
+from ikplan.errors import InvalidRobot, ServiceUnavailable
 from ikplan.request import FkRequest, IkRequest, PlanRequest
 from ikplan.result import FkResult, IkSolution, Plan
 from ikplan.status import PlanStatus
@@ -111,8 +111,15 @@ def robot(name: str) -> Call[dict[str, Any]]:
 
 
 def upload_robot(urdf: str | bytes, options: Mapping[str, Any]) -> Call[dict[str, Any]]:
-    """Upload a robot."""
-    text = urdf.decode() if isinstance(urdf, bytes) else urdf
+    """Upload a robot.
+
+    Raises:
+        InvalidRobot: The URDF is not text.
+    """
+    try:
+        text = urdf.decode() if isinstance(urdf, bytes) else urdf
+    except UnicodeDecodeError as error:
+        raise InvalidRobot(f"the URDF is not UTF-8 text: {error.reason}") from error
     return Call("POST", "/v1/robots", _object, encode({"urdf": text, **options}))
 
 

@@ -181,7 +181,8 @@ def test_a_joint_path_is_timed_for_the_robot_of_a_file(run, fail, urdf, tmp_path
         assert line.startswith("invalid-request: limits.torque: two has no sourced inertias")
     assert "a name, or --robot FILE" in fail("time", rows)
     assert "a name, or --robot FILE" in fail("time", "ur5", rows, *options)
-    assert "--server" in fail("time", rows, *options, "--server", "http://x")
+    unreachable = fail("time", rows, *options, "--server", "http://127.0.0.1:1")
+    assert unreachable.startswith("service-unavailable")
 
 
 def test_schema_is_the_requests(run):
@@ -232,7 +233,10 @@ def test_a_mistake_is_one_line_that_helps(arguments, slug, words, fail):
 
 def test_mistakes_with_files_are_one_line_too(fail, request_file, urdf):
     assert fail("plan", request_file, "-o", "/no/such/folder/plan.json").startswith("file-error")
-    assert "--server" in fail("plan", request_file, "--robot", urdf, "--server", "http://x")
+    nowhere = ("--server", "http://127.0.0.1:1")
+    line = fail("plan", request_file, "--robot", urdf, *nowhere)
+    assert line.startswith("service-unavailable")
+    assert "only a URDF" in fail("plan", request_file, "--robot", urdf.parent, *nowhere)
     assert "--robot" in fail("plan", request_file, "--tip", "tip")
     assert "service-unavailable" in fail("plan", request_file, "--server", "http://127.0.0.1:1")
     assert "service-unavailable" in fail("plan", request_file, "--server", "nowhere")

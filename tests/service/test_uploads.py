@@ -13,6 +13,7 @@ import pytest
 
 import ikplan
 from ikplan import Client, InvalidRobot, RobotNotFound
+from ikplan.cli import main
 from ikplan.robots import robot_from_urdf
 from ikplan_api.build_robot import _build
 from ikplan_api.robot_builder import RobotBuilder
@@ -206,3 +207,17 @@ def test_64_joints_are_built(http):
     answer: httpx.Response = http.post("/v1/robots", content=chain(64), headers=XML)
     assert answer.status_code == 201
     assert http.delete(answer.headers["location"]).status_code == 204
+
+
+def test_the_command_uploads_the_robot_of_a_file(live_address, client, tmp_path, capsys):
+    urdf, rows, out = (tmp_path / name for name in ("arm.urdf", "rows.json", "timed.json"))
+    urdf.write_text(ARM)
+    rows.write_text(json.dumps([Q, [0.0] * 6]))
+    options = ["--robot", str(urdf), "--tip", "l6", "--server", live_address, "-o", str(out)]
+    assert main(["time", str(rows), *options]) == 0
+    timed = ikplan.Plan.load(out.read_bytes())
+    described = client.robot(timed.robot)
+    assert (described["title"], described["tip_frame"]) == ("arm", "l6")
+    assert timed.q[0].tolist() == Q
+    client.delete_robot(timed.robot)
+    assert timed.robot in capsys.readouterr().out

@@ -123,15 +123,15 @@ def _claims(main: list[Study], results: Results, document: Document) -> None:
         case = study.case
         given = published.LI_TABLE_9[case.name.removeprefix("E9-")]["BODE-CS"]
         table = results.tables[case.name, "BODE-CS"]
-        largest = float(1e3 * table.grid("eps_p").max(axis=1).mean())
-        met, missed = table.where(case.reachable), table.where(~case.reachable)
+        groups = [table.where(mask) for mask in (case.reachable, ~case.reachable)]
+        most = [float(1e3 * g.grid("eps_p").max(axis=1).mean()) for g in groups]
+        middle = [1e3 * float(np.median(g["eps_p"])) for g in groups]
         document.claim(
             f"E9: largest position error of BODE-CS, {case.title}",
             f"{given[0]:g} mm",
-            f"{largest:.3g} mm over all points (mean over the runs); median "
-            f"{1e3 * float(np.median(met['eps_p'])):.2g} where the pose can be reached, "
-            f"{1e3 * float(np.median(missed['eps_p'])):.2g} where not",
-            against(given[0], largest),
+            f"{most[0]:.2g} mm (median {middle[0]:.2g}) where the pose can be reached, "
+            f"{most[1]:.2g} ({middle[1]:.2g}) where not; maxima as means over the runs",
+            against(given[0], max(most)),
         )
     inside = [results.tables[s.case.name, "BODE-CS"].where(s.case.reachable) for s in main]
     theta = [f"{np.median(table['theta_deg']):.0f}" for table in inside]

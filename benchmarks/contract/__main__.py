@@ -31,7 +31,12 @@ _SETTINGS = {
 def main(argv: Sequence[str] | None = None) -> int:
     """Run it; return the exit code: 0 where nothing was found."""
     parser = argparse.ArgumentParser(prog="python -m benchmarks.contract", description=__doc__)
-    parser.add_argument("--examples", type=int, default=200, help="examples of each operation")
+    parser.add_argument(
+        "--examples",
+        type=int,
+        default=200,
+        help="examples of each operation; 180 make about 10,000 requests",
+    )
     parser.add_argument("--minutes", type=float, default=60.0, help="longest time")
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--phases", default="examples,coverage,fuzzing,stateful")

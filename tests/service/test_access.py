@@ -174,7 +174,8 @@ def test_a_key_that_asks_too_often_has_to_wait_and_others_need_not():
     assert (probe.status_code, other.status_code) == (200, 200)
 
     async def client_call() -> None:
-        async with AsyncClient(ADDRESS, transport=httpx.ASGITransport(app), key=KEY) as client:
+        transport = httpx.ASGITransport(app)
+        async with AsyncClient(ADDRESS, transport=transport, key=KEY, retries=0) as client:
             await client.solvers()
 
     with pytest.raises(RateLimited) as caught:

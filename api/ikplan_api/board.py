@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
+import hashlib
 import json
 import logging
+from collections import OrderedDict
 from typing import Any
 
 from ikplan.errors import (
@@ -24,6 +26,9 @@ from ikplan_api.tasks import Answer
 
 __all__ = ["PlanBoard"]
 
+_SEEN = 4096
+"""Requests remembered to have been here before."""
+
 _log = logging.getLogger("ikplan.service")
 
 
@@ -41,6 +46,7 @@ class PlanBoard:
         self._store = store
         self._max_budget_s = max_budget_s
         self._making: dict[str, Making] = {}
+        self._seen: OrderedDict[bytes, None] = OrderedDict()
         self._unsaved = RecentPlans(max_plans=256, max_bytes=64 * 2**20)
 
     async def resume(self) -> None:
@@ -62,9 +68,17 @@ class PlanBoard:
 
         Raises:
             IkplanError: What is wrong with the request.
+            ServiceUnavailable: There is no room, and the request has not been here before.
         """
+        digest = hashlib.sha256(b"\0".join((kind.encode(), robot or b"", document))).digest()
+        if digest not in self._seen and not patient:
+            # What may already be kept or under way is worth reading for a busy service, no more.
+            self._planner.check_room()
         identity = await identify(self._planner, kind, document, robot, patient=patient)
         budget_s = min(identity.budget_s, self._max_budget_s)
+        self._seen[digest] = None
+        while len(self._seen) > _SEEN:
+            self._seen.popitem(last=False)
         return Job(identity.plan_id, kind, document, robot, budget_s)
 
     async def find(self, plan_id: str) -> bytes | None:

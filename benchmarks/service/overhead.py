@@ -11,7 +11,7 @@ import httpx
 
 import ikplan
 from benchmarks.service.requests import helices
-from benchmarks.service.server import Server, processor_s, serving
+from benchmarks.service.server import serving
 
 __all__ = ["measure_overhead"]
 
@@ -35,7 +35,7 @@ def measure_overhead(pairs: int = 40) -> list[str]:
         for k, body in enumerate(itertools.islice(helices(), pairs + 5)):
             request = json.loads(body)
             if k == 5:  # both are warm
-                spent_s = _spent_s(server)
+                spent_s = server.processor_s()
             begin, own = time.perf_counter(), time.process_time()
             plan = ikplan.plan(request)
             own = time.process_time() - own
@@ -56,7 +56,7 @@ def measure_overhead(pairs: int = 40) -> list[str]:
                 document.append(written - begin)
                 exchange.append(answered - written)
                 client_s.append(read - again)
-        spent_s = _spent_s(server) - spent_s
+        spent_s = server.processor_s() - spent_s
     rows = (
         ("HTTP exchange over plan() alone", exchange, here),
         ("HTTP exchange over plan() and its JSON", exchange, document),
@@ -71,7 +71,3 @@ def measure_overhead(pairs: int = 40) -> list[str]:
         f"{1e3 * spent_s / (2 * pairs):.1f} ms of the service's processes"
     )
     return lines
-
-
-def _spent_s(server: Server) -> float:
-    return sum(processor_s(pid) for pid in server.processes())

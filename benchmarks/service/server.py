@@ -74,6 +74,10 @@ class Server:
         warm = [pid for pid in family if _command(pid).count("forkserver")]
         return [pid for pid in warm if pid != min(warm)]
 
+    def processor_s(self) -> float:
+        """Processor time that the service and all it started have taken [s]."""
+        return sum(processor_s(pid) for pid in self.processes())
+
     def memory_bytes(self) -> int:
         """Memory of the service and all it started, shared pages counted once [bytes]."""
         total = 0

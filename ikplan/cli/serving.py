@@ -14,6 +14,9 @@ from ikplan.errors import InvalidRequest
 __all__ = ["serve"]
 
 APP = "ikplan_api.app:create_app"
+_KEEP_ALIVE_S = 75
+"""Time that idle connections are kept [s]: longer than clients keep them, so that none asks on one
+that is just being closed."""
 _LAST_ANSWERS_S = 30
 """Time for the requests under way when the service is to stop [s]."""
 
@@ -36,6 +39,7 @@ def serve(options: argparse.Namespace) -> None:
         port=options.port,
         log_config=_logging(),
         timeout_graceful_shutdown=_LAST_ANSWERS_S,
+        timeout_keep_alive=_KEEP_ALIVE_S,
         access_log=False,  # the service tells more of each request itself
     )
     with _listen(options.host, options.port) as listening:

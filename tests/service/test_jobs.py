@@ -245,6 +245,26 @@ def test_no_job_is_accepted_without_room():
     served(use, room=1)
 
 
+def test_a_busy_service_still_answers_what_it_has_and_reads_nothing_new():
+    async def use(planner, http, board) -> None:
+        first = ask(http)
+        await until(lambda: planner.asked)
+        planner.answer()
+        assert (await first).status_code == 200
+        other = ask(http, ik={"seed": 1})
+        await until(lambda: len(planner.asked) == 2)
+        joined = ask(http, ik={"seed": 1})
+        assert (await ask(http)).status_code == 200
+        assert (await ask(http, ik={"seed": 2})).status_code == 503
+        assert (await ask(http, robot="x")).status_code == 503
+        planner.answer()
+        assert (await other).status_code == (await joined).status_code == 200
+        assert (await ask(http, robot="x")).status_code == 404
+        assert not board._making
+
+    served(use, room=1)
+
+
 async def events(http: httpx.AsyncClient, place: str) -> list[tuple[str, dict[str, Any]]]:
     """Every event of a stream, as its name and data, once it has ended."""
     answer = await http.get(f"{place}/events")

@@ -8,9 +8,7 @@ leaves the path, and nowhere else.
 
 from __future__ import annotations
 
-import itertools
 from dataclasses import dataclass
-from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,19 +18,18 @@ from ikplan.kinematics.forward import forward_batch
 from ikplan.kinematics.target import ORIENTATION_WEIGHT, Freedom, constraint_rows
 from ikplan.planning.candidates import Targets, target_at
 from ikplan.planning.clock import Clock
+from ikplan.planning.guide import Guide, first_stations, nearest_places, rest_stations
 from ikplan.planning.length import motion_length
 from ikplan.planning.polish import polish
 from ikplan.planning.track import errors_at, first_break, onto_targets, track
 from ikplan.request import Tolerance
 from ikplan.timing import JointLimits, JointPath
 
-__all__ = ["Followed", "Follower", "Guide", "Lost"]
+__all__ = ["Followed", "Follower", "Lost"]
 
 Array = NDArray[np.float64]
 
 _EXACT = 1e-9
-_FIRST_STEP = 0.04
-"""Spacing of the first stations [m, or m-equivalent of a rotation]."""
 _FINEST = 2.0**-13
 """Smallest step, as a share of the path's length."""
 _DEVIATION_SHARE = 0.5
@@ -40,28 +37,6 @@ _DEVIATION_SHARE = 0.5
 _MOST_STATIONS = 20_000
 _INSIDE = np.array([0.2, 0.5, 0.8])
 """Where between two stations the deviation is measured, as shares of the step."""
-
-
-class Guide(Protocol):
-    """A tool path in the base frame, as the follower needs it."""
-
-    @property
-    def length(self) -> float:
-        """Length [m; rotations count for about their lever]."""
-
-    @property
-    def corners(self) -> Array:
-        """Path positions where the direction jumps and the motion stops, shape (c,)."""
-
-    @property
-    def waypoint_s(self) -> Array:
-        """Path positions of the waypoints asked for, shape (n,)."""
-
-    def poses(self, s: Array) -> tuple[Array, Array]:
-        """Rotations, shape (m, 3, 3), and positions, shape (m, 3) [m], at path positions."""
-
-    def orientation_mask(self, s: Array) -> NDArray[np.bool_]:
-        """Where an orientation is asked for, shape (m,)."""
 
 
 @dataclass(frozen=True)
@@ -194,7 +169,7 @@ class Follower:
     def _lead(self, guide: Guide, q_start: Array) -> tuple[Array, Array, int]:
         """Return stations and configurations from one start to the end of the path."""
         lower, upper = self.arm.lower, self.arm.upper
-        s = _first_stations(guide)
+        s = first_stations(guide)
         q = np.empty((len(s), self.arm.dof))
         q[0] = q_start
         targets = self.targets_at(guide, s)
@@ -243,7 +218,7 @@ class Follower:
         evaluations = 0
         while True:
             self.clock.check()
-            rest = _rest_stations(guide, s)
+            rest = rest_stations(guide, s)
             path = JointPath.through(q, self.limits, rest_at=rest)
             off = self._interval_deviation(guide, s, path)
             evaluations += len(_INSIDE) * (len(s) - 1)
@@ -272,7 +247,7 @@ class Follower:
         q = np.ascontiguousarray(path(sigma))
         _, p = forward_batch(self.arm.chain, q)
         low, high = np.repeat(s[:-1], len(_INSIDE)), np.repeat(s[1:], len(_INSIDE))
-        near = _nearest_places(guide, near, p, low, high)
+        near = nearest_places(guide, near, p, low, high)
         distance, angle = errors_at(self.arm.chain, self.targets_at(guide, near), q)
         tolerance = self.tolerance
         off = np.maximum(distance / tolerance.position, angle / tolerance.orientation)
@@ -282,38 +257,3 @@ class Follower:
 def _length(q: Array) -> float:
     """Sum of the joint distances along stations, shape (m, dof)."""
     return motion_length(q, q[0], True)
-
-
-def _first_stations(guide: Guide) -> Array:
-    """Stations that include every corner and waypoint, an even number of steps between them."""
-    marks = np.unique(np.concatenate([[0.0], guide.corners, guide.waypoint_s, [guide.length]]))
-    marks = marks[np.concatenate([[True], np.diff(marks) > 1e-12 * max(guide.length, 1.0)])]
-    parts = [marks[:1]]
-    for a, b in itertools.pairwise(marks):
-        steps = 2 * max(2, int(np.ceil((b - a) / (2.0 * _FIRST_STEP))))
-        parts.append(np.linspace(a, b, steps + 1)[1:])
-    return np.concatenate(parts)
-
-
-def _rest_stations(guide: Guide, s: Array) -> list[int]:
-    """Indices of the stations at the corners."""
-    return [int(k) for k in np.searchsorted(s, guide.corners - 1e-12 * max(guide.length, 1.0))]
-
-
-def _nearest_places(guide: Guide, near: Array, p: Array, low: Array, high: Array) -> Array:
-    """Places on the path nearest to tool positions, to second order: one step along the tangent.
-
-    Args:
-        guide: The path.
-        near: Path positions to begin from, shape (m,).
-        p: Tool positions, shape (m, 3) [m].
-        low: Smallest path position of each, shape (m,).
-        high: Largest path position of each, shape (m,).
-    """
-    h = 1e-4 * guide.length
-    ahead, behind = np.minimum(near + h, guide.length), np.maximum(near - h, 0.0)
-    tangent = (guide.poses(ahead)[1] - guide.poses(behind)[1]) / (ahead - behind)[:, None]
-    speed = np.linalg.norm(tangent, axis=1)
-    along = np.einsum("ij,ij->i", p - guide.poses(near)[1], tangent)
-    step = np.where(speed > 1e-6, along / np.maximum(speed**2, 1e-12), 0.0)
-    return np.clip(near + step, low, high)

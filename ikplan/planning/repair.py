@@ -17,8 +17,9 @@ from ikplan.path import JointLeg, Pose, ToolLeg, legs_of
 from ikplan.planning.candidates import grow_candidates
 from ikplan.planning.follow import Lost
 from ikplan.planning.freedom import counts_orientation, freedom_of
+from ikplan.planning.lay import lay_route
 from ikplan.planning.least_motion import stack_targets
-from ikplan.planning.route import RouteProblem, lay_route
+from ikplan.planning.route import RouteProblem
 from ikplan.planning.turns import with_copies
 from ikplan.request import Frame, PathRequest
 

@@ -210,3 +210,11 @@ def test_moving_the_frame_with_the_path_changes_no_line() -> None:
 def test_the_same_line_gives_the_same_bytes() -> None:
     a, b = ur5_line([0.1, 0.0, 0.05]), ur5_line([0.1, 0.0, 0.05])
     assert a.model_dump_json(exclude={"stats"}) == b.model_dump_json(exclude={"stats"})
+
+
+def test_a_line_may_be_approached_from_where_it_begins() -> None:
+    begin = ur5_begin()
+    plan = ur5_line([0.0, 0.0, 0.0], [0.05, 0.0, 0.05], approach="joint")
+    np.testing.assert_allclose(plan.waypoints.q[0], UR5_START, atol=1e-9)
+    end = load_robot("ur5").fk(plan.waypoints.q[1]).translation - begin.translation
+    np.testing.assert_allclose(end, [0.05, 0.0, 0.05], atol=1e-4)

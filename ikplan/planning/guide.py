@@ -1,0 +1,73 @@
+"""A tool path as the follower sees it: poses at path positions, and where stations have to be."""
+
+from __future__ import annotations
+
+import itertools
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+__all__ = ["Guide", "first_stations", "nearest_places", "rest_stations"]
+
+Array = NDArray[np.float64]
+
+_FIRST_STEP = 0.04
+"""Spacing of the first stations [m, or m-equivalent of a rotation]."""
+
+
+class Guide(Protocol):
+    """A tool path in the base frame, as the follower needs it."""
+
+    @property
+    def length(self) -> float:
+        """Length [m; rotations count for about their lever]."""
+
+    @property
+    def corners(self) -> Array:
+        """Path positions where the direction jumps and the motion stops, shape (c,)."""
+
+    @property
+    def waypoint_s(self) -> Array:
+        """Path positions of the waypoints asked for, shape (n,)."""
+
+    def poses(self, s: Array) -> tuple[Array, Array]:
+        """Rotations, shape (m, 3, 3), and positions, shape (m, 3) [m], at path positions."""
+
+    def orientation_mask(self, s: Array) -> NDArray[np.bool_]:
+        """Where an orientation is asked for, shape (m,)."""
+
+
+def first_stations(guide: Guide) -> Array:
+    """Stations that include every corner and waypoint, an even number of steps between them."""
+    marks = np.unique(np.concatenate([[0.0], guide.corners, guide.waypoint_s, [guide.length]]))
+    marks = marks[np.concatenate([[True], np.diff(marks) > 1e-12 * max(guide.length, 1.0)])]
+    parts = [marks[:1]]
+    for a, b in itertools.pairwise(marks):
+        steps = 2 * max(2, int(np.ceil((b - a) / (2.0 * _FIRST_STEP))))
+        parts.append(np.linspace(a, b, steps + 1)[1:])
+    return np.concatenate(parts)
+
+
+def rest_stations(guide: Guide, s: Array) -> list[int]:
+    """Indices of the stations at the corners."""
+    return [int(k) for k in np.searchsorted(s, guide.corners - 1e-12 * max(guide.length, 1.0))]
+
+
+def nearest_places(guide: Guide, near: Array, p: Array, low: Array, high: Array) -> Array:
+    """Places on the path nearest to tool positions, to second order: one step along the tangent.
+
+    Args:
+        guide: The path.
+        near: Path positions to begin from, shape (m,).
+        p: Tool positions, shape (m, 3) [m].
+        low: Smallest path position of each, shape (m,).
+        high: Largest path position of each, shape (m,).
+    """
+    h = 1e-4 * guide.length
+    ahead, behind = np.minimum(near + h, guide.length), np.maximum(near - h, 0.0)
+    tangent = (guide.poses(ahead)[1] - guide.poses(behind)[1]) / (ahead - behind)[:, None]
+    speed = np.linalg.norm(tangent, axis=1)
+    along = np.einsum("ij,ij->i", p - guide.poses(near)[1], tangent)
+    step = np.where(speed > 1e-6, along / np.maximum(speed**2, 1e-12), 0.0)
+    return np.clip(near + step, low, high)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import contextlib
+import logging.config
 import os
 import socket
 import sys
@@ -37,7 +38,7 @@ def serve(options: argparse.Namespace) -> None:
         factory=True,
         host=options.host,
         port=options.port,
-        log_config=_logging(),
+        log_config=None,
         timeout_graceful_shutdown=_LAST_ANSWERS_S,
         timeout_keep_alive=_KEEP_ALIVE_S,
         access_log=False,  # the service tells more of each request itself
@@ -48,6 +49,7 @@ def serve(options: argparse.Namespace) -> None:
         if options.workers is not None:
             os.environ["IKPLAN_WORKERS"] = str(options.workers)
         config.load()
+        logging.config.dictConfig(_logging())
         sys.stderr.write(f"ikplan: listening on {_address(listening)} (manual at /docs)\n")
         with contextlib.suppress(KeyboardInterrupt):
             uvicorn.Server(config).run(sockets=[listening])

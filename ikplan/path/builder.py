@@ -14,6 +14,7 @@ from ikplan.path.assembly import assemble
 from ikplan.path.curves import curve_pieces
 from ikplan.path.geodesic import shortest_turn
 from ikplan.path.items import Item, Mark
+from ikplan.path.led import lead_to_orientations
 from ikplan.path.path_frame import PathFrame
 from ikplan.path.piece import Piece, Pose
 from ikplan.path.rotation import angle_between, exp
@@ -54,7 +55,7 @@ class PathBuilder:
     ) -> None:
         self._frame = frame
         self._begin = self._at = begin
-        self._name = name
+        self._name = self._first_name = name
         self._row = row
         self._free_axis = None if free_axis is None else _AXES[free_axis]
         self._blend = blend
@@ -192,9 +193,11 @@ class PathBuilder:
         """Return the path.
 
         Raises:
-            InvalidRequest: A corner cannot be blended.
+            InvalidRequest: A corner cannot be blended, or a free stretch leads to an orientation
+                180 degrees away.
         """
-        return assemble(self._begin, self._first, self._items, self._blend)
+        items = lead_to_orientations(self._items, self._begin, self._first_name, self._free_axis)
+        return assemble(self._begin, self._first, items, self._blend)
 
     def _turn_to(
         self, R1: Array | None, name: str, field: str, turn_axis: Array | None

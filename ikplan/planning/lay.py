@@ -197,7 +197,9 @@ class _Layer:
         if self.knots:
             return self.knots[-1][None], np.zeros(1)
         R, p = path.pose(0.0)
-        pose = Pose(R if path.oriented(0.0) else None, p)
+        # What begins without an orientation may begin at a waypoint with one.
+        asked = [w.R for w in path.waypoints if w.s == 0.0 and w.R is not None]
+        pose = Pose(R if path.oriented(0.0) else (asked[0] if asked else None), p)
         starts, spent = branches(
             self._waypoint_problem([JointTarget(0, "the begin of the path", pose=pose)])
         )

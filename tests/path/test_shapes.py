@@ -1,5 +1,6 @@
 """Lines, arcs, splines and named curves against their formulas."""
 
+import itertools
 import math
 
 import numpy as np
@@ -11,7 +12,7 @@ from scipy.spatial.transform import Rotation
 
 from ikplan import InvalidRequest
 from ikplan.path import Pose
-from ikplan.path.rotation import exp, log
+from ikplan.path.rotation import angle_between, exp, log
 
 from .requests import START, of_segments, pose, quaternion, random_poses, seeds, through, tool_path
 
@@ -208,18 +209,23 @@ def test_a_repeated_position_ends_one_spline_and_begins_another():
 
 
 @pytest.mark.parametrize("interpolation", ["line", "spline"])
-def test_orientation_counts_where_both_neighbours_have_one(interpolation):
+def test_orientation_counts_up_to_the_last_pose_that_has_one(interpolation):
     poses = random_poses(2, 6)
-    for k in (2, 4):
+    for k in (1, 3, 4, 5):
         del poses[k]["quaternion_xyzw"]
     path = through(poses, interpolation)
     s = path.waypoint_s
     middles = 0.5 * (np.concatenate([[0.0], s[:-1]]) + s)
-    assert path.orientation_mask(middles).tolist() == [True, True, False, False, False, False]
-    assert path.oriented(float(s[1]))
-    assert not path.oriented(float(s[1]) + 1e-9)
-    assert_allclose(path.pose(float(s[1]))[0], path.waypoints[1].R, atol=1e-12)
-    assert [w.R is None for w in path.waypoints] == [k in (2, 4) for k in range(6)]
+    assert path.orientation_mask(middles).tolist() == [True, True, True, False, False, False]
+    assert path.oriented(float(s[2]))
+    assert not path.oriented(float(s[2]) + 1e-9)
+    for k in (0, 2):
+        assert_allclose(path.pose(float(s[k]))[0], path.waypoints[k].R, atol=1e-12)
+    assert [w.R is None for w in path.waypoints] == [k in (1, 3, 4, 5) for k in range(6)]
+    # Between two orientations the tool turns evenly, whatever positions it passes.
+    R = path.poses(np.linspace(s[0], s[2], 41))[0]
+    steps = [angle_between(a, b) for a, b in itertools.pairwise(R)]
+    assert_allclose(steps, np.mean(steps), rtol=1e-6)
 
 
 def test_follow_keeps_the_angle_between_tool_and_direction():

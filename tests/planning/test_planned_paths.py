@@ -218,3 +218,31 @@ def test_a_line_may_be_approached_from_where_it_begins() -> None:
     np.testing.assert_allclose(plan.waypoints.q[0], UR5_START, atol=1e-9)
     end = load_robot("ur5").fk(plan.waypoints.q[1]).translation - begin.translation
     np.testing.assert_allclose(end, [0.05, 0.0, 0.05], atol=1e-4)
+
+
+@pytest.mark.parametrize("start", [None, "free"])
+@pytest.mark.parametrize("interpolation", ["line", "spline"])
+@pytest.mark.parametrize("oriented", [(0, 0, 1), (0, 1, 0), (1, 0, 0), (1, 0, 1), (1, 0, 0, 1, 0)])
+def test_orientations_are_met_where_they_are_asked_for(oriented, interpolation, start) -> None:
+    robot = load_robot("panda")
+    rng = np.random.default_rng(5)
+    wanted = [robot.fk(robot.home + 0.15 * rng.normal(size=7)) for _ in oriented]
+    waypoints = [pose(T) for T in wanted]
+    for waypoint, turns in zip(waypoints, oriented, strict=True):
+        if not turns:
+            del waypoint["quaternion_xyzw"]
+    plan = planned("panda", start, {"waypoints": waypoints, "interpolation": interpolation})
+    for q, T, turns in zip(plan.waypoints.q, wanted, oriented, strict=True):
+        off = robot.fk(q).actInv(T)
+        assert np.linalg.norm(off.translation) <= 1e-4
+        assert not turns or np.linalg.norm(pin.log3(off.rotation)) <= 1e-3
+
+
+def test_a_way_to_an_orientation_turns_evenly_to_it() -> None:
+    robot = load_robot("panda")
+    begin = robot.fk(robot.home)
+    through, end = shifted(begin, [0.0, 0.1, 0.0]), shifted(begin, [0.0, 0.2, 0.0], (0.4, 0.0, 0.0))
+    waypoints = [{"position": through.translation.tolist()}, pose(end)]
+    plan = planned("panda", None, {"waypoints": waypoints, "interpolation": "line"})
+    half = robot.fk(plan.waypoints.q[0])
+    np.testing.assert_allclose(pin.log3(begin.rotation.T @ half.rotation), [0.2, 0, 0], atol=2e-3)

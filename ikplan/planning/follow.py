@@ -28,8 +28,17 @@ from ikplan.timing import JointLimits, JointPath
 __all__ = ["Followed", "Follower", "Lost"]
 
 Array = NDArray[np.float64]
+_Way = tuple[float, Array, Array]
+"""Joint motion, stations, shape (m,), and configurations, shape (m, dof)."""
 
 _EXACT = 1e-9
+_FIRST_STEPS = (0.04, 0.005)
+"""Spacing of the first stations [m, or m-equivalent of a rotation]: the second where the first
+turns out to have gone over a jump."""
+_TRIED = 3
+"""Ways that are tried to their end, shortest first."""
+_JUMP = 2.0**-20
+"""A joint motion on less than this share of the path, and not on the path, is a jump."""
 _FINEST = 2.0**-13
 """Smallest step, as a share of the path's length."""
 _DEVIATION_SHARE = 0.5
@@ -111,19 +120,28 @@ class Follower:
             Lost: From no start can the path be followed to its end; of the one that got farthest.
             BudgetExceeded: The time budget ran out.
         """
-        ways, evaluations = self._ways(guide, starts, costs)
-        length, s, q = ways[0]
-        if self._redundant(guide):
-            for way_length, s_way, q_way in ways[:3]:
-                self.clock.check()
-                q_short, spent = self._shorten(guide, s_way, q_way)
+        evaluations = 0
+        broken: Lost | None = None
+        for step in _FIRST_STEPS:
+            ways, spent = self._ways(guide, starts, costs, step)
+            evaluations += spent
+            if self._redundant(guide):
+                ways, spent = self._shortened(guide, ways[:_TRIED])
                 evaluations += spent
-                spared = _length(q_way) - _length(q_short)
-                if way_length - spared < length:
-                    length, s, q = way_length - spared, s_way, q_short
-        s, q, rest, spent = self._densify(guide, s, q)
-        waypoint = np.searchsorted(s, guide.waypoint_s - 1e-12 * max(guide.length, 1.0))
-        return Followed(s, q, rest, waypoint, length, evaluations + spent)
+            for length, s_way, q_way in ways[:_TRIED]:
+                try:
+                    s, q, rest, spent = self._densify(guide, s_way, q_way)
+                except Lost as lost:
+                    evaluations += lost.evaluations
+                    if broken is None or lost.s > broken.s:
+                        broken = lost
+                    continue
+                waypoint = np.searchsorted(s, guide.waypoint_s - 1e-12 * max(guide.length, 1.0))
+                return Followed(s, q, rest, waypoint, length, evaluations + spent)
+        if broken is None:
+            raise ValueError("no start was given")
+        broken.evaluations = evaluations
+        raise broken
 
     def targets_at(self, guide: Guide, s: Array) -> Targets:
         """Return the targets of path positions, shape (m,)."""
@@ -142,16 +160,16 @@ class Follower:
         return self.arm.dof > constraint_rows(target_at(targets, 0))
 
     def _ways(
-        self, guide: Guide, starts: Array, costs: Array
-    ) -> tuple[list[tuple[float, Array, Array]], int]:
+        self, guide: Guide, starts: Array, costs: Array, step: float
+    ) -> tuple[list[_Way], int]:
         """Length, stations and configurations from each start, shortest first; evaluations."""
-        ways: list[tuple[float, Array, Array]] = []
+        ways: list[_Way] = []
         farthest: Lost | None = None
         evaluations = 0
         for q_start, cost in zip(starts, costs, strict=True):
             self.clock.check()
             try:
-                s, q, spent = self._lead(guide, q_start)
+                s, q, spent = self._lead(guide, q_start, step)
             except Lost as lost:
                 evaluations += lost.evaluations
                 if farthest is None or lost.s > farthest.s:
@@ -166,10 +184,10 @@ class Follower:
         farthest.evaluations = evaluations
         raise farthest
 
-    def _lead(self, guide: Guide, q_start: Array) -> tuple[Array, Array, int]:
+    def _lead(self, guide: Guide, q_start: Array, step: float) -> tuple[Array, Array, int]:
         """Return stations and configurations from one start to the end of the path."""
         lower, upper = self.arm.lower, self.arm.upper
-        s = first_stations(guide)
+        s = first_stations(guide, step)
         q = np.empty((len(s), self.arm.dof))
         q[0] = q_start
         targets = self.targets_at(guide, s)
@@ -182,14 +200,25 @@ class Follower:
             evaluations += spent
             if reached == len(s) - 1:
                 return s, q, evaluations
-            step = s[reached + 2] - s[reached]
-            if step < _FINEST * guide.length or len(s) > _MOST_STATIONS:
+            gap = s[reached + 2] - s[reached]
+            if gap < _FINEST * guide.length or len(s) > _MOST_STATIONS:
                 raise Lost(float(s[reached]), q[reached].copy(), evaluations)
             self.clock.check()
             halves = 0.5 * (s[reached : reached + 2] + s[reached + 1 : reached + 3])
             s = np.sort(np.concatenate([s, halves]))
             q = np.vstack([q[: reached + 1], np.empty((len(s) - reached - 1, q.shape[1]))])
             targets = self.targets_at(guide, s)
+
+    def _shortened(self, guide: Guide, ways: list[_Way]) -> tuple[list[_Way], int]:
+        """The ways made shorter, shortest first, and the evaluations spent."""
+        shorter: list[_Way] = []
+        evaluations = 0
+        for length, s, q in ways:
+            self.clock.check()
+            q_short, spent = self._shorten(guide, s, q)
+            evaluations += spent
+            shorter.append((length - _length(q) + _length(q_short), s, q_short))
+        return sorted(shorter, key=lambda way: way[0]), evaluations
 
     def _shorten(self, guide: Guide, s: Array, q: Array) -> tuple[Array, int]:
         """Shorten the way by the arm's self-motion, as long as it stays one way."""
@@ -225,6 +254,11 @@ class Follower:
             wide = np.flatnonzero(off > _DEVIATION_SHARE)
             if len(wide) == 0 or len(s) > _MOST_STATIONS:
                 return s, q, rest, evaluations
+            steps = s[wide + 1] - s[wide]
+            if steps.min() < _JUMP * guide.length:
+                # The joints move, the tool does not: a jump that the first steps went over.
+                at = wide[int(np.argmin(steps))]
+                raise Lost(float(s[at]), q[at].copy(), evaluations)
             middle = 0.5 * (s[wide] + s[wide + 1])
             knots = path.s_waypoints
             q_middle = np.clip(path(0.5 * (knots[wide] + knots[wide + 1])), lower, upper)

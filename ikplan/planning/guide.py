@@ -12,9 +12,6 @@ __all__ = ["Guide", "first_stations", "nearest_places", "rest_stations"]
 
 Array = NDArray[np.float64]
 
-_FIRST_STEP = 0.04
-"""Spacing of the first stations [m, or m-equivalent of a rotation]."""
-
 
 class Guide(Protocol):
     """A tool path in the base frame, as the follower needs it."""
@@ -38,13 +35,18 @@ class Guide(Protocol):
         """Where an orientation is asked for, shape (m,)."""
 
 
-def first_stations(guide: Guide) -> Array:
-    """Stations that include every corner and waypoint, an even number of steps between them."""
+def first_stations(guide: Guide, step: float) -> Array:
+    """Stations that include every corner and waypoint, an even number of steps between them.
+
+    Args:
+        guide: The path.
+        step: About their spacing [m].
+    """
     marks = np.unique(np.concatenate([[0.0], guide.corners, guide.waypoint_s, [guide.length]]))
     marks = marks[np.concatenate([[True], np.diff(marks) > 1e-12 * max(guide.length, 1.0)])]
     parts = [marks[:1]]
     for a, b in itertools.pairwise(marks):
-        steps = 2 * max(2, int(np.ceil((b - a) / (2.0 * _FIRST_STEP))))
+        steps = 2 * max(2, int(np.ceil((b - a) / (2.0 * step))))
         parts.append(np.linspace(a, b, steps + 1)[1:])
     return np.concatenate(parts)
 

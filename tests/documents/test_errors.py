@@ -34,6 +34,8 @@ EXAMPLES: list[IkplanError] = [
     errors.TimingFailed("slow", position=0.5, joint="A1", limit="velocity"),
     errors.BudgetExceeded("late", stage="ik", budget_s=1.0, best={"q": [[0.0]]}),
     errors.BudgetExceeded("late", stage="ik", budget_s=1.0),
+    errors.MemoryExceeded("large", stage="timing", limit_bytes=2**30),
+    errors.WorkerLost("ended", exit_code=-9),
     errors.CertificateViolated("broken", certificate={"valid": False}, violations=["x"]),
     errors.AccessDenied("no key"),
     errors.RateLimited(limit="5 per 1 minute", retry_after_s=7.5),

@@ -9,6 +9,7 @@ import pytest
 from anyio.from_thread import start_blocking_portal
 
 from ikplan_api.app import create_app
+from ikplan_api.robot_store import MemoryRobotStore
 from ikplan_api.settings import Settings
 from tests.service.conftest import ADDRESS, PortalTransport
 
@@ -17,6 +18,8 @@ from tests.service.conftest import ADDRESS, PortalTransport
 def http() -> Iterator[httpx.Client]:
     """Plain HTTP."""
     with start_blocking_portal() as portal:
-        transport = PortalTransport(create_app(Settings(workers=1)), portal)
+        transport = PortalTransport(
+            create_app(Settings(workers=1), robots=MemoryRobotStore(4, 2**20)), portal
+        )
         with httpx.Client(base_url=ADDRESS, transport=transport) as client:
             yield client

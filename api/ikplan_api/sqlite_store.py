@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import math
 import sqlite3
 import time
 from collections.abc import AsyncIterator, Sequence
@@ -54,6 +55,10 @@ DELETE FROM plans WHERE id IN (
 """
 
 
+_SLACK = 1 / 32
+"""Share of the bounds by which they may be passed before the surplus is dropped."""
+
+
 class SqliteStore:
     """Keeps plans and jobs in one file, bounded in number, size and age.
 
@@ -74,6 +79,9 @@ class SqliteStore:
         self._max_age_s = max_age_s
         self._connection: aiosqlite.Connection | None = None
         self._writing = asyncio.Lock()
+        # Kept since the surplus was dropped last; infinite: not known, so look.
+        self._new_plans: float = math.inf
+        self._new_bytes: float = math.inf
 
     def check(self) -> None:
         """Make sure that the file can be used.
@@ -154,11 +162,16 @@ class SqliteStore:
         """Keep a plan; those unused for longest make room for it."""
         now = time.time()
         row = (plan_id, len(document), now, now, document)
+        new_plans, new_bytes = self._new_plans + 1, self._new_bytes + len(document)
+        # To look at all there is for each plan would take longer the more there is.
+        look = new_plans > _SLACK * self._max_plans or new_bytes > _SLACK * self._max_bytes
         async with self.writing() as connection:
             await connection.execute("INSERT OR REPLACE INTO plans VALUES (?, ?, ?, ?, ?)", row)
             await connection.execute("DELETE FROM jobs WHERE id = ?", (plan_id,))
-            await connection.execute(_OLD_PLANS, (now - self._max_age_s,))
-            await connection.execute(_SURPLUS, (self._max_bytes, self._max_plans))
+            if look:
+                await connection.execute(_OLD_PLANS, (now - self._max_age_s,))
+                await connection.execute(_SURPLUS, (self._max_bytes, self._max_plans))
+        self._new_plans, self._new_bytes = (0, 0) if look else (new_plans, new_bytes)
 
     async def get(self, plan_id: str) -> bytes | None:
         """Return a plan, or None if it is not kept."""

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -86,7 +88,7 @@ def path_position(
 
 @kernel
 def times_of(time: Array, s: Array, v: Array, a: Array, places: Array) -> Array:
-    """Return when path positions are reached, by bisection of the monotone s(t).
+    """Return when path positions are reached, by bracketed Newton steps on the monotone s(t).
 
     Args:
         time: Times of the nodes [s], shape (n + 1,).
@@ -107,13 +109,20 @@ def times_of(time: Array, s: Array, v: Array, a: Array, places: Array) -> Array:
             high = low
         elif places[row] >= s[i + 1]:
             low = high
-        for _ in range(80):
-            middle = 0.5 * (low + high)
-            at, _, _, _ = path_position(time, s, v, a, i, middle)
+        t = 0.5 * (low + high)
+        for _ in range(100):
+            if not low < t < high:
+                t = 0.5 * (low + high)
+                if not low < t < high:
+                    break
+            at, speed, _, _ = path_position(time, s, v, a, i, t)
             if at < places[row]:
-                low = middle
+                low = t
             else:
-                high = middle
+                high = t
+            # A hair farther than Newton's step, so that the bracket closes from both sides.
+            step = (places[row] - at) / speed if speed > 0.0 else math.inf
+            t += step + math.copysign(1e-3 * abs(step) + 4e-16 * t, step)
         out[row] = high
     return out
 

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ikplan.path.geodesic import shortest_turn
-from ikplan.path.items import Item, Mark
+from ikplan.path.items import Item
 from ikplan.path.piece import Pose
 from ikplan.path.rotation import exp
 from ikplan.path.steady import line
@@ -44,52 +44,28 @@ def lead_to_orientations(
     led: list[Item] = []
     stretch: list[Item] = []
     R0 = begin.R
-    for item in (part for whole in items for part in _cut(whole)):
+
+    def lead(R1: Array, to: str) -> None:
+        turn = np.zeros(3)
+        if R0 is not None:
+            turn = shortest_turn(R0, R1, (name, to), free_axis=free_axis, field=to)
+        led.extend(_turning(stretch, R1 if R0 is None else R0, turn))
+        stretch.clear()
+
+    for item in items:
+        end = item.marks[-1] if item.marks else None
+        to = name if end is None else end.name
         if item.piece.oriented:
-            led += stretch
-            stretch = []
+            if stretch:
+                lead(item.piece.pose(0.0)[0], to)
             led.append(item)
-            R0, name = item.piece.pose(1.0)[0], _end_name(item, name)
+            R0, name = item.piece.pose(1.0)[0], to
             continue
         stretch.append(item)
-        end = next((m for m in item.marks if m.pose.R is not None), None)
-        if end is None or end.pose.R is None:
-            continue
-        if R0 is None:
-            R0, turn = end.pose.R, np.zeros(3)
-        else:
-            turn = shortest_turn(
-                R0, end.pose.R, (name, end.name), free_axis=free_axis, field=end.name
-            )
-        led += _turning(stretch, R0, turn)
-        stretch = []
-        R0, name = end.pose.R, end.name
+        if end is not None and end.pose.R is not None:
+            lead(end.pose.R, to)
+            R0, name = end.pose.R, to
     return led + stretch
-
-
-def _cut(item: Item) -> list[Item]:
-    """Cut a free item at the poses inside it that have an orientation."""
-    if item.piece.oriented:
-        return [item]
-    length = item.piece.length
-    cuts = [m.s for m in item.marks if m.pose.R is not None and _AT < m.s < length - _AT]
-    if not cuts:
-        return [item]
-    parts = []
-    marks = list(item.marks)
-    for a, b in zip([0.0, *cuts], [*cuts, length], strict=True):
-        last = b == length
-        inside: list[Mark] = [m for m in marks if last or m.s <= b]
-        marks = marks[len(inside) :]
-        parts.append(
-            Item(
-                item.piece.trimmed(a, b),
-                [replace(m, s=m.s - a) for m in inside],
-                item.field,
-                item.blend if last else 0.0,
-            )
-        )
-    return parts
 
 
 def _turning(stretch: Sequence[Item], R0: Array, turn: Array) -> list[Item]:
@@ -112,7 +88,3 @@ def _turning(stretch: Sequence[Item], R0: Array, turn: Array) -> list[Item]:
         so_far += piece.length
         turned.append(replace(item, piece=piece))
     return turned
-
-
-def _end_name(item: Item, name: str) -> str:
-    return item.marks[-1].name if item.marks else name

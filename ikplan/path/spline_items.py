@@ -15,7 +15,7 @@ from ikplan.path.curved import CurvedPiece
 from ikplan.path.geodesic import AMBIGUOUS, refuse_half_turn, shortest_turn
 from ikplan.path.items import Item, Mark
 from ikplan.path.piece import Pose
-from ikplan.path.rotation import quaternion_of
+from ikplan.path.rotation import exp, quaternion_of
 from ikplan.path.shapes import CubicShape
 from ikplan.path.spline_turning import SplineTurning
 from ikplan.path.steady import line
@@ -46,6 +46,7 @@ def spline_items(poses: Sequence[Pose], names: Sequence[str], rows: Sequence[int
     asked = zip(rows, names[1:], poses[1:], strict=True)
     marks = [Mark(0.0, row, name, pose) for row, name, pose in asked]
     steps = [np.linalg.norm(b.p - a.p) > _SAME for a, b in pairwise(poses)]
+    poses = _led(poses, names)
     items: list[Item] = []
     first = 0
     for k, moves in enumerate([*steps, False]):
@@ -57,6 +58,30 @@ def spline_items(poses: Sequence[Pose], names: Sequence[str], rows: Sequence[int
             items.append(_on_the_spot(poses[k : k + 2], names[k : k + 2], marks[k]))
         first = k + 1
     return items
+
+
+def _led(poses: Sequence[Pose], names: Sequence[str]) -> list[Pose]:
+    """Give each pose before one with an orientation one too, turning evenly from the last.
+
+    The curve arrives turned as asked without a jump of the angular rate; the poses after the last
+    orientation stay free.
+    """
+    led = list(poses)
+    known = [k for k, pose in enumerate(poses) if pose.R is not None]
+    for k in range(known[0] if known else 0):
+        led[k] = Pose(poses[known[0]].R, poses[k].p)
+    for a, b in pairwise(known):
+        Ra, Rb = poses[a].R, poses[b].R
+        assert Ra is not None
+        assert Rb is not None
+        if b == a + 1:
+            continue
+        turn = shortest_turn(Ra, Rb, (names[a], names[b]), field=names[b])
+        way = np.cumsum([np.linalg.norm(q.p - p.p) for p, q in pairwise(poses[a : b + 1])])
+        for k in range(a + 1, b):
+            share = way[k - a - 1] / way[-1] if way[-1] > _SAME else 1.0
+            led[k] = Pose(Ra @ exp(share * turn), poses[k].p)
+    return led
 
 
 def _on_the_spot(poses: Sequence[Pose], names: Sequence[str], mark: Mark) -> Item:

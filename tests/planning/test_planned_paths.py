@@ -246,3 +246,15 @@ def test_a_way_to_an_orientation_turns_evenly_to_it() -> None:
     plan = planned("panda", None, {"waypoints": waypoints, "interpolation": "line"})
     half = robot.fk(plan.waypoints.q[0])
     np.testing.assert_allclose(pin.log3(begin.rotation.T @ half.rotation), [0.2, 0, 0], atol=2e-3)
+
+
+def test_a_spline_does_not_rest_where_an_orientation_begins_to_count() -> None:
+    robot = load_robot("panda")
+    rng = np.random.default_rng(0)
+    waypoints = [pose(robot.fk(robot.home + 0.15 * rng.normal(size=7))) for _ in range(5)]
+    for k in (1, 3):
+        del waypoints[k]["quaternion_xyzw"]
+    plan = planned("panda", None, {"waypoints": waypoints, "interpolation": "spline"})
+    speed = np.abs(plan.dq).max(axis=1)
+    for time in plan.waypoints.time[:-1]:
+        assert np.interp(time, plan.time, speed) > 0.1

@@ -22,6 +22,7 @@ from ikplan.errors import (
     RateLimited,
     ServiceUnavailable,
 )
+from ikplan.plain_json import plain
 from ikplan_api.disconnect import ClientGone
 
 __all__ = [
@@ -63,21 +64,6 @@ def problem_response(
         media_type=PROBLEM,
         headers=dict(headers or {}),
     )
-
-
-def plain(value: Any) -> Any:
-    """Return what JSON can hold of an error's data: a number that is not finite becomes null."""
-    if isinstance(value, Mapping):
-        return {str(k): plain(v) for k, v in value.items()}
-    if isinstance(value, list | tuple):
-        return [plain(v) for v in value]
-    if hasattr(value, "tolist"):  # numpy
-        return plain(value.tolist())
-    if isinstance(value, float):
-        return value if math.isfinite(value) else None
-    if value is None or isinstance(value, bool | int | str):
-        return value
-    return str(value)
 
 
 def error_response(request: Request, error: IkplanError, status: int | None = None) -> Response:

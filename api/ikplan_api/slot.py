@@ -16,7 +16,7 @@ from ikplan_api.tasks import Answer
 __all__ = ["NotBegun", "Overdue", "WorkerSlot"]
 
 _FORKING = multiprocessing.get_context("forkserver")
-_FORKING.set_forkserver_preload(["ikplan_api.single_threaded", "ikplan_api.preload"])
+_FORKING.set_forkserver_preload(["ikplan.single_threaded", "ikplan_api.preload"])
 _GRACE_S = 5.0
 
 

@@ -20,12 +20,13 @@ def main(argv: Sequence[str] | None = None) -> int:
         argv: The arguments; None: those of the process.
 
     Returns:
-        The exit code: 0, or 2 with one line on stderr saying what is wrong and what to do.
+        The exit code: 0, or 2 with one line on stderr saying what is wrong and what to do; 1 for a
+        batch of which not every request has a plan.
     """
     arguments = numbers_as_values(sys.argv[1:] if argv is None else argv)
     try:
         options = make_parser().parse_args(arguments)
-        options.run(options)
+        code = options.run(options)
         sys.stdout.flush()
     except IkplanError as error:
         return _fail(error.slug, error.detail)
@@ -39,7 +40,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         return _fail("file-error", f"{where}{reason}")
     except KeyboardInterrupt:
         return 128 + signal.SIGINT
-    return 0
+    return code or 0
 
 
 def _fail(slug: str, detail: str) -> int:

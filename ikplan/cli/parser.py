@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from typing import Any, NoReturn
 
 import ikplan
-from ikplan.cli import catalogue, keys, planning, poses, serving, timing
+from ikplan.cli import batch, catalogue, keys, planning, poses, serving, timing
 from ikplan.errors import InvalidRequest
 
 __all__ = ["make_parser", "numbers_as_values"]
@@ -97,6 +97,29 @@ def make_parser() -> argparse.ArgumentParser:
     _json(plan)
     plan.set_defaults(run=planning.plan)
 
+    many = commands.add_parser(
+        "batch",
+        help="make many plans: JSON lines in, JSON lines out",
+        description="Every line is a request as for ikplan plan, and answered by a line: "
+        '{"index": 0, "status": 200, "plan": ...} or {..., "problem": ...}, in their order. '
+        f"Exit code {batch.SOME_FAILED}: done, but not every request has a plan.",
+    )
+    many.add_argument("requests", metavar="FILE", help="JSON lines, or - for standard input")
+    many.add_argument(
+        "-o", "--output", metavar="FILE", help="write the lines there, not to standard output"
+    )
+    _server(many)
+    many.add_argument("--robot", metavar="FILE", help="plan for the robot of this URDF file")
+    _robot_frames(many)
+    many.add_argument(
+        "--workers",
+        type=int,
+        default=0,
+        metavar="N",
+        help="without a service: plans made at the same time; 0: one a processor",
+    )
+    many.set_defaults(run=batch.batch, plot=None, plot_timing=None)
+
     time = commands.add_parser("time", help="time a joint path: no planning")
     time.add_argument("robot", nargs="?", metavar="ROBOT", help="a name, with joint values")
     time.add_argument(
@@ -156,6 +179,10 @@ def _outputs(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--plot-timing", metavar="FILE", help="draw what it uses of its limits there"
     )
+    _server(parser)
+
+
+def _server(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--server", metavar="URL", help="let the service at that address plan")
 
 

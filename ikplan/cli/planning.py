@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import sys
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -15,11 +16,12 @@ from ikplan.request import PlanRequest
 from ikplan.summary import certificate_rows
 
 if TYPE_CHECKING:
+    from ikplan.client import PlanJob
     from ikplan.result import Plan
     from ikplan.robots import Robot
     from ikplan.timing_request import TimingRequest
 
-__all__ = ["check_outputs", "draw", "plan", "report", "robot_of_file"]
+__all__ = ["check_outputs", "draw", "plan", "report", "robot_of_file", "watched"]
 
 
 def plan(options: argparse.Namespace) -> None:
@@ -115,10 +117,21 @@ def _here(document: Any, robot: Robot | None) -> Plan:
 def _by_service(url: str, document: Any) -> Plan:
     from ikplan.client import Client
 
-    with Client(url, timeout=3600.0) as client, progress_bar() as progress:
+    with Client(url, timeout=3600.0) as client:
+        return watched(lambda: client.plan(document), lambda: client.submit(document))
+
+
+def watched(answer: Callable[[], Plan], submit: Callable[[], PlanJob]) -> Plan:
+    """Let a service make a plan; where somebody looks, with a bar that shows how far it is.
+
+    Args:
+        answer: Asks for the plan and waits.
+        submit: Asks for the plan as a job.
+    """
+    with progress_bar() as progress:
         if progress is None:
-            return client.plan(document)
-        job = client.submit(document)
+            return answer()
+        job = submit()
         try:
             return job.wait(progress=lambda s: progress(s.stage or s.state, s.done, s.total))
         except KeyboardInterrupt:

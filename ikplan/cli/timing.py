@@ -9,7 +9,8 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ikplan.cli.planning import check_outputs, draw, report, robot_of_file
+from ikplan.cli.planning import check_outputs, draw, report, robot_of_file, watched
+from ikplan.cli.progress import progress_bar
 from ikplan.documents import load_json
 from ikplan.errors import InvalidRequest
 from ikplan.timing_request import TimingRequest
@@ -85,11 +86,12 @@ def _read(name: str) -> Any:
 def _here(document: Any, robot: Robot | None) -> Plan:
     from ikplan.retiming import time_request
 
-    return time_request(document, robot=robot)
+    with progress_bar() as progress:
+        return time_request(document, robot=robot, progress=progress)
 
 
 def _by_service(url: str, document: Any) -> Plan:
     from ikplan.client import Client
 
     with Client(url, timeout=3600.0) as client:
-        return client.time(document)
+        return watched(lambda: client.time(document), lambda: client.submit_time(document))

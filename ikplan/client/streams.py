@@ -10,7 +10,7 @@ from httpx_sse import ServerSentEvent
 from pydantic import BaseModel, ValidationError
 
 from ikplan.client.wire import encode
-from ikplan.errors import IkplanError, ServiceUnavailable, error_from_problem
+from ikplan.errors import IkplanError, InvalidRequest, ServiceUnavailable, error_from_problem
 from ikplan.result import Plan
 from ikplan.status import PlanStatus
 
@@ -19,13 +19,21 @@ __all__ = ["BATCH", "batch_body", "read_event", "read_line"]
 BATCH = "application/x-ndjson"
 
 
-def batch_body(requests: Iterable[Mapping[str, Any] | BaseModel]) -> bytes:
+def batch_body(requests: Iterable[Mapping[str, Any] | BaseModel | bytes]) -> bytes:
     """Return the lines of a batch.
 
     Raises:
-        InvalidRequest: A request cannot be written as JSON.
+        InvalidRequest: A request cannot be written as JSON, or is blank.
     """
-    return b"\n".join(encode(request) for request in requests)
+    return b"\n".join(_line_of(request) for request in requests)
+
+
+def _line_of(request: Mapping[str, Any] | BaseModel | bytes) -> bytes:
+    if not isinstance(request, bytes):
+        return encode(request)
+    if not request.strip():
+        raise InvalidRequest("a line of a batch cannot be blank", allowed="JSON")
+    return request.replace(b"\n", b" ")  # in JSON a line break is no more than a space
 
 
 def read_event(event: ServerSentEvent, url: str) -> PlanStatus | IkplanError:

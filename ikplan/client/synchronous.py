@@ -181,12 +181,12 @@ class Client:
         return PlanJob(self, plan_id)
 
     def batch(
-        self, requests: Iterable[Mapping[str, Any] | PlanRequest]
+        self, requests: Iterable[Mapping[str, Any] | PlanRequest | bytes]
     ) -> Iterator[Plan | IkplanError]:
         """Make many plans.
 
         Args:
-            requests: The requests, each as for :meth:`plan`.
+            requests: The requests, each as for :meth:`plan`; bytes: JSON, sent as it is.
 
         Yields:
             For each, in their order and as soon as it is known, the plan, or the error that

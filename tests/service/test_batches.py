@@ -1,12 +1,15 @@
 """Many requests in one."""
 
 import asyncio
+import io
 import json
+import sys
 
 import httpx
 import pytest
 
 import ikplan
+from ikplan.cli import main
 from ikplan_api.app import create_app
 from ikplan_api.batch import NDJSON
 from ikplan_api.settings import Settings
@@ -15,6 +18,14 @@ from .bad_requests import GOOD
 from .conftest import ADDRESS
 from .stand_in import StandIn
 
+_URDF = """<robot name="two">
+  <link name="base"/><link name="arm"/><link name="tip"/>
+  <joint name="shoulder" type="revolute"><parent link="base"/><child link="arm"/>
+    <axis xyz="0 0 1"/><limit lower="-3" upper="3" velocity="2" effort="1"/></joint>
+  <joint name="slide" type="prismatic"><parent link="arm"/><child link="tip"/>
+    <origin xyz="0.3 0 0"/><axis xyz="1 0 0"/>
+    <limit lower="0" upper="0.5" velocity="1" effort="1"/></joint>
+</robot>"""
 HEADERS = {"content-type": NDJSON}
 
 
@@ -45,6 +56,52 @@ def test_every_line_is_answered_in_its_place_and_none_spoils_another(http):
         assert {**told[k]["plan"], "stats": None} == {**alone, "stats": None}
     kept = http.get(f"/v1/plans/{told[4]['plan']['id']}")
     assert kept.json() == told[4]["plan"]
+
+
+def test_the_command_hands_the_lines_to_a_service(live_address, tmp_path, capsys):
+    requests, out = tmp_path / "requests.jsonl", tmp_path / "plans.jsonl"
+    requests.write_bytes(lines(at(0.5), at(9.0)) + b"\n\n{not JSON\n" + lines(at(0.51)))
+    assert main(["batch", str(requests), "--server", live_address, "-o", str(out)]) == 1
+    told = [json.loads(line) for line in out.read_bytes().splitlines()]
+    assert [(t["index"], t["status"]) for t in told] == [(0, 200), (1, 422), (2, 422), (3, 200)]
+    alone = ikplan.plan(at(0.51)).model_dump(mode="json")
+    assert {**told[3]["plan"], "stats": None} == {**alone, "stats": None}
+    said = capsys.readouterr()
+    assert said.out.splitlines() == ["2 of 4 requests planned", f"wrote {out}"]
+    assert "1 invalid-request, 1 unreachable" in said.err
+
+
+def test_the_command_uploads_the_robot_that_all_lines_are_for(live_address, tmp_path):
+    urdf, requests, out = (tmp_path / name for name in ("two.urdf", "in.jsonl", "out.jsonl"))
+    urdf.write_text(_URDF)
+    waypoints = {"path": {"waypoints": [{"position": [0.4, 0.2, 0.0]}]}, "start": [0.0, 0.1]}
+    requests.write_bytes(lines({"robot": "any", **waypoints}, waypoints, [1]))
+    options = ["--robot", str(urdf), "--tip", "tip", "-o", str(out)]
+    assert main(["batch", str(requests), "--server", live_address, *options]) == 1
+    told = [json.loads(line) for line in out.read_bytes().splitlines()]
+    assert [t["status"] for t in told] == [200, 200, 422]
+    assert told[0]["plan"]["robot"].startswith("urdf-")
+
+
+def test_a_bar_shows_how_many_lines_are_done(live_address, tmp_path, monkeypatch):
+    class Terminal(io.StringIO):
+        def isatty(self) -> bool:
+            return True
+
+    monkeypatch.setattr(sys, "stderr", terminal := Terminal())
+    requests = tmp_path / "requests.jsonl"
+    requests.write_bytes(lines(at(0.5), at(0.51)))
+    out = str(tmp_path / "out.jsonl")
+    assert main(["batch", str(requests), "--server", live_address, "-o", out]) == 0
+    assert "batch 2/2" in terminal.getvalue()
+
+
+def test_a_request_may_be_json_already(client):
+    pretty = json.dumps(at(0.5), indent=2).encode()
+    plans = list(client.batch([pretty, at(0.5)]))
+    assert plans[0].id == plans[1].id
+    with pytest.raises(ikplan.InvalidRequest, match="blank"):
+        list(client.batch([b" "]))
 
 
 @pytest.mark.parametrize(

@@ -103,6 +103,20 @@ def test_the_command_shows_the_progress_of_a_service(address, tmp_path, monkeypa
     assert re.search(r"(ik|certificate|finished) \d", terminal.getvalue())
 
 
+def test_timing_shows_the_progress_of_a_service_too(address, tmp_path, monkeypatch):
+    class Terminal(io.StringIO):
+        def isatty(self) -> bool:
+            return True
+
+    monkeypatch.setattr(sys, "stderr", terminal := Terminal())
+    document = {"robot": "ur5", "waypoints": [[0.0] * 6, [0.3] * 6], "sampling": {"rate_hz": 99}}
+    request, out = tmp_path / "request.json", tmp_path / "plan.csv"
+    request.write_text(json.dumps(document))
+    assert main(["time", str(request), "--server", address, "-o", str(out)]) == 0
+    assert out.read_bytes() == encode(ikplan.time_request(document), "csv")
+    assert re.search(r"(queued|planning|timing|certificate|finished) \d", terminal.getvalue())
+
+
 def test_events_come_while_the_plan_is_made_and_a_caller_who_leaves_ends_it(address):
     slow = {
         **GOOD,

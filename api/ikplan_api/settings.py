@@ -9,6 +9,7 @@ from pydantic import Field, ValidationError
 from pydantic_settings import SettingsConfigDict
 
 from ikplan.errors import InvalidRequest
+from ikplan.processors import processor_count
 from ikplan.robots.safe_xml import MAX_BYTES
 from ikplan_api.access_settings import AccessSettings
 
@@ -30,7 +31,11 @@ class Settings(AccessSettings):
 
     port: int = Field(8000, ge=0, le=65535, description="Port to listen on; 0: any free one.")
     workers: int = Field(
-        0, ge=0, le=1024, description="Plans made at the same time; 0: one for each processor."
+        0,
+        ge=0,
+        le=1024,
+        description="Plans made at the same time; 0: one for each processor that the "
+        "container or machine allows.",
     )
     max_queued: int = Field(
         64, ge=0, description="Requests that may wait for a worker; more are refused with 503."
@@ -82,7 +87,7 @@ class Settings(AccessSettings):
     @property
     def worker_count(self) -> int:
         """Plans made at the same time."""
-        return self.workers or len(os.sched_getaffinity(0))
+        return self.workers or processor_count()
 
 
 def load_settings() -> Settings:

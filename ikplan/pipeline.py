@@ -95,7 +95,7 @@ def plan(
             for x in route.stretches
             if x.field in limits_of
         ]
-        timing = time_motion(path, robot, limits, request.sampling, stretches)
+        timing = time_motion(path, robot, limits, request.sampling, stretches, clock.check)
         knot_time = timing.timed.times
     with clock.stage("certificate"):
         certificate = certify(

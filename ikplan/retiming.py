@@ -113,7 +113,7 @@ def time_request(
         # Waypoints too close to tell apart are passed as one.
         waypoints = path.q_knots[path.knot_of_waypoint]
     with clock.stage("timing"):
-        timing = time_motion(path, robot, limits, request.sampling, stretches)
+        timing = time_motion(path, robot, limits, request.sampling, stretches, clock.check)
         waypoint_time = timing.timed.times
     with clock.stage("certificate"):
         samples = timing.samples

@@ -25,10 +25,11 @@ from ikplan.timing import (
     TorqueLimits,
     binding,
     knots,
-    sample,
+    sampled_within_limits,
     time_joint_path,
     what_if,
 )
+from ikplan.timing.engine import Check, unlimited
 from ikplan.timing.models import inverse_dynamics, tool_motion
 from ikplan.timing_report import BindingLimit, PathMotion, TimingReport, WiderLimit
 
@@ -47,7 +48,8 @@ class Timing:
 
     Attributes:
         timed: The motion.
-        samples: Samples at the controller's period, for the certificate.
+        samples: Samples at the controller's period, and where the trajectory has others, those
+            too: what the certificate looks at.
         trajectory: Samples in the form asked for.
         motion: The motion as polynomials, if they were asked for.
         report: Why it takes as long as it does.
@@ -82,6 +84,7 @@ def time_motion(
     limits: MotionLimits,
     sampling: SamplingOptions,
     stretches: Sequence[LimitedStretch] = (),
+    check: Check = unlimited,
 ) -> Timing:
     """Move along a joint path as fast as the limits allow, and sample the motion.
 
@@ -91,6 +94,7 @@ def time_motion(
         limits: What the motion has to keep.
         sampling: Samples wanted.
         stretches: Stretches between waypoints of the path with limits of their own.
+        check: Is called now and then, and may end the stage by an error of its own.
 
     Returns:
         The motion.
@@ -107,20 +111,25 @@ def time_motion(
             segments.append(SegmentLimits(start, end, joint_limits(robot, stretch.limits)))
             constraints += _constraints(robot, stretch.limits, limits, start, end)
     timed = time_joint_path(
-        path, joint_limits(robot, limits), segments=segments, constraints=constraints
+        path,
+        joint_limits(robot, limits),
+        segments=segments,
+        constraints=constraints,
+        check=check,
     )
     shortest = 0.5 / sampling.rate_hz
     if 0.0 < timed.duration < shortest:  # a motion is never shorter than half a period
         timed = timed.slowed(shortest / timed.duration)
-    samples = sample(timed, sampling.rate_hz)
-    shown = knots(timed) if sampling.form == "knots" else samples
+    at_nodes = sampling.form == "knots"
+    timed, samples = sampled_within_limits(timed, sampling.rate_hz, constraints, at_nodes, check)
+    shown = knots(timed) if at_nodes else samples
     times = timed.times
     return Timing(
         timed=timed,
         samples=samples,
         trajectory=Trajectory(time=shown.time, q=shown.q, dq=shown.dq, ddq=shown.ddq),
         motion=_motion(timed) if sampling.form == "polynomial" else None,
-        report=_report(timed),
+        report=_report(timed, check),
         windows=tuple(
             LimitWindow(x.field, float(times[x.first]), float(times[x.last]), x.limits)
             for x in stretches
@@ -152,13 +161,13 @@ def _constraints(
     return constraints
 
 
-def _report(timed: TimedPath) -> TimingReport:
+def _report(timed: TimedPath, check: Check) -> TimingReport:
     found = binding(timed)
     shares = found.summary()
     slow = timed.jerk_limited or any(span.problem.constraints for span in timed.spans)
     most = _ASKED_OF_SLOW if slow else _ASKED
     asked = [s for s in shares if s.share >= _LEAST_SHARE][:most]
-    wider = [what_if(timed, s.limit, s.joint, _WIDER) for s in asked]
+    wider = [what_if(timed, s.limit, s.joint, _WIDER, check) for s in asked]
     return TimingReport(
         duration=timed.duration,
         unlimited_duration=timed.unlimited_duration if timed.jerk_limited else timed.duration,

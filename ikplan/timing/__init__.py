@@ -3,6 +3,7 @@
 from ikplan.timing.binding import Binding, BindingShare, WhatIf, binding, what_if
 from ikplan.timing.constraints import ConstraintRows, PathConstraint, PathPoints
 from ikplan.timing.joint_path import JointPath
+from ikplan.timing.kept import sampled_within_limits
 from ikplan.timing.limits import JointLimits, LimitedRobot
 from ikplan.timing.profile import SegmentLimits
 from ikplan.timing.retime import Retimed, retime
@@ -34,6 +35,7 @@ __all__ = [
     "knots",
     "retime",
     "sample",
+    "sampled_within_limits",
     "time_joint_path",
     "what_if",
 ]

@@ -8,9 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ikplan.errors import InvalidRequest
-from ikplan.timing.compiled_engine import CompiledEngine
+from ikplan.errors import InvalidRequest, TimingFailed
 from ikplan.timing.constraints import Label, PathConstraint, PathPoints
+from ikplan.timing.engine import Check, EngineFailed, unlimited
 from ikplan.timing.jerk import smooth_span
 from ikplan.timing.problem import SpanProblem
 from ikplan.timing.profile import LimitProfile
@@ -132,7 +132,10 @@ def _usage(span: SpanTiming) -> tuple[list[Label], Array, Array]:
     ddq = qs * u[:, None] + qss * middle[:, None]
     up, down, a_up, a_down = problem.bounds
     columns = [np.maximum(dq / up, dq / down), np.sqrt(np.maximum(ddq / a_up, ddq / a_down))]
-    demands = [(c, inside, demand[1]) for c, inside, demand in problem.demands(x)]
+    demands = [
+        (points.constraint, points.inside, demand[len(demand) // 2])
+        for points, demand in problem.demands(x)
+    ]
     more, usage = _shares_of(demands, len(x) - 1)
     return _joint_labels(problem.profile) + more, np.hstack([*columns, usage]), span.dt
 
@@ -212,7 +215,13 @@ def _joint_labels(profile: LimitProfile) -> list[Label]:
     return [(kind, name) for kind in ("velocity", "acceleration") for name in profile.joint_names]
 
 
-def what_if(timed: TimedPath, limit: str, joint: str | None = None, factor: float = 1.1) -> WhatIf:
+def what_if(
+    timed: TimedPath,
+    limit: str,
+    joint: str | None = None,
+    factor: float = 1.1,
+    check: Check = unlimited,
+) -> WhatIf:
     """Time a motion again with one limit changed, everywhere on the path.
 
     The path speed is solved again on the same grid, before and after the change, and the duration
@@ -223,12 +232,14 @@ def what_if(timed: TimedPath, limit: str, joint: str | None = None, factor: floa
         limit: Kind of the limit, as in its binding.
         joint: Name of the joint, None for a limit of the tool.
         factor: By what to multiply it, > 0.
+        check: Is called now and then, and may end the search by an error of its own.
 
     Returns:
         The new duration.
 
     Raises:
         InvalidRequest: There is no such limit, or the factor is not positive.
+        TimingFailed: There is no timing with a limit that is narrower.
     """
     if not factor > 0.0 or not np.isfinite(factor):
         raise InvalidRequest(
@@ -242,8 +253,21 @@ def what_if(timed: TimedPath, limit: str, joint: str | None = None, factor: floa
     for span in timed.spans:
         changed = span.problem if limit == "jerk" and jerk is not timed.jerk else None
         changed = changed or _changed(span.problem, (limit, joint), factor)
-        before += _duration(span.problem, timed.jerk)
-        after += _duration(changed, jerk)
+        mine = _duration(span.problem, timed.jerk, check)
+        before += mine
+        try:
+            after += _duration(changed, jerk, check)
+        except EngineFailed as error:
+            if factor < 1.0:
+                where = float(span.problem.grid.s[error.stage] / timed.path.length)
+                raise TimingFailed(
+                    f"no path speed found at {where:.4f} of the path with {factor:g} times the "
+                    f"{limit} limit",
+                    position=where,
+                    joint=joint,
+                    limit=limit,
+                ) from error
+            after += mine  # the motion that is known keeps the wider limit as well
     ratio = after / before if before > 0.0 else 1.0
     duration = timed.duration * ratio
     return WhatIf(limit, joint, factor, duration, timed.duration - duration)
@@ -253,14 +277,14 @@ def _names(timed: TimedPath) -> tuple[str, ...]:
     return timed.spans[0].problem.profile.joint_names if timed.spans else ()
 
 
-def _duration(problem: SpanProblem, jerk: Array | None) -> float:
-    x = problem.solve(CompiledEngine())
-    x = x / max(problem.slowdown(x), 1e-300)
+def _duration(problem: SpanProblem, jerk: Array | None, check: Check) -> float:
+    check()
+    x = problem.twin / max(problem.slowdown(problem.twin), 1e-300)
     dt = problem.times(x)
     if jerk is None:
         return float(dt.sum())
     span = SpanTiming(problem, x, dt, 0.0, "CompiledEngine")
-    motion = smooth_span(problem.path, span, problem.profile, jerk, problem.constraints)
+    motion = smooth_span(problem.path, span, problem.profile, jerk, problem.constraints, check)
     return float(motion.time[-1])
 
 

@@ -16,6 +16,9 @@ Array = NDArray[np.float64]
 # A row whose coefficient of u is this much smaller than that of another bounds x alone: where it
 # binds, (1 - b x) / a would be rounding over nothing.
 _NO_MATTER = 1e-10
+# The speed after an interval is kept above this share of the highest one that is controllable,
+# where rest may reach it: a motion that the highest speeds force to stop would stand still.
+_FLOOR = 1e-3
 
 
 @kernel
@@ -37,7 +40,7 @@ def _accelerations(a: Array, b: Array, x: float) -> tuple[float, float, int, int
 
 @kernel
 def _largest_controllable(a: Array, b: Array, h: float, x_max: float, x_next: float) -> float:
-    """Return the greatest x from which some u leads to an x in [0, x_next].
+    """Return the greatest x from which some u leads to an x up to x_next and not near zero.
 
     The room between the bounds of u is a concave function of x that is not negative at x = 0.
     Newton's steps from the right, each to where the two lines that bind now cross, arrive at its
@@ -47,10 +50,13 @@ def _largest_controllable(a: Array, b: Array, h: float, x_max: float, x_next: fl
     for r in range(a.shape[0]):
         if b[r] > 0.0 and a[r] == 0.0:
             x = min(x, 1.0 / b[r])
+    at_rest = _accelerations(a, b, 0.0)[1]
+    floor = min(_FLOOR * x_next, 2.0 * h * at_rest)
     for _ in range(4 * a.shape[0] + 8):
         low, high, low_row, high_row = _accelerations(a, b, x)
-        # Lines u = p + g x: first the rows, then those of 0 <= x + 2 h u <= x_next.
-        p_low, g_low, p_high, g_high = 0.0, -1.0 / (2.0 * h), x_next / (2.0 * h), -1.0 / (2.0 * h)
+        # Lines u = p + g x: first the rows, then those of floor <= x + 2 h u <= x_next.
+        p_low, g_low = floor / (2.0 * h), -1.0 / (2.0 * h)
+        p_high, g_high = x_next / (2.0 * h), -1.0 / (2.0 * h)
         if low_row >= 0 and low >= p_low + g_low * x:
             p_low, g_low = 1.0 / a[low_row], -b[low_row] / a[low_row]
         if high_row >= 0 and high <= p_high + g_high * x:

@@ -24,10 +24,10 @@ Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
 Label = tuple[str, str | None]
 
-# These limits are checked at the ends and in the middle of every interval, and not between; they
-# are kept by this share, so that nothing between exceeds them. BEND is how far they may be from
-# straight over an interval where they nearly bind: intervals are divided until they are. Speeds
-# are held to less, so that a tool led along a line at its limit has one speed.
+# These limits are looked at in points of every interval and allowed for between them; they are
+# kept by this share. BEND is how far they may be from straight over an interval where they nearly
+# bind: intervals are divided until they are. Speeds are held to less, so that a tool led along a
+# line at its limit has one speed.
 MARGIN, SPEED_MARGIN = 5e-4, 1e-6
 BEND, SPEED_BEND = 2e-3, 4e-6
 
@@ -95,6 +95,23 @@ class PathConstraint(Protocol):
 
         Raises:
             TimingFailed: Not even rest keeps the limit somewhere.
+        """
+        ...
+
+    def used(self, q: Array, dq: Array, ddq: Array) -> Array:
+        """Return how far joint motions use the limit.
+
+        Args:
+            q: Joint positions, shape (m, dof) [rad or m].
+            dq: Joint velocities, shape (m, dof).
+            ddq: Joint accelerations, shape (m, dof).
+
+        Returns:
+            Up to 1 where the limit is kept; else the square of the factor of time by which the
+            motion would have to be slowed, shape (m,).
+
+        Raises:
+            TimingFailed: Not even rest keeps the limit at one of them.
         """
         ...
 

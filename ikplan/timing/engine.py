@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Protocol
 
 import numpy as np
@@ -9,7 +10,14 @@ from numpy.typing import NDArray
 
 from ikplan.timing.rows import StageRows
 
-__all__ = ["Engine", "EngineFailed"]
+__all__ = ["Check", "Engine", "EngineFailed", "checked", "unlimited"]
+
+# Is called between steps of a long search, and raises an error of its own to end it.
+Check = Callable[[], None]
+
+
+def unlimited() -> None:
+    """Let a search go on."""
 
 
 class EngineFailed(Exception):

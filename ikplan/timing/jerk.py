@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 from ikplan.timing.compiled_engine import CompiledEngine
 from ikplan.timing.constraints import PathConstraint, PathPoints
 from ikplan.timing.cubic_kernels import moving_average, times_of
-from ikplan.timing.engine import EngineFailed
+from ikplan.timing.engine import Check, EngineFailed, unlimited
+from ikplan.timing.interval_points import FINE, highest
 from ikplan.timing.jerk_kernels import cubic_demand, spread
 from ikplan.timing.joint_path import JointPath
 from ikplan.timing.problem import SpanProblem
@@ -90,6 +91,7 @@ def smooth_span(
     profile: LimitProfile,
     jerk: Array,
     constraints: Sequence[PathConstraint],
+    check: Check = unlimited,
 ) -> CubicMotion:
     """Turn the timing of a span into one within jerk limits, on the same geometric path.
 
@@ -105,12 +107,13 @@ def smooth_span(
         profile: Joint limits on every piece of the path.
         jerk: Jerk limits, shape (dof,).
         constraints: Limits other than those of single joints.
+        check: Is called now and then, and may end the search by an error of its own.
 
     Returns:
         The motion, within every limit.
     """
     measure = _Measure(path, profile, jerk)
-    best = _best_window(span.problem, span.x, measure)
+    best = _best_window(span.problem, span.x, measure, check)
     for share in _SOFTNESS:
         # What a swing of the whole duration could build up of acceleration, and less.
         reached = 0.25 * share * jerk * best.time[-1]
@@ -126,7 +129,7 @@ def smooth_span(
             x = soft.solve(CompiledEngine())
         except EngineFailed:
             continue
-        motion = _best_window(soft, x / max(soft.slowdown(x), 1e-300), measure)
+        motion = _best_window(soft, x / max(soft.slowdown(x), 1e-300), measure, check)
         best = min(best, motion, key=lambda m: float(m.time[-1]))
     best = best.divided(times_of(best.time, best.s, best.v, best.a, path.s_knots))
     top = measure(best, _FINE_POINTS, best.s[[0, -1]])
@@ -164,7 +167,7 @@ class _Measure:
         )
 
 
-def _best_window(problem: SpanProblem, x: Array, measure: _Measure) -> CubicMotion:
+def _best_window(problem: SpanProblem, x: Array, measure: _Measure, check: Check) -> CubicMotion:
     """Return the shortest motion found with any window."""
     duration = float(problem.times(x).sum())
     profile = problem.profile
@@ -173,16 +176,19 @@ def _best_window(problem: SpanProblem, x: Array, measure: _Measure) -> CubicMoti
     windows = dict.fromkeys(min(multiple * build_up, duration) for multiple in _WINDOWS)
     if duration < 2.0 * max(windows):
         windows[duration] = None
-    tried = [_smoothed(problem, x, window, measure) for window in windows]
+    tried = [_smoothed(problem, x, window, measure, check) for window in windows]
     return min(tried, key=lambda motion: float(motion.time[-1]))
 
 
-def _smoothed(problem: SpanProblem, x_free: Array, window: float, measure: _Measure) -> CubicMotion:
+def _smoothed(
+    problem: SpanProblem, x_free: Array, window: float, measure: _Measure, check: Check
+) -> CubicMotion:
     """Return the shortest motion found with one window."""
     s, rows = problem.grid.s, problem.rows()
     slower = np.ones(len(problem.h))
     x, best = x_free, None
     for _ in range(min(max(_EFFORT // len(slower), 6), _ROUNDS)):
+        check()
         time = np.concatenate([[0.0], np.cumsum(problem.times(x))])
         motion = CubicMotion(*moving_average(time, s, np.sqrt(x), window))
         demand = measure(motion, _POINTS, s)
@@ -204,11 +210,10 @@ def _smoothed(problem: SpanProblem, x_free: Array, window: float, measure: _Meas
 
 def _constraint_demand(problem: SpanProblem, motion: CubicMotion) -> Array:
     """Return by what factor of time a motion would keep the constraints, shape (n,)."""
-    s, n = problem.grid.s, len(problem.h)
-    places = np.concatenate([s[:-1], 0.5 * (s[:-1] + s[1:]), s[1:]])
-    times = times_of(motion.time, motion.s, motion.v, motion.a, places)
+    places = problem.grid.s[:-1] + np.array(problem.shares)[:, None] * problem.h
+    times = times_of(motion.time, motion.s, motion.v, motion.a, places.ravel())
     _, v, a = motion.at(times)
-    return problem.asked(a.reshape(3, n), np.square(v).reshape(3, n))
+    return problem.asked(a.reshape(places.shape), np.square(v).reshape(places.shape))
 
 
 def _slower(rows: StageRows, slower: Array, x_free: Array) -> Array:
@@ -225,20 +230,22 @@ def _within_constraints(
     path: JointPath, motion: CubicMotion, constraints: Sequence[PathConstraint]
 ) -> CubicMotion:
     """Slow a motion by what it exceeds limits other than those of single joints."""
-    share = np.linspace(0.0, 1.0, 4)[1:]
+    share = np.array(FINE)
     dt = np.diff(motion.time)
     j = np.divide(np.diff(motion.a), dt, out=np.zeros(len(dt)), where=dt > 0.0)
-    r = share[None] * dt[:, None]
-    s0, v0, a0 = (array[:-1, None] for array in (motion.s, motion.v, motion.a))
-    s = (s0 + r * (v0 + r * (0.5 * a0 + r * j[:, None] / 6.0))).ravel()
-    x = np.square(v0 + r * (a0 + 0.5 * r * j[:, None])).ravel()
-    u = (a0 + r * j[:, None]).ravel()
+    r = share[:, None] * dt
+    s0, v0, a0 = motion.s[:-1], motion.v[:-1], motion.a[:-1]
+    s = s0 + r * (v0 + r * (0.5 * a0 + r * j / 6.0))
+    x = np.square(v0 + r * (a0 + 0.5 * r * j))
+    u = a0 + r * j
     top = 1.0
     for constraint in constraints:
-        inside = (s > constraint.start) & (s < constraint.end)
-        if inside.any():
-            points = PathPoints(s[inside], *path.derivatives(s[inside]), path.length)
-            index = np.arange(int(inside.sum()))
-            demand = constraint.at(points).demand(index, u[inside], x[inside])
-            top = max(top, float(demand.max()) * (1.0 + _MARGIN))
+        inside = np.flatnonzero((s[2] > constraint.start) & (s[2] < constraint.end))
+        if len(inside):
+            at = s[:, inside].ravel()
+            points = PathPoints(at, *path.derivatives(at), path.length)
+            index = np.arange(len(at))
+            demand = constraint.at(points).demand(index, u[:, inside].ravel(), x[:, inside].ravel())
+            most = highest(demand.reshape(len(FINE), len(inside), -1))
+            top = max(top, float(most.max()) * (1.0 + _MARGIN))
     return motion.slowed(float(np.sqrt(top)))

@@ -9,28 +9,23 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ikplan.timing.constraints import (
-    BEND,
-    SPEED_BEND,
-    ConstraintRows,
-    PathConstraint,
-    PathPoints,
-)
-from ikplan.timing.engine import Engine
+from ikplan.timing.compiled_engine import CompiledEngine
+from ikplan.timing.constraints import PathConstraint
+from ikplan.timing.engine import Engine, EngineFailed
 from ikplan.timing.excess import usage, utilisation
 from ikplan.timing.grid import Grid
+from ikplan.timing.interval_points import COARSE, FINE, IntervalPoints, highest, parts_of
 from ikplan.timing.joint_path import JointPath
 from ikplan.timing.profile import LimitProfile
 from ikplan.timing.rows import StageRows, acceleration_rows, natural_units, velocity_bounds
+from ikplan.timing.toppra_engine import ToppraEngine
 
 __all__ = ["SpanProblem"]
 
 Array = NDArray[np.float64]
-Indices = NDArray[np.int64]
 
 _TIGHTENINGS = 4
 _ENOUGH = 2e-4
-_NEAR = 0.98
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,6 +43,7 @@ class SpanProblem:
         qss1: d2q/ds2 at the ends, shape (n, dof).
         bounds: Upper and lower velocity limits, upper and lower acceleration limits, each of
             shape (n, dof).
+        shares: Where in each interval the constraints are looked at.
     """
 
     path: JointPath
@@ -59,6 +55,7 @@ class SpanProblem:
     qss0: Array
     qss1: Array
     bounds: tuple[Array, Array, Array, Array]
+    shares: tuple[float, ...] = FINE
 
     @classmethod
     def build(
@@ -67,6 +64,7 @@ class SpanProblem:
         grid: Grid,
         profile: LimitProfile,
         constraints: Sequence[PathConstraint] = (),
+        fine: bool = True,
     ) -> SpanProblem:
         """Evaluate a path on a grid.
 
@@ -75,6 +73,7 @@ class SpanProblem:
             grid: Nodes of one span of it.
             profile: Joint limits on every piece of the path.
             constraints: Limits other than those of single joints.
+            fine: Whether they are looked at in five places of an interval, or in three.
 
         Returns:
             The problem.
@@ -97,7 +96,12 @@ class SpanProblem:
                 profile.acceleration[grid.pieces],
                 profile.acceleration_lower[grid.pieces],
             ),
+            shares=FINE if fine else COARSE,
         )
+
+    def on(self, grid: Grid, fine: bool = True) -> SpanProblem:
+        """Return the same problem on another grid."""
+        return SpanProblem.build(self.path, grid, self.profile, self.constraints, fine)
 
     def rows(self, tightening: Array | None = None) -> StageRows:
         """Return the limits as rows for an engine.
@@ -121,32 +125,10 @@ class SpanProblem:
         return StageRows(self.grid.s, a, b, x_max)
 
     @functools.cached_property
-    def _prepared(self) -> list[tuple[PathConstraint, Indices, Indices, ConstraintRows]]:
-        """Every constraint with its intervals, and its points at their starts, middles and ends.
-
-        Evaluated once a grid: robot models are slow. The end of an interval is the start of the
-        next one of the same piece.
-        """
-        s, pieces = self.grid.s, self.grid.pieces
-        middle = 0.5 * (s[:-1] + s[1:])
-        prepared = []
-        for constraint in self.constraints:
-            inside = np.flatnonzero((middle > constraint.start) & (middle < constraint.end))
-            if not len(inside):
-                continue
-            joined = np.append(pieces[1:] == pieces[:-1], False)[inside]
-            alone = inside[~joined]
-            r = len(inside)
-            where = np.zeros((3, r), dtype=np.int64)
-            where[0], where[1] = np.arange(r), r + np.arange(r)
-            where[2, joined] = where[0, joined] + 1
-            where[2, ~joined] = 2 * r + np.arange(len(alone))
-            at = np.concatenate([s[inside], middle[inside], s[alone + 1]])
-            of = np.concatenate([pieces[inside], pieces[inside], pieces[alone]])
-            q, qs, qss = self.path.derivatives(at, of)
-            rows = constraint.at(PathPoints(at, q, qs, qss, self.path.length))
-            prepared.append((constraint, inside, where, rows))
-        return prepared
+    def points(self) -> list[IntervalPoints]:
+        """The constraints at points of the intervals; evaluated once, as robot models are slow."""
+        found = [IntervalPoints.of(self.path, self.grid, c, self.shares) for c in self.constraints]
+        return [points for points in found if points is not None]
 
     @functools.cached_property
     def _constraint_rows(self) -> tuple[Array, Array, Array]:
@@ -157,13 +139,14 @@ class SpanProblem:
         n = len(self.h)
         used = np.zeros(n, dtype=np.int64)
         places = []
-        for _, inside, _, rows in self._prepared:
-            first = int(used[inside].max())
-            used[inside] = first + 2 * rows.a.shape[1]
+        for points in self.points:
+            first = int(used[points.inside].max())
+            used[points.inside] = first + 2 * points.rows.a.shape[1]
             places.append(first)
         a, b = np.zeros((2, n, int(used.max(initial=0))))
         x_max = np.full((n, 2), np.inf)
-        for first, (_, inside, (start, _, end), rows) in zip(places, self._prepared, strict=True):
+        for first, points in zip(places, self.points, strict=True):
+            inside, rows, start, end = points.inside, points.rows, points.where[0], points.where[-1]
             middle, last = first + rows.a.shape[1], first + 2 * rows.a.shape[1]
             a[inside, first:middle], b[inside, first:middle] = rows.a[start], rows.b[start]
             a[inside, middle:last] = rows.a[end] + 2.0 * self.h[inside, None] * rows.b[end]
@@ -176,39 +159,35 @@ class SpanProblem:
         """Return by how much a motion would have to be slowed to keep the constraints.
 
         Args:
-            u: Path accelerations at the starts, middles and ends of intervals, shape (3, n).
-            x: Squared path velocities there, shape (3, n).
+            u: Path accelerations at the points of intervals, shape (p, n).
+            x: Squared path velocities there, shape (p, n).
 
         Returns:
             The greatest factor of time in each interval, 1 where a limit is just kept, shape (n,).
         """
         top = np.zeros(len(self.h))
-        for _, inside, where, rows in self._prepared:
-            for index, pull, square in zip(where, u[:, inside], x[:, inside], strict=True):
-                demand = rows.demand(index, pull, square).max(axis=1)
-                top[inside] = np.maximum(top[inside], demand)
+        for points in self.points:
+            demand = points.demand(u, x).max(axis=(0, 2))
+            top[points.inside] = np.maximum(top[points.inside], demand)
         return np.asarray(np.sqrt(top))
 
-    def demands(self, x: Array) -> list[tuple[PathConstraint, Indices, Array]]:
-        """Return how far the constraints are used at the start, middle and end of intervals.
+    def demands(self, x: Array) -> list[tuple[IntervalPoints, Array]]:
+        """Return how far the constraints are used at the points of intervals.
 
         Args:
             x: Squared path velocities at the nodes, shape (n + 1,).
 
         Returns:
-            For each constraint: the intervals in its range, shape (r,), and the demands, shape
-            (3, r, labels); see ConstraintRows.demand.
+            For each constraint its points and the demands there, shape (p, r, labels); see
+            ConstraintRows.demand.
         """
-        u = np.diff(x) / (2.0 * self.h)
-        found = []
-        for constraint, inside, where, rows in self._prepared:
-            first, last = x[inside], x[inside + 1]
-            here = (first, 0.5 * (first + last), last)
-            parts = [
-                rows.demand(index, u[inside], at) for index, at in zip(where, here, strict=True)
-            ]
-            found.append((constraint, inside, np.array(parts)))
-        return found
+        if not self.constraints:
+            return []
+        share = np.array(self.shares)[:, None]
+        here = x[:-1] + share * (x[1:] - x[:-1])
+        here[-1] = x[1:]
+        u = np.broadcast_to(np.diff(x) / (2.0 * self.h), here.shape)
+        return [(points, points.demand(u, here)) for points in self.points]
 
     def parts(self, x: Array, steady: bool) -> Array:
         """Return into how many each interval should be divided to see constraints between points.
@@ -221,15 +200,9 @@ class SpanProblem:
             Numbers, >= 1, shape (n,).
         """
         wanted = np.ones(len(self.h))
-        for constraint, inside, demand in self.demands(x):
-            bend = np.abs(demand[0] - 2.0 * demand[1] + demand[2])
-            near = demand.max(axis=0) + bend > _NEAR
-            most = [
-                SPEED_BEND if steady and kind.endswith("speed") else BEND
-                for kind, _ in constraint.labels
-            ]
-            number = np.where(near, np.sqrt(bend / most), 1.0).max(axis=1)
-            wanted[inside] = np.maximum(wanted[inside], number)
+        for points, demand in self.demands(x):
+            number = parts_of(points, demand, steady)
+            wanted[points.inside] = np.maximum(wanted[points.inside], number)
         return wanted
 
     def usage(self, x: Array) -> tuple[Array, Array]:
@@ -243,8 +216,8 @@ class SpanProblem:
     def solve(self, engine: Engine) -> Array:
         """Return the squared path velocities that an engine finds, shape (n + 1,).
 
-        Constraints are put to the engine at the ends of intervals. Where they are exceeded in the
-        middle of one, they are tightened there and the problem solved again.
+        Constraints are put to the engine at the ends of intervals. Where they are exceeded inside
+        one, they are tightened there and the problem solved again.
 
         Args:
             engine: The engine.
@@ -260,14 +233,27 @@ class SpanProblem:
         tightening = np.ones(len(self.h))
         for _ in range(_TIGHTENINGS if self.constraints else 0):
             top = np.zeros(len(self.h))
-            for _, inside, demand in self.demands(x):
-                top[inside] = np.maximum(top[inside], demand.max(axis=(0, 2)))
+            for points, demand in self.demands(x):
+                most = highest(demand).max(axis=1)
+                top[points.inside] = np.maximum(top[points.inside], most)
             if top.max() <= 1.0 + _ENOUGH:
                 break
             tightening *= np.maximum(top, 1.0)
             rows, unit = natural_units(self.rows(tightening))
             x = engine.solve(rows) * unit
         return x
+
+    @functools.cached_property
+    def twin(self) -> Array:
+        """The squared path velocities that the compiled engine finds, or else toppra.
+
+        Raises:
+            EngineFailed: Neither found any.
+        """
+        try:
+            return self.solve(CompiledEngine())
+        except EngineFailed:
+            return self.solve(ToppraEngine())
 
     def slowdown(self, x: Array) -> float:
         """Return by what x has to be divided so that every limit is kept.
@@ -276,7 +262,7 @@ class SpanProblem:
             x: Squared path velocities at the nodes, shape (n + 1,).
         """
         v_share, a_share = self.usage(x)
-        demands = [float(demand.max()) for _, _, demand in self.demands(x)]
+        demands = [float(highest(demand).max()) for _, demand in self.demands(x)]
         return max(float(v_share.max()) ** 2, float(a_share.max()), *demands, 0.0)
 
     def loss(self, x: Array) -> Array:
@@ -289,10 +275,10 @@ class SpanProblem:
             Times [s], shape (n,), never negative.
         """
         share = utilisation(self.h, x, self.qs0, self.qss0, self.qss1, *self.bounds)
-        for _, inside, demand in self.demands(x):
+        for points, demand in self.demands(x):
             top = np.sqrt(demand.max(axis=2))
-            mean = (top[0] + 4.0 * top[1] + top[2]) / 6.0
-            share[inside] = np.maximum(share[inside], mean)
+            mean = (top[0] + 4.0 * top[len(top) // 2] + top[-1]) / 6.0
+            share[points.inside] = np.maximum(share[points.inside], mean)
         return self.times(x) * np.maximum(1.0 - share, 0.0)
 
     def times(self, x: Array) -> Array:

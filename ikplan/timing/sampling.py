@@ -11,12 +11,14 @@ from numpy.typing import NDArray
 from ikplan.errors import InvalidRequest
 from ikplan.timing.timed_path import TimedPath
 
-__all__ = ["MAX_RATE_HZ", "MAX_SAMPLES", "Samples", "check_rate", "knots", "sample"]
+__all__ = ["MAX_RATE_HZ", "MAX_SAMPLES", "Samples", "check_rate", "knots", "sample", "with_nodes"]
 
 Array = NDArray[np.float64]
 
 MAX_RATE_HZ = 10_000.0
 MAX_SAMPLES = 250_000
+# Times within this share of a period are one.
+_SAME = 1e-6
 
 
 @dataclass(frozen=True, eq=False)
@@ -88,6 +90,33 @@ def sample(timed: TimedPath, rate_hz: float) -> Samples:
     time = np.arange(count) / rate_hz
     if duration > 0.0:
         time = np.append(time, duration)
+    return _samples(timed, time)
+
+
+def with_nodes(timed: TimedPath, rate_hz: float) -> Samples:
+    """Sample a motion at multiples of the period, at its nodes, and at its end.
+
+    Args:
+        timed: The motion.
+        rate_hz: Samples per second [Hz].
+
+    Returns:
+        The samples; of those within a millionth of a period of each other, the first.
+
+    Raises:
+        InvalidRequest: As by sample.
+    """
+    times = sample(timed, rate_hz).time
+    times = np.union1d(times, timed.node_times[timed.node_times < times[-1]])
+    end = times[-1]
+    kept = [0.0]
+    for time in times[1:-1]:
+        if min(time - kept[-1], end - time) > _SAME / rate_hz:
+            kept.append(float(time))
+    return _samples(timed, np.array([*kept, end] if end > 0.0 else kept))
+
+
+def _samples(timed: TimedPath, time: Array) -> Samples:
     q, dq, ddq = timed.evaluate(time)
     q[-1] = timed.path.q_knots[-1]
     dq[-1] = 0.0
@@ -105,7 +134,4 @@ def knots(timed: TimedPath) -> Samples:
     Returns:
         Samples at the times of the nodes, the last one exact and at rest.
     """
-    q, dq, ddq = timed.evaluate(timed.node_times)
-    q[-1] = timed.path.q_knots[-1]
-    dq[-1] = 0.0
-    return Samples(timed.node_times, q, dq, ddq)
+    return _samples(timed, timed.node_times)

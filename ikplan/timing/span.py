@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 from ikplan.errors import TimingFailed
 from ikplan.timing.compiled_engine import CompiledEngine
 from ikplan.timing.constraints import PathConstraint
-from ikplan.timing.engine import Engine, EngineFailed
-from ikplan.timing.grid import Grid, curvature_grid, regridded
+from ikplan.timing.engine import Check, Engine, EngineFailed, unlimited
+from ikplan.timing.grid import curvature_grid, regridded
 from ikplan.timing.joint_path import JointPath
 from ikplan.timing.problem import SpanProblem
 from ikplan.timing.profile import LimitProfile
@@ -65,6 +65,7 @@ def time_span(
     engine: Engine | None = None,
     tolerance: float = 0.003,
     steady: bool = True,
+    check: Check = unlimited,
 ) -> SpanTiming:
     """Time the span between two knots as fast as the limits allow.
 
@@ -80,6 +81,7 @@ def time_span(
         engine: The engine; None: toppra, with its compiled twin to stand in.
         tolerance: Estimated share of the duration that the grid may cost.
         steady: Whether tool speeds that bind shall hardly vary, which takes fine grids.
+        check: Is called now and then, and may end the search by an error of its own.
 
     Returns:
         The timing, within every limit.
@@ -88,28 +90,25 @@ def time_span(
         TimingFailed: No rung of the ladder found a path speed.
     """
     failure: tuple[SpanProblem, int] | None = None
-    for grid, pilot in _grids(path, first, last, profile, constraints, tolerance, steady):
-        problem = SpanProblem.build(path, grid, profile, constraints)
-        engines: list[Engine] = [engine] if engine is not None else [ToppraEngine(), pilot]
-        if engine is None and len(grid.pieces) > _MAX_TOPPRA_INTERVALS:
-            del engines[0]
+    engines: list[Engine] = [ToppraEngine(), CompiledEngine()] if engine is None else [engine]
+    for problem in _problems(path, first, last, profile, constraints, tolerance, steady, check):
+        found = []
         for candidate in engines:
+            if isinstance(candidate, ToppraEngine) and len(problem.h) > _MAX_TOPPRA_INTERVALS:
+                continue
+            check()
             try:
-                x = problem.solve(candidate)
+                found.append(_within_limits(problem, candidate))
             except EngineFailed as error:
                 failure = (problem, error.stage)
-                continue
-            timing = _within_limits(problem, x, candidate)
-            if engine is None and candidate is not pilot:
-                twin = _within_limits(problem, problem.solve(pilot), pilot)
-                if float(timing.dt.sum()) > _WORSE * float(twin.dt.sum()):
-                    timing = twin
-            return timing
+        if found:
+            worse = float(found[0].dt.sum()) > _WORSE * float(found[-1].dt.sum())
+            return found[-1] if worse else found[0]
     assert failure is not None  # every rung ended in a return or a failure
     raise _failed(*failure)
 
 
-def _grids(
+def _problems(
     path: JointPath,
     first: int,
     last: int,
@@ -117,82 +116,74 @@ def _grids(
     constraints: Sequence[PathConstraint],
     tolerance: float,
     steady: bool,
-) -> Iterator[tuple[Grid, Engine]]:
-    """Yield the grid that the pilot finds good enough, then finer ones."""
-    pilot = CompiledEngine()
+    check: Check,
+) -> Iterator[SpanProblem]:
+    """Yield the problem on the grid that the pilot finds good enough, then on finer ones."""
     piece = slice(first, last)
     weight = 1.0 / np.minimum(
         profile.acceleration[piece].min(axis=0), -profile.acceleration_lower[piece].max(axis=0)
     )
     grid = curvature_grid(path, first, last, weight, _PILOT_INTERVALS)
+    problem: SpanProblem | None = None
     # Where the pilot fails, the ladder tells whether it is for good, and where.
     with contextlib.suppress(EngineFailed):
-        grid = _refined(path, grid, profile, constraints, pilot, tolerance)
+        coarse = SpanProblem.build(path, grid, profile, constraints, fine=False)
+        problem = _refined(coarse, tolerance, check)
         if constraints:
-            grid = _divided(path, grid, profile, constraints, pilot, steady)
-    yield grid, pilot
+            problem = problem.on(problem.grid)
+            problem = _divided(problem, steady, check)
+    problem = problem or SpanProblem.build(path, grid, profile, constraints)
+    yield problem
     for _ in range(2):
-        grid = regridded(grid, np.full(len(grid.pieces), 3.0))
-        yield grid, pilot
+        check()
+        problem = problem.on(regridded(problem.grid, np.full(len(problem.h), 3.0)))
+        yield problem
 
 
-def _refined(
-    path: JointPath,
-    grid: Grid,
-    profile: LimitProfile,
-    constraints: Sequence[PathConstraint],
-    pilot: Engine,
-    tolerance: float,
-) -> Grid:
-    """Return a grid on which the pilot is near its optimum."""
+def _refined(problem: SpanProblem, tolerance: float, check: Check) -> SpanProblem:
+    """Return a problem on a grid on which the pilot is near its optimum."""
     for _ in range(_PILOT_ROUNDS):
-        problem = SpanProblem.build(path, grid, profile, constraints)
-        x = problem.solve(pilot)
-        x /= max(problem.slowdown(x), 1.0)
+        check()
+        x = problem.twin / max(problem.slowdown(problem.twin), 1.0)
         loss, total = problem.loss(x), float(problem.times(x).sum())
         share = float(loss.sum()) / total
         if share <= tolerance:
             # Near a point where one joint turns round, a grid can be too coarse to pass at the
             # right speed and lose no time it knows of: a much finer one tells.
-            fine = regridded(grid, np.full(len(loss), _VERIFY))
-            finer = SpanProblem.build(path, fine, profile, constraints)
-            x = finer.solve(pilot)
-            best = float(finer.times(x / max(finer.slowdown(x), 1.0)).sum())
+            finer = problem.on(regridded(problem.grid, np.full(len(loss), _VERIFY)), fine=False)
+            x = finer.twin / max(finer.slowdown(finer.twin), 1.0)
+            best = float(finer.times(x).sum())
             if total <= (1.0 + 1.5 * tolerance) * best or len(loss) * _VERIFY > _MAX_INTERVALS:
-                return grid
-            grid = fine
+                return problem
+            problem = finer
             continue
         if len(loss) >= _MAX_INTERVALS:
-            return grid
+            return problem
         # The loss falls with the first power of the interval's length; the least number of
         # nodes for a given sum of losses then goes with the root of each.
         root = np.sqrt(np.maximum(loss, 1e-6 * total / len(loss)))
         wanted = np.clip(root * (root.sum() / (0.9 * tolerance * total)), 0.33, 16.0)
-        grid = regridded(grid, wanted * min(1.0, _MAX_INTERVALS / float(wanted.sum())))
-    return grid
+        wanted *= min(1.0, _MAX_INTERVALS / float(wanted.sum()))
+        problem = problem.on(regridded(problem.grid, wanted), fine=False)
+    return problem
 
 
-def _divided(
-    path: JointPath,
-    grid: Grid,
-    profile: LimitProfile,
-    constraints: Sequence[PathConstraint],
-    pilot: Engine,
-    steady: bool,
-) -> Grid:
-    """Return a grid so fine that constraints are nearly straight where they nearly bind."""
+def _divided(problem: SpanProblem, steady: bool, check: Check) -> SpanProblem:
+    """Return a problem on a grid so fine that constraints are nearly straight where they bind."""
     for _ in range(_DIVISIONS):
-        problem = SpanProblem.build(path, grid, profile, constraints)
-        x = problem.solve(pilot)
+        check()
+        x = problem.twin
         parts = problem.parts(x / max(problem.slowdown(x), 1.0), steady)
         if parts.max() <= 1.5:
             break
-        grid = regridded(grid, np.maximum(parts * min(1.0, _MOST_DIVIDED / parts.sum()), 1.0))
-    return grid
+        wanted = np.maximum(parts * min(1.0, _MOST_DIVIDED / parts.sum()), 1.0)
+        problem = problem.on(regridded(problem.grid, wanted))
+    return problem
 
 
-def _within_limits(problem: SpanProblem, x: Array, engine: Engine) -> SpanTiming:
-    """Slow a solution by what it exceeds the limits, computed exactly."""
+def _within_limits(problem: SpanProblem, engine: Engine) -> SpanTiming:
+    """Slow an engine's solution by what it exceeds the limits."""
+    x = problem.twin if isinstance(engine, CompiledEngine) else problem.solve(engine)
     x = x / (problem.slowdown(x) * (1.0 + _MARGIN))
     dt = problem.times(x)
     return SpanTiming(

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from ikplan.errors import InvalidRequest, TimingFailed
 from ikplan.timing.constraints import PathConstraint
-from ikplan.timing.engine import Engine
+from ikplan.timing.engine import Check, Engine, unlimited
 from ikplan.timing.jerk import CubicMotion, smooth_span
 from ikplan.timing.joint_path import JointPath
 from ikplan.timing.limits import JointLimits
@@ -28,6 +28,7 @@ def time_joint_path(
     segments: Sequence[SegmentLimits] = (),
     constraints: Sequence[PathConstraint] = (),
     engine: Engine | None = None,
+    check: Check = unlimited,
 ) -> TimedPath:
     """Move along a path as fast as the limits allow, from rest to rest.
 
@@ -41,6 +42,7 @@ def time_joint_path(
         segments: Joint limits of ranges of the path; the strictest holds.
         constraints: Limits other than those of single joints: of the tool, of torques.
         engine: Chooses the path speed; None: toppra, with a compiled twin to stand in for it.
+        check: Is called now and then, and may end the timing by an error of its own.
 
     Returns:
         The timed path; duration 0 for a path of length zero.
@@ -71,11 +73,22 @@ def time_joint_path(
         )
     profile = LimitProfile.merged(path, limits, segments)
     spans = tuple(
-        time_span(path, first, last, profile, constraints, engine, steady=limits.jerk is None)
+        time_span(
+            path,
+            first,
+            last,
+            profile,
+            constraints,
+            engine,
+            steady=limits.jerk is None,
+            check=check,
+        )
         for first, last in itertools.pairwise(path.rest_knots)
     )
     if limits.jerk is not None:
-        motions = [smooth_span(path, span, profile, limits.jerk, constraints) for span in spans]
+        motions = [
+            smooth_span(path, span, profile, limits.jerk, constraints, check) for span in spans
+        ]
         return _joined(path, motions, spans, limits.jerk)
     grids = [span.problem.grid for span in spans]
     dt = np.concatenate([span.dt for span in spans])

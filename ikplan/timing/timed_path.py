@@ -63,9 +63,21 @@ class TimedPath:
     @property
     def times(self) -> Array:
         """Times of the waypoints [s], shape (n_waypoints,); equal for waypoints that coincide."""
+        return self.times_at(self.path.s_waypoints)
+
+    def times_at(self, places: Array) -> Array:
+        """Return when knots of the path are passed [s]; of a jerk-limited motion, any places.
+
+        Args:
+            places: Path positions, shape (m,); clipped to the path.
+        """
+        places = np.clip(places, 0.0, self.path.length)
         if self.sddot is None:
-            return self.node_times[np.searchsorted(self.s, self.path.s_waypoints)]
-        return times_of(self.node_times, self.s, self.sdot, self.sddot, self.path.s_waypoints)
+            after = np.searchsorted(self.s, places)
+            before = np.maximum(after - 1, 0)
+            nearer = places - self.s[before] < self.s[after] - places
+            return self.node_times[np.where(nearer, before, after)]
+        return times_of(self.node_times, self.s, self.sdot, self.sddot, places)
 
     def evaluate(self, t: ArrayLike) -> tuple[Array, Array, Array]:
         """Evaluate the motion, exact at both ends.

@@ -121,6 +121,17 @@ class ToolLimits:
 
         return ConstraintRows(np.hstack(a), np.hstack(b), x_max, demand)
 
+    def used(self, q: Array, dq: Array, ddq: Array) -> Array:
+        """Return how far joint motions use the limits; see PathConstraint."""
+        rates = dict(zip(("speed", "acceleration"), self.motion(q, dq, ddq), strict=True))
+        top = np.zeros(len(q))
+        for kind in _KINDS:
+            limit, rate = getattr(self, kind), kind.split("_")[1]
+            if limit is not None:
+                share = np.linalg.norm(rates[rate][:, _part(kind)], axis=1) / limit
+                top = np.maximum(top, np.square(share) if rate == "speed" else share)
+        return top
+
     def scaled(self, label: Label, factor: float) -> ToolLimits:
         """Return the limits with one multiplied; see PathConstraint."""
         if label not in self.labels:

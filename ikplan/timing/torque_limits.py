@@ -68,20 +68,26 @@ class TorqueLimits:
         """One limit a joint."""
         return tuple(("torque", name) for name in self.joint_names)
 
-    def _room(self, points: PathPoints) -> tuple[Array, Array, Array]:
-        """Return gravity's torques and what they leave of the upper and the lower limits."""
-        zero = np.zeros_like(points.q)
-        gravity = self.inverse_dynamics(points.q, zero, zero)
-        limit = np.asarray(self.effort) * (1.0 - MARGIN)
+    def _room(self, q: Array, margin: float, places: Array | None) -> tuple[Array, Array, Array]:
+        """Return gravity's torques and what they leave of the upper and the lower limits.
+
+        Args:
+            q: Joint positions, shape (m, dof).
+            margin: Share of the limits that is not to be used.
+            places: Where on the path they are, as shares of its length, shape (m,); None: unknown.
+        """
+        zero = np.zeros_like(q)
+        gravity = self.inverse_dynamics(q, zero, zero)
+        limit = np.asarray(self.effort) * (1.0 - margin)
         up, down = limit - gravity, limit + gravity
         worst = np.minimum(up, down)
         if (worst <= 0.0).any():
             row, j = (int(i) for i in np.unravel_index(int(np.argmin(worst)), worst.shape))
-            where = float(points.s[row] / points.length)
+            where = None if places is None else float(places[row])
             raise TimingFailed(
                 f"joint {self.joint_names[j]!r} needs {abs(gravity[row, j]):.4g} to stand still "
-                f"at {where:.4f} of the path, more than its torque limit of "
-                f"{np.asarray(self.effort)[j]:.4g}",
+                + (f"at {where:.4f} of the path" if where is not None else "on the path")
+                + f", more than its torque limit of {np.asarray(self.effort)[j]:.4g}",
                 position=where,
                 joint=self.joint_names[j],
                 limit="torque",
@@ -90,7 +96,7 @@ class TorqueLimits:
 
     def at(self, points: PathPoints) -> ConstraintRows:
         """Write the limits at points of a path; see PathConstraint."""
-        gravity, up, down = self._room(points)
+        gravity, up, down = self._room(points.q, MARGIN, points.s / points.length)
         zero = np.zeros_like(points.q)
         of_u = self.inverse_dynamics(points.q, zero, points.qs) - gravity
         of_x = self.inverse_dynamics(points.q, points.qs, points.qss) - gravity
@@ -106,6 +112,17 @@ class TorqueLimits:
             np.full(len(points.s), np.inf),
             demand,
         )
+
+    def used(self, q: Array, dq: Array, ddq: Array) -> Array:
+        """Return how far joint motions use the limits; see PathConstraint."""
+        torques = self.inverse_dynamics(q, dq, ddq)
+        top = np.asarray((np.abs(torques) / np.asarray(self.effort)).max(axis=1))
+        over = top > 1.0
+        if over.any():
+            gravity, up, down = self._room(q[over], 0.0, None)
+            motion = torques[over] - gravity
+            top[over] = np.maximum(motion / up, -motion / down).max(axis=1)
+        return top
 
     def scaled(self, label: Label, factor: float) -> TorqueLimits:
         """Return the limits with one multiplied; see PathConstraint."""

@@ -10,12 +10,16 @@ import numpy as np
 import pytest
 
 from ikplan import errors
+from ikplan.retiming import time_request
 from ikplan.timing import JointLimits, Retimed, retime
 
 from .cases import assert_keeps_limits, assert_meets_waypoints
 
 FOLDER = Path(__file__).parents[1] / "vectors" / "timing"
 VECTORS = {path.stem: json.loads(path.read_text()) for path in sorted(FOLDER.glob("*.json"))}
+REQUESTS = {
+    path.stem: json.loads(path.read_text()) for path in sorted(FOLDER.glob("requests/*.json"))
+}
 GOOD = [name for name, vector in VECTORS.items() if "duration" in vector["expect"]]
 BAD = [name for name, vector in VECTORS.items() if "error" in vector["expect"]]
 
@@ -61,3 +65,12 @@ def test_a_bad_input_is_refused_by_its_field(name: str) -> None:
     with pytest.raises(getattr(errors, expected["type"])) as error:
         run(VECTORS[name])
     assert error.value.field == expected["field"]
+
+
+@pytest.mark.parametrize("name", REQUESTS)
+@pytest.mark.parametrize("rate_hz", [50.0, 1000.0])
+def test_a_hard_request_is_certified_and_uses_its_limit(name: str, rate_hz: float) -> None:
+    vector = REQUESTS[name]
+    certificate = time_request({**vector["request"], "sampling": {"rate_hz": rate_hz}}).certificate
+    for field, (least, most) in vector["expect"].items():
+        assert least <= getattr(certificate, field) <= most

@@ -1,0 +1,1 @@
+"""Random requests over every robot: whatever is asked, a certified plan or a typed refusal."""

@@ -1,0 +1,105 @@
+"""Ask for random plans and timings until the time is up: ``python -m benchmarks.requests``.
+
+Ends with exit code 1 if a request ended in anything but a certified plan or a refusal of its own
+kind. Those, and the slow ones, are written to a folder, to be asked again with
+``ikplan plan FILE``, or with ``--only NUMBER``.
+"""
+
+from __future__ import annotations
+
+import os
+
+for _name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "NUMBA_NUM_THREADS"):
+    os.environ.setdefault(_name, "1")
+
+import argparse  # noqa: E402 - the threads are counted when NumPy is imported
+import collections  # noqa: E402
+import itertools  # noqa: E402
+import json  # noqa: E402
+import statistics  # noqa: E402
+import sys  # noqa: E402
+import time  # noqa: E402
+import traceback  # noqa: E402
+from pathlib import Path  # noqa: E402
+from typing import Any  # noqa: E402
+
+import ikplan  # noqa: E402
+from benchmarks.requests.drawing import KINDS, draw  # noqa: E402
+from ikplan.errors import CertificateViolated, IkplanError  # noqa: E402
+from ikplan.result import Plan  # noqa: E402
+from ikplan.retiming import time_request  # noqa: E402
+
+
+def asked(kind: str, request: dict[str, Any]) -> Plan:
+    """Make the plan or the timing of a request."""
+    return time_request(request) if kind == "timing" else ikplan.plan(request)
+
+
+def outcome(kind: str, request: dict[str, Any]) -> tuple[str, str, float]:
+    """Return how a request ended, what it says, and the seconds of the timing stage.
+
+    Returns:
+        "plan", the class of a refusal, or "FAULT ..."; words; seconds.
+    """
+    try:
+        plan = asked(kind, request)
+    except CertificateViolated as error:
+        return "FAULT CertificateViolated", error.detail, 0.0
+    except IkplanError as error:
+        return type(error).__name__, str(error), 0.0
+    except Exception as error:  # anything else is what is looked for
+        return f"FAULT {type(error).__name__}", traceback.format_exc(), 0.0
+    return "plan", "", plan.stats.seconds.get("timing", 0.0)
+
+
+def main() -> int:
+    """Ask, count, and write down what must not be."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--seed", type=int, default=0, help="which series of requests")
+    parser.add_argument("--seconds", type=float, default=60.0, help="how long to ask")
+    parser.add_argument("--first", type=int, default=0, help="number of the first request")
+    parser.add_argument("--only", type=int, help="number of the one request to ask")
+    parser.add_argument("--kind", choices=(*KINDS, "both"), default="both")
+    parser.add_argument("--slow", type=float, default=5.0, help="processor seconds that are long")
+    parser.add_argument("--budget", type=float, default=40.0, help="budget_s of each request")
+    parser.add_argument("--out", type=Path, default=Path("out/requests"))
+    options = parser.parse_args()
+    kinds = KINDS if options.kind == "both" else (options.kind,)
+    numbers = itertools.count(options.first) if options.only is None else [options.only]
+    counts: collections.Counter[str] = collections.Counter()
+    seconds, timing_seconds, faults = [], [], 0
+    end = time.monotonic() + options.seconds
+    for number, kind in ((number, kind) for number in numbers for kind in kinds):
+        if time.monotonic() > end:
+            break
+        request = draw(kind, options.seed, number, options.budget)
+        begin = time.process_time()
+        found, words, timing = outcome(kind, request)
+        took = time.process_time() - begin
+        counts[f"{kind}: {found}"] += 1
+        seconds.append(took)
+        if found == "plan":
+            timing_seconds.append(timing)
+        fault, slow = found.startswith("FAULT"), took > options.slow
+        faults += fault
+        if fault or slow:
+            options.out.mkdir(parents=True, exist_ok=True)
+            file = options.out / f"{kind}_{options.seed}_{number}.json"
+            file.write_text(json.dumps(request))
+            print(f"{file}: {found}, {took:.1f} s of the processor, {timing:.1f} s timing")
+            print(words, end="\n" if words else "", flush=True)
+    for name, count in sorted(counts.items()):
+        print(f"{count:6d}  {name}")
+    if seconds:
+        print(f"processor seconds a request: median {statistics.median(seconds):.2f}, ", end="")
+        print(f"worst {max(seconds):.2f}")
+    if timing_seconds:
+        print(
+            f"seconds of the timing stage: median {statistics.median(timing_seconds):.2f}, ", end=""
+        )
+        print(f"worst {max(timing_seconds):.2f}")
+    return 1 if faults else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

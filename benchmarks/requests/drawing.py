@@ -1,0 +1,56 @@
+"""Random requests, each told by its seed and number."""
+
+from __future__ import annotations
+
+import functools
+from typing import Any
+
+import numpy as np
+
+from benchmarks.requests.limits import random_limits, random_sampling
+from benchmarks.requests.paths import random_joint_path, random_path
+from ikplan.robots import Robot, load_robot, robot_names
+
+__all__ = ["KINDS", "draw"]
+
+KINDS = ("plan", "timing")
+
+
+@functools.cache
+def _robot(name: str) -> Robot:
+    return load_robot(name)
+
+
+def draw(kind: str, seed: int, number: int, budget_s: float) -> dict[str, Any]:
+    """Draw a request.
+
+    Args:
+        kind: "plan", or "timing" for that of a joint path.
+        seed: Which series.
+        number: Which of it.
+        budget_s: Its time budget [s].
+
+    Returns:
+        The request document.
+    """
+    rng = np.random.default_rng([KINDS.index(kind), seed, number])
+    names = robot_names()
+    name = names[int(rng.integers(len(names)))]
+    robot = _robot(name)
+    request: dict[str, Any] = {"robot": name, "budget_s": budget_s}
+    if kind == "timing":
+        request |= random_joint_path(rng, robot)
+    else:
+        q = robot.random_configuration(rng)
+        request["start"] = "free" if rng.random() < 0.25 else q.tolist()
+        request["path"] = random_path(rng, robot, q)
+        ik: dict[str, Any] = {"method": "lm"} if rng.random() < 0.5 else {}
+        if rng.random() < 0.2:
+            ik["elongation"] = "greedy"
+        request["ik"] = ik
+    request["limits"] = random_limits(rng, robot)
+    if rng.random() < 0.5:
+        request["sampling"] = random_sampling(rng)
+    if rng.random() < 0.2:
+        request["tool"] = {"position": [0.05, -0.02, 0.1]}
+    return request

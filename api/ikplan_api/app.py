@@ -6,6 +6,7 @@ import asyncio
 import contextlib
 import logging
 from collections.abc import AsyncIterator
+from typing import Any
 
 from fastapi import FastAPI
 
@@ -23,6 +24,7 @@ from ikplan_api.routes import ROUTERS
 from ikplan_api.settings import Settings, load_settings
 from ikplan_api.sqlite_robots import SqliteRobotStore
 from ikplan_api.sqlite_store import SqliteStore
+from ikplan_api.stopping import Stopping
 from ikplan_api.store import PlanStore
 from ikplan_api.wrapping import wrap
 
@@ -82,6 +84,7 @@ def create_app(
     app.state.planner = MeasuredPlanner(planner, app.state.metrics)
     app.state.store = store or _store(settings)
     app.state.board = PlanBoard(app.state.planner, app.state.store, settings.max_budget_s)
+    app.state.stopping = Stopping(app.state.board, settings.stop_s)
     app.state.robots = robots or _robots(settings, app.state.store)
     app.state.robot_builder = RobotBuilder(settings.robot_memory_bytes, settings.robot_timeout_s)
     for router in ROUTERS:
@@ -111,7 +114,8 @@ def _robots(settings: Settings, store: PlanStore) -> RobotStore:
 
 
 @contextlib.asynccontextmanager
-async def _lifespan(app: FastAPI) -> AsyncIterator[None]:
+async def _lifespan(app: FastAPI) -> AsyncIterator[dict[str, Any]]:
+    stopping: Stopping = app.state.stopping
     planner: Planner = app.state.planner
     store: PlanStore = app.state.store
     await store.open()
@@ -119,9 +123,11 @@ async def _lifespan(app: FastAPI) -> AsyncIterator[None]:
     warming = asyncio.create_task(planner.warm_up())
     warming.add_done_callback(_report)
     try:
-        yield
+        # For whoever serves: to be called as soon as the service is to stop.
+        yield {"stop": stopping.begin}
     finally:
         warming.cancel()
+        await stopping.settle()
         await planner.close()
         await app.state.board.close()
         await store.close()

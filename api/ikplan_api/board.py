@@ -131,6 +131,17 @@ class PlanBoard:
             making.accepted = True
         return making.status
 
+    def rest(self) -> None:
+        """Put off the jobs that wait for a worker: they are done after the next start."""
+        for making in list(self._making.values()):
+            if not making.waiters and making.status.state == "queued":
+                making.task.cancel()
+
+    async def settle(self, timeout_s: float) -> None:
+        """Wait for what is being made, at most for a time [s]."""
+        if self._making:
+            await asyncio.wait([m.task for m in self._making.values()], timeout=timeout_s)
+
     async def close(self) -> None:
         """Wait for what ended with the planner; jobs are done after the next start."""
         if self._making:

@@ -49,6 +49,12 @@ class Settings(AccessSettings):
     grace_s: float = Field(
         2.0, ge=0, le=60, description="Time that a plan gets beyond its budget to end itself [s]."
     )
+    stop_s: float = Field(
+        20.0,
+        ge=0,
+        le=3600,
+        description="Time that plans under way get when the service is to stop [s].",
+    )
     max_body_bytes: int = Field(8 * 2**20, ge=1024, description="Largest request body [bytes].")
     max_budget_s: float = Field(
         3600.0, gt=0, le=3600, description="Longest time for a plan, whatever its budget_s [s]."

@@ -13,6 +13,7 @@ from ikplan.status import PlanStatus
 from ikplan_api.board import PlanBoard
 from ikplan_api.making import Making
 from ikplan_api.problems import request_id_of
+from ikplan_api.stopping import Stopping
 
 __all__ = ["Watched", "find_watched"]
 
@@ -22,6 +23,7 @@ class Watched:
 
     Args:
         plan_id: The id.
+        stopping: Tells when the service is to stop.
         making: The plan, if it is being made.
         problem: Why it failed, if it has.
         request_id: Id of the request to watch.
@@ -31,21 +33,24 @@ class Watched:
         self,
         plan_id: str,
         request_id: str,
+        stopping: Stopping,
         making: Making | None = None,
         problem: dict[str, Any] | None = None,
     ) -> None:
         self._plan_id = plan_id
         self._request_id = request_id
+        self._stopping = stopping
         self._making = making
         self._problem = problem
 
     async def events(self) -> AsyncIterator[ServerSentEvent]:
-        """Tell the progress until the end."""
+        """Tell the progress until the end, or until the service stops and the job with it."""
         if self._making is not None:
-            async for status in self._making.watch():
+            async for status in self._stopping.until_begun(self._making.watch()):
                 if not status.ended:
                     yield ServerSentEvent(event="progress", data=status)
-            yield self._last(self._making.status, self._making.problem)
+                else:
+                    yield self._last(status, self._making.problem)
         else:
             state = "finished" if self._problem is None else "failed"
             yield self._last(PlanStatus(id=self._plan_id, state=state), self._problem)
@@ -64,11 +69,12 @@ async def find_watched(request: Request, plan_id: str) -> Watched:
         PlanNotFound: Nothing is known under that id.
     """
     board: PlanBoard = request.app.state.board
+    stopping: Stopping = request.app.state.stopping
     request_id = request_id_of(request)
     if (making := board.under_way(plan_id)) is not None:
-        return Watched(plan_id, request_id, making)
+        return Watched(plan_id, request_id, stopping, making)
     if await board.find(plan_id) is not None:
-        return Watched(plan_id, request_id)
+        return Watched(plan_id, request_id, stopping)
     if (problem := await board.failure(plan_id)) is not None:
-        return Watched(plan_id, request_id, problem=problem)
+        return Watched(plan_id, request_id, stopping, problem=problem)
     raise PlanNotFound(id=plan_id)

@@ -18,8 +18,6 @@ APP = "ikplan_api.app:create_app"
 _KEEP_ALIVE_S = 75
 """Time that idle connections are kept [s]: longer than clients keep them, so that none asks on one
 that is just being closed."""
-_LAST_ANSWERS_S = 30
-"""Time for the requests under way when the service is to stop [s]."""
 
 
 def serve(options: argparse.Namespace) -> None:
@@ -33,13 +31,14 @@ def serve(options: argparse.Namespace) -> None:
         raise InvalidRequest("--port: 0..65535 is allowed", field="--port", allowed="0..65535")
     import uvicorn
 
+    from ikplan.cli.server import Server
+
     config = uvicorn.Config(
         APP,
         factory=True,
         host=options.host,
         port=options.port,
         log_config=None,
-        timeout_graceful_shutdown=_LAST_ANSWERS_S,
         timeout_keep_alive=_KEEP_ALIVE_S,
         access_log=False,  # the service tells more of each request itself
     )
@@ -52,7 +51,7 @@ def serve(options: argparse.Namespace) -> None:
         logging.config.dictConfig(_logging())
         sys.stderr.write(f"ikplan: listening on {_address(listening)} (manual at /docs)\n")
         with contextlib.suppress(KeyboardInterrupt):
-            uvicorn.Server(config).run(sockets=[listening])
+            Server(config).run(sockets=[listening])
 
 
 def _logging() -> dict[str, Any]:

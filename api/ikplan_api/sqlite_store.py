@@ -14,6 +14,7 @@ from typing import Any
 import aiosqlite
 
 from ikplan.errors import InvalidRequest
+from ikplan_api.lock_holder import lock_holder
 from ikplan_api.store import Job, StoreFault
 
 __all__ = ["IN_MEMORY", "SqliteStore"]
@@ -99,7 +100,8 @@ class SqliteStore:
         except (OSError, sqlite3.Error) as error:
             reason = getattr(error, "strerror", None) or str(error)
             if "locked" in reason:
-                reason = "another service uses it"
+                holder = lock_holder(self._path)
+                reason = "another service uses it" + (f" (process {holder})" if holder else "")
             raise InvalidRequest(
                 f"{_SETTING}: plans cannot be kept in {self._path}: {reason}; name another file, "
                 f"or {IN_MEMORY} to keep them in memory",

@@ -1,6 +1,9 @@
 """The file of plans and jobs: what it keeps, what it forgets, what keeps it from either."""
 
 import asyncio
+import os
+import subprocess
+import sys
 import time
 from collections.abc import Awaitable, Callable
 from pathlib import Path
@@ -9,6 +12,8 @@ from typing import Any
 import pytest
 
 from ikplan import InvalidRequest
+from ikplan.cli import main
+from ikplan_api.lock_holder import lock_holder
 from ikplan_api.settings import Settings
 from ikplan_api.sqlite_store import IN_MEMORY, SqliteStore
 from ikplan_api.store import Job, RecentPlans, StoreFault
@@ -119,6 +124,46 @@ def test_two_services_never_share_a_file(tmp_path: Path):
         assert caught.value.field == "IKPLAN_STORE_PATH"
 
     use(second, path)
+
+
+def test_the_process_that_has_the_file_is_named(tmp_path: Path):
+    path, locks = tmp_path / "store.sqlite3", tmp_path / "locks"
+    path.touch()
+    file = path.stat()
+    device = f"{os.major(file.st_dev):02x}:{os.minor(file.st_dev):02x}"
+    others = f"1: FLOCK  ADVISORY  WRITE 12 {device}:{file.st_ino + 1} 0 EOF\n2: -> POSIX\n"
+    held = f"3: POSIX  ADVISORY  WRITE {{}} {device}:{file.st_ino} 1073741824 1073741824\n"
+    for text, holder in (
+        (others + held.format(4711), 4711),
+        (others + held.format(0), None),  # of another container
+        (others, None),
+    ):
+        locks.write_text(text)
+        assert lock_holder(str(path), locks) == holder
+    assert lock_holder(str(path), tmp_path / "none") is None
+    assert lock_holder(str(tmp_path / "gone"), locks) is None
+
+
+@pytest.mark.skipif(not Path("/proc/locks").exists(), reason="nothing tells locks here")
+def test_a_second_service_on_the_same_file_says_whose_it_is(tmp_path: Path, capsys):
+    path = str(tmp_path / "store.sqlite3")
+    hold = (
+        "import sqlite3, sys; c = sqlite3.connect(sys.argv[1], isolation_level=None); "
+        "c.execute('PRAGMA locking_mode = EXCLUSIVE'); c.execute('BEGIN IMMEDIATE'); "
+        "c.execute('CREATE TABLE t (x)'); print('held', flush=True); sys.stdin.read()"
+    )
+    pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE, "text": True}
+    with subprocess.Popen([sys.executable, "-c", hold, path], **pipes) as process:
+        assert process.stdout is not None
+        assert process.stdout.readline() == "held\n"
+        with pytest.MonkeyPatch.context() as patch:
+            for name, value in (("STORE_PATH", path), ("HOST", "127.0.0.1"), ("PORT", "0")):
+                patch.setenv(f"IKPLAN_{name}", value)
+            assert main(["serve", "--port", "0"]) == 2
+        process.communicate()
+    (line,) = capsys.readouterr().err.splitlines()
+    assert line.startswith("ikplan: invalid-request: IKPLAN_STORE_PATH: ")
+    assert f"{path}: another service uses it (process {process.pid}); name another file" in line
 
 
 @pytest.mark.parametrize("path", ["/proc/nowhere/store", "/dev/null/store", "/"])

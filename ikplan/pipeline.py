@@ -15,20 +15,23 @@ from ikplan.documents import parse
 from ikplan.errors import Disconnected, Unreachable
 from ikplan.identity import plan_id, with_tool
 from ikplan.ik.arguments import check_start
-from ikplan.ik.solve import PoseSolver, pose_distance, solve_ik
+from ikplan.ik.solve import PoseSolver, pose_distance, solve_pose
 from ikplan.kinematics.arm import arm_of
 from ikplan.motion_limits import LimitedStretch, MotionLimits
 from ikplan.path import rotation_of
 from ikplan.path_checks import TimedSpan
 from ikplan.planning import Clock, Progress, Route, RouteProblem, find_repairs, lay_route
-from ikplan.request import FkRequest, IkRequest, PlanRequest
+from ikplan.request import FkRequest, IkOptions, IkRequest, PlanRequest
 from ikplan.result import FkResult, IkSolution, Plan, Stats, WaypointResults
 from ikplan.robots import Robot, catalogue_robot
 from ikplan.timing import JointPath
 from ikplan.timing_stage import joint_limits, time_motion, warm_up_timing
-from ikplan.warmup import warm_up
+from ikplan.warmup import warm_up, warm_up_ik
 
 __all__ = ["fk_request", "plan", "solve_ik_request"]
+
+_EXACT = 1e-9
+"""What counts as a solution of a waypoint, whatever the path tolerates [m and rad]."""
 
 
 def plan(
@@ -69,7 +72,7 @@ def plan(
     limits = MotionLimits.of(robot, request.limits)
     limits_of = _segment_limits(robot, request, limits)
 
-    solver = _pose_solver(robot, request)
+    solver = _pose_solver(robot, request.ik, _EXACT, _EXACT)
     with clock.stage("ik"), clock.cutting(solver.cut, solver.search_evaluations):
         arm_limits = joint_limits(robot, limits)
         problem = RouteProblem(
@@ -168,8 +171,9 @@ def _waypoint_results(
     )
 
 
-def _pose_solver(robot: Robot, request: PlanRequest) -> PoseSolver:
-    ik = request.ik
+def _pose_solver(
+    robot: Robot, ik: IkOptions, tolerance_position: float, tolerance_orientation: float
+) -> PoseSolver:
     return PoseSolver(
         arm_of(robot),
         ik.method,
@@ -178,34 +182,37 @@ def _pose_solver(robot: Robot, request: PlanRequest) -> PoseSolver:
         ik.iterations,
         ik.params,
         ik.refine,
-        tolerance_position=1e-9,
-        tolerance_orientation=1e-9,
+        tolerance_position=tolerance_position,
+        tolerance_orientation=tolerance_orientation,
     )
 
 
 def solve_ik_request(
-    request: Mapping[str, Any] | IkRequest, *, robot: Robot | None = None
+    request: Mapping[str, Any] | IkRequest,
+    *,
+    robot: Robot | None = None,
+    progress: Progress | None = None,
 ) -> IkSolution:
-    """Solve the single pose of an IK request, see :func:`ikplan.solve_ik`; robot as in plan."""
+    """Solve the single pose of an IK request, see :func:`ikplan.solve_ik`; robot as in plan.
+
+    Raises:
+        InvalidRequest: A field of the request is wrong.
+        RobotNotFound: No robot of that name.
+        Unreachable: No solution within tolerance.
+        BudgetExceeded: ``budget_s`` ran out.
+    """
     request = parse(IkRequest, request)
+    warm_up_ik(request.ik.method)
+    clock = Clock(request.budget_s, progress)
     robot = robot or catalogue_robot(request.robot)
     robot = with_tool(robot, request.tool)
     pose: Any = np.array(request.position)
     if request.quaternion_xyzw is not None:
         pose = pin.SE3(rotation_of(request.quaternion_xyzw), pose)
-    return solve_ik(
-        robot,
-        pose,
-        start=request.start,
-        method=request.ik.method,
-        seed=request.ik.seed,
-        population=request.ik.population,
-        iterations=request.ik.iterations,
-        params=request.ik.params,
-        refine=request.ik.refine,
-        tolerance_position=request.tolerance.position,
-        tolerance_orientation=request.tolerance.orientation,
-    )
+    tolerance = request.tolerance
+    solver = _pose_solver(robot, request.ik, tolerance.position, tolerance.orientation)
+    with clock.stage("ik"), clock.cutting(solver.cut, solver.search_evaluations):
+        return solve_pose(robot, solver, pose, request.start)
 
 
 def fk_request(request: Mapping[str, Any] | FkRequest, *, robot: Robot | None = None) -> FkResult:

@@ -7,10 +7,11 @@ from typing import Literal
 
 import numpy as np
 import pinocchio as pin
+from numpy.typing import NDArray
 
 from ikplan.ik.solve import PoseSolver
 from ikplan.ik.verdict import explain_miss
-from ikplan.kinematics.arm import arm_of
+from ikplan.kinematics.arm import Arm, arm_of
 from ikplan.kinematics.target import pose_target
 from ikplan.path_checks import TimedSpan, follow_checks
 from ikplan.planning import Clock, RouteProblem, lay_route
@@ -18,7 +19,7 @@ from ikplan.request import IkOptions, PathRequest, Waypoint
 from ikplan.robots import load_robot
 from ikplan.timing import JointLimits, JointPath, sample, time_joint_path
 
-__all__ = ["warm_up"]
+__all__ = ["warm_up", "warm_up_ik"]
 
 Interpolation = Literal["joint", "line", "spline"]
 Elongation = Literal["global", "greedy"]
@@ -67,6 +68,28 @@ def warm_up(method: str = "ik-ba") -> None:
         ]
         samples = sample(timed, 250.0)
         follow_checks(robot, path, spans, samples.time, samples.q)
-    # The verdict on a target out of reach has kernels of its own.
+    _warm_up_verdict(arm, pose, q_start)
+
+
+@functools.cache
+def warm_up_ik(method: str) -> None:
+    """Make every kernel that solves a pose with ``method`` ready, once a process.
+
+    Args:
+        method: Name of a solver.
+
+    Raises:
+        InvalidRequest: No solver of that name.
+    """
+    robot = load_robot("iiwa14")
+    arm = arm_of(robot)
+    q_start = np.array(robot.home)
+    pose = robot.fk(q_start + 0.01)
+    PoseSolver(arm, method).solve(pose_target(pose.translation, pose.rotation), q_start)
+    _warm_up_verdict(arm, pose, q_start)
+
+
+def _warm_up_verdict(arm: Arm, pose: pin.SE3, q_start: NDArray[np.float64]) -> None:
+    """The verdict on a target out of reach has kernels of its own."""
     far = pose_target(pose.translation + np.array([9.0, 0.0, 0.0]), pose.rotation)
     explain_miss(arm, far, q_start, q_start, restarts=0)

@@ -57,7 +57,7 @@ class Settings(AccessSettings):
     )
     max_body_bytes: int = Field(8 * 2**20, ge=1024, description="Largest request body [bytes].")
     max_budget_s: float = Field(
-        3600.0, gt=0, le=3600, description="Longest time for a plan, whatever its budget_s [s]."
+        3600.0, gt=0, le=3600, description="Longest time for a request, whatever its budget_s [s]."
     )
     max_batch_bytes: int = Field(64 * 2**20, ge=1024, description="Largest batch [bytes].")
     max_batch_lines: int = Field(10_000, ge=1, description="Most requests of a batch.")

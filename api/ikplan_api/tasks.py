@@ -140,9 +140,9 @@ def make_timing(work: Work) -> Answer:
 
 def answer_ik(work: Work) -> Answer:
     """Answer ``POST /v1/ik``."""
-    work.begin("ik")
     request = parse_json(IkRequest, work.document)
-    solved = solve_ik_request(request, robot=work.robot_named(request.robot))
+    robot = work.robot_named(request.robot)
+    solved = solve_ik_request(request, robot=robot, progress=work.progress)
     return Answer(solved.model_dump_json().encode())
 
 

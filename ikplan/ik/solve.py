@@ -27,7 +27,7 @@ from ikplan.result import IkSolution
 if TYPE_CHECKING:
     from ikplan.robots import Robot
 
-__all__ = ["NoSolution", "PoseSolver", "Solved", "solve_ik"]
+__all__ = ["NoSolution", "PoseSolver", "Solved", "solve_ik", "solve_pose"]
 
 Array = NDArray[np.float64]
 
@@ -255,8 +255,6 @@ def solve_ik(
         InvalidRequest: An argument is wrong.
         Unreachable: No solution within tolerance; carries the best one and the reason.
     """
-    target = target_of(pose)
-    q_start = check_start(robot, robot.home if start is None else start)
     solver = PoseSolver(
         arm_of(robot),
         method,
@@ -268,6 +266,15 @@ def solve_ik(
         tolerance_position,
         tolerance_orientation,
     )
+    return solve_pose(robot, solver, pose, start)
+
+
+def solve_pose(
+    robot: Robot, solver: PoseSolver, pose: Any, start: ArrayLike | None = None
+) -> IkSolution:
+    """Find joint values with a solver that is set up already, see :func:`solve_ik`."""
+    target = target_of(pose)
+    q_start = check_start(robot, robot.home if start is None else start)
     try:
         solved = solver.solve(target, q_start)
     except NoSolution as verdict:

@@ -98,6 +98,8 @@ BAD: list[tuple[str, Any, str]] = [
     ("ik.population", "thesis", "ik.population"),
     ("ik", {"population": 5_000, "iterations": 5_000}, "ik"),
     ("ik", {"population": 100_000, "iterations": "paper"}, "ik"),
+    ("ik", {"method": "gsa", "population": 10_000, "iterations": 2}, "ik"),
+    ("ik", {"method": "gsa", "population": 1000, "iterations": 197}, "ik"),
     ("ik", {"population": "paper", "iterations": 100_000 + 1}, "ik.iterations"),
     ("ik.population", 2.5, "ik.population"),
     ("ik.params", [], "ik.params"),
@@ -126,6 +128,18 @@ def test_a_wrong_value_is_named_by_its_field(at: str, value: Any, field: str) ->
     assert error.detail.startswith(f"{field}: ")
     assert error.errors[0]["field"] == field
     json.dumps(error.to_problem(), allow_nan=False)
+
+
+def test_a_search_in_which_all_look_at_each_other_may_be_as_long_as_others_in_time() -> None:
+    for change in (
+        {"method": "gsa", "population": 1000, "iterations": 196},
+        {"method": "gsa", "population": "paper", "iterations": "paper"},
+        {"method": "pso", "population": 10_000, "iterations": 1000},
+    ):
+        parse(PlanRequest, good_but("ik", change))
+    change = {"method": "gsa", "population": 1000, "iterations": 500}
+    with pytest.raises(InvalidRequest, match="at most 196 iterations are allowed, not 500"):
+        parse(PlanRequest, good_but("ik", change))
 
 
 def test_the_good_request_is_good() -> None:

@@ -5,25 +5,42 @@ from __future__ import annotations
 from fastapi import APIRouter, Request, Response
 
 from ikplan import errors
+from ikplan.documents import parse_json
 from ikplan.request import FkRequest, IkRequest
 from ikplan.result import FkResult, IkSolution
-from ikplan_api.body import read_json_body
+from ikplan_api.body import read_body
 from ikplan_api.disconnect import while_connected
 from ikplan_api.openapi import problems, request_body
 from ikplan_api.planner import Planner
+from ikplan_api.settings import Settings
 from ikplan_api.uploads import robot_document
 
 __all__ = ["router"]
 
 router = APIRouter(prefix="/v1", tags=["poses"])
 
+_JSON = "application/json"
 
-async def _answer(request: Request, kind: str) -> Response:
+
+_MAX_BYTES = 64 * 1024
+"""Largest document of a pose [bytes]: read while everybody else waits, it has to be short."""
+_FK_S = 10.0
+"""Longest time to place a tool, which takes microseconds [s]."""
+
+
+async def _read(request: Request) -> bytes:
+    settings: Settings = request.app.state.settings
+    return await read_body(request, [_JSON], min(_MAX_BYTES, settings.max_body_bytes))
+
+
+async def _answer(request: Request, kind: str, document: bytes, budget_s: float) -> Response:
     planner: Planner = request.app.state.planner
-    document = await read_json_body(request)
+    settings: Settings = request.app.state.settings
     robot = await robot_document(request, document)
-    answer = await while_connected(request, planner.run(kind, document, robot=robot))
-    return Response(answer.document, media_type="application/json")
+    limit_s = min(budget_s, settings.max_budget_s)
+    work = planner.run(kind, document, robot=robot, limit_s=limit_s)
+    answer = await while_connected(request, work)
+    return Response(answer.document, media_type=_JSON)
 
 
 @router.post(
@@ -42,7 +59,9 @@ async def _answer(request: Request, kind: str) -> Response:
 )
 async def compute_fk(request: Request) -> Response:
     """Return the tool's pose, in the base, at given joint values."""
-    return await _answer(request, "fk")
+    document = await _read(request)
+    parse_json(FkRequest, document)
+    return await _answer(request, "fk", document, _FK_S)
 
 
 @router.post(
@@ -61,5 +80,9 @@ async def compute_fk(request: Request) -> Response:
     openapi_extra=request_body(IkRequest, {"robot": "iiwa14", "position": [0.5, 0.0, 0.5]}),
 )
 async def solve_ik(request: Request) -> Response:
-    """Return the joint values nearest to the start that bring the tool to a pose."""
-    return await _answer(request, "ik")
+    """Return the joint values nearest to the start that bring the tool to a pose.
+
+    A search that takes longer than `budget_s` is stopped.
+    """
+    document = await _read(request)
+    return await _answer(request, "ik", document, parse_json(IkRequest, document).budget_s)

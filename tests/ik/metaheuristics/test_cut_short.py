@@ -17,6 +17,7 @@ from ikplan.ik.registry import find_solver
 from ikplan.ik.search import SearchCut, Searcher
 from ikplan.kinematics.arm import arm_of
 from ikplan.kinematics.target import pose_target
+from ikplan.pipeline import solve_ik_request
 from tests.ik.metaheuristics.runs import POPULATION_SEARCHES, problem, run
 
 OUT_OF_REACH = np.array([9.0, 0.0, 0.0])
@@ -56,6 +57,36 @@ def test_one_iteration_of_a_large_gravitational_search_is_cut_too() -> None:
     assert time.thread_time() - begin < 4.0
 
 
+@pytest.mark.parametrize("name", [n for n in POPULATION_SEARCHES if n != "gsa"])
+def test_a_candidate_takes_as_long_in_a_large_population_as_in_a_small_one(name: str) -> None:
+    # What the bound on population times iterations rests on; gsa has one of its own.
+    def per_evaluation(population: int, iterations: int) -> float:
+        task = problem(6, population, iterations)
+        begin = time.thread_time()
+        outcome = run(name, task)
+        return (time.thread_time() - begin) / outcome.evaluations[0]
+
+    per_evaluation(20, 2)
+    small = min(per_evaluation(20, 200) for _ in range(3))
+    assert per_evaluation(8000, 2) < 10.0 * small
+
+
+def test_a_single_pose_whose_search_is_too_long_ends_with_its_budget() -> None:
+    request = {
+        "robot": "ur5",
+        "position": [0.4, 0.1, 0.4],
+        "ik": {"population": 10_000, "iterations": 1000},
+        "budget_s": 0.2,
+    }
+    told: list[str] = []
+    begin = time.perf_counter()
+    with pytest.raises(BudgetExceeded) as caught:
+        solve_ik_request(request, progress=lambda *how_far: told.append(how_far[0]))
+    assert time.perf_counter() - begin < 5.0
+    assert (caught.value.stage, caught.value.budget_s) == ("ik", 0.2)
+    assert told == ["ik"]
+
+
 @pytest.mark.parametrize("elongation", ["global", "greedy"])
 def test_a_plan_whose_search_is_too_long_ends_with_its_budget(elongation: str) -> None:
     request: dict[str, Any] = {
@@ -63,8 +94,8 @@ def test_a_plan_whose_search_is_too_long_ends_with_its_budget(elongation: str) -
         "path": {"waypoints": [{"position": [0.5, 0.0, 0.5]}, {"position": [0.5, 0.1, 0.5]}]},
         "ik": {
             "method": "gsa",
-            "population": 9_000,
-            "iterations": 1_000,
+            "population": 1_000,
+            "iterations": 196,
             "elongation": elongation,
         },
         "budget_s": 0.4,
@@ -74,7 +105,7 @@ def test_a_plan_whose_search_is_too_long_ends_with_its_budget(elongation: str) -
     begin = time.thread_time()
     with pytest.raises(BudgetExceeded) as caught:
         ikplan.plan(request)
-    assert time.thread_time() - begin < 5.0
+    assert time.thread_time() - begin < 3.0  # each of the two searches takes six seconds
     assert isinstance(caught.value, IkplanError)
     assert caught.value.stage == "ik"
     assert caught.value.budget_s == 0.4

@@ -200,7 +200,7 @@ def test_work_is_traced_under_its_request_and_the_callers_trace(monkeypatch):
     async def ask() -> None:
         async with httpx.AsyncClient(transport=httpx.ASGITransport(app), base_url=ADDRESS) as http:
             caller = {"traceparent": f"00-{trace_id}-b7ad6b7169203331-01"}
-            await http.post("/v1/fk", json={}, headers=caller)
+            await http.post("/v1/fk", json={"robot": "ur5", "q": [0.0]}, headers=caller)
             await http.get("/livez")
 
     asyncio.run(ask())

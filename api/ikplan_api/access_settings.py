@@ -71,11 +71,18 @@ class AccessSettings(BaseSettings):
 
     host: str = Field("127.0.0.1", description="Address to listen on.")
     api_keys: Annotated[tuple[ApiKey, ...], NoDecode, BeforeValidator(_keys)] = Field(
-        (), description="Hashes of the keys of those who may ask, each with or without a name:."
+        (),
+        description="Hashes of the keys of those who may ask, separated by commas, each with or "
+        "without a `name:` before it.",
     )
-    rate_limit: str = Field("1200/minute", description="Requests of each key; empty: no limit.")
+    rate_limit: str = Field(
+        "1200/minute",
+        description="Requests of each key; more are refused with 429. Empty: no limit.",
+    )
     cors_origins: Annotated[tuple[str, ...], NoDecode, BeforeValidator(_parts)] = Field(
-        (), description="Web pages of other origins that may ask, such as https://cell.example."
+        (),
+        description="Origins whose web pages may ask, such as `https://cell.example`, separated by "
+        "commas; `*` is refused.",
     )
 
     @field_validator("rate_limit")

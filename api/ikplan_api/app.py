@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import logging
+import os
 from collections.abc import AsyncIterator
 from typing import Any
 
@@ -21,7 +22,7 @@ from ikplan_api.pool import ProcessPlanner
 from ikplan_api.robot_builder import RobotBuilder
 from ikplan_api.robot_store import MemoryRobotStore, RobotStore
 from ikplan_api.routes import ROUTERS
-from ikplan_api.settings import Settings, load_settings
+from ikplan_api.settings import Settings, load_settings, unknown_variables
 from ikplan_api.sqlite_robots import SqliteRobotStore
 from ikplan_api.sqlite_store import SqliteStore
 from ikplan_api.stopping import Stopping
@@ -115,6 +116,9 @@ def _robots(settings: Settings, store: PlanStore) -> RobotStore:
 
 @contextlib.asynccontextmanager
 async def _lifespan(app: FastAPI) -> AsyncIterator[dict[str, Any]]:
+    for name, near in unknown_variables(os.environ).items():
+        meant = f"; {' or '.join(near)}?" if near else ""
+        _log.warning("%s is set, but there is no such setting%s", name, meant)
     stopping: Stopping = app.state.stopping
     planner: Planner = app.state.planner
     store: PlanStore = app.state.store

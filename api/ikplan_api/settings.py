@@ -3,19 +3,22 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Mapping
 from typing import Literal
 
 from pydantic import Field, ValidationError
 from pydantic_settings import SettingsConfigDict
 
-from ikplan.errors import InvalidRequest
+from ikplan.errors import InvalidRequest, near_names
 from ikplan.processors import processor_count
 from ikplan.robots.safe_xml import MAX_BYTES
 from ikplan_api.access_settings import AccessSettings
 
-__all__ = ["Settings", "load_settings"]
+__all__ = ["Settings", "load_settings", "unknown_variables"]
 
 _PREFIX = "IKPLAN_"
+_OTHERS = ("IKPLAN_CACHE_DIR", "IKPLAN_KEY", "IKPLAN_ROBOTS_PATH")
+"""Variables of the library and the client."""
 
 
 def _data_file() -> str:
@@ -55,16 +58,23 @@ class Settings(AccessSettings):
         le=3600,
         description="Time that plans under way get when the service is to stop [s].",
     )
-    max_body_bytes: int = Field(8 * 2**20, ge=1024, description="Largest request body [bytes].")
+    max_body_bytes: int = Field(
+        8 * 2**20,
+        ge=1024,
+        description="Largest request body, counted as it streams in; then 413 [bytes].",
+    )
     max_budget_s: float = Field(
-        3600.0, gt=0, le=3600, description="Longest time for a request, whatever its budget_s [s]."
+        3600.0,
+        gt=0,
+        le=3600,
+        description="Longest time for a request, whatever its `budget_s` [s].",
     )
     max_batch_bytes: int = Field(64 * 2**20, ge=1024, description="Largest batch [bytes].")
     max_batch_lines: int = Field(10_000, ge=1, description="Most requests of a batch.")
     store_path: str = Field(
         default_factory=_data_file,
         min_length=1,
-        description='File that plans and jobs are kept in; ":memory:": none, a restart forgets.',
+        description="File that plans and jobs are kept in; `:memory:`: none, a restart forgets.",
     )
     store_plans: int = Field(10_000, ge=0, description="Finished plans kept.")
     store_bytes: int = Field(512 * 2**20, ge=0, description="Size of all plans kept [bytes].")
@@ -84,16 +94,25 @@ class Settings(AccessSettings):
     )
 
     log_format: Literal["auto", "json", "text"] = Field(
-        "auto", description="What the log looks like; auto: text on a terminal, else JSON."
+        "auto",
+        description="What the log looks like: `json`, `text`, or `auto`: text on a terminal, "
+        "else JSON.",
     )
     log_level: Literal["debug", "info", "warning", "error"] = Field(
-        "info", description="What is logged; debug: probes too."
+        "info", description="What is logged: `debug` (probes too), `info`, `warning` or `error`."
     )
 
     @property
     def worker_count(self) -> int:
         """Plans made at the same time."""
         return self.workers or processor_count()
+
+
+def unknown_variables(environment: Mapping[str, str]) -> dict[str, list[str]]:
+    """Return the variables that look like settings but are none, with those perhaps meant."""
+    known = [*(_PREFIX + name.upper() for name in Settings.model_fields), *_OTHERS]
+    names = (name for name in environment if name.upper().startswith(_PREFIX))
+    return {name: near_names(name, known) for name in names if name.upper() not in known}
 
 
 def load_settings() -> Settings:

@@ -117,7 +117,7 @@ def _robots(settings: Settings, store: PlanStore) -> RobotStore:
 @contextlib.asynccontextmanager
 async def _lifespan(app: FastAPI) -> AsyncIterator[dict[str, Any]]:
     for name, near in unknown_variables(os.environ).items():
-        meant = f"; {' or '.join(near)}?" if near else ""
+        meant = f"; is {near[0]} meant?" if near else ""
         _log.warning("%s is set, but there is no such setting%s", name, meant)
     stopping: Stopping = app.state.stopping
     planner: Planner = app.state.planner

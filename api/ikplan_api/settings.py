@@ -17,7 +17,7 @@ from ikplan_api.access_settings import AccessSettings
 __all__ = ["Settings", "load_settings", "unknown_variables"]
 
 _PREFIX = "IKPLAN_"
-_OTHERS = ("IKPLAN_CACHE_DIR", "IKPLAN_KEY", "IKPLAN_ROBOTS_PATH")
+_OTHERS = ("CACHE_DIR", "KEY", "ROBOTS_PATH")
 """Variables of the library and the client."""
 
 
@@ -110,9 +110,17 @@ class Settings(AccessSettings):
 
 def unknown_variables(environment: Mapping[str, str]) -> dict[str, list[str]]:
     """Return the variables that look like settings but are none, with those perhaps meant."""
-    known = [*(_PREFIX + name.upper() for name in Settings.model_fields), *_OTHERS]
-    names = (name for name in environment if name.upper().startswith(_PREFIX))
-    return {name: near_names(name, known) for name in names if name.upper() not in known}
+    known = [*map(str.upper, Settings.model_fields), *_OTHERS]
+    unknown = {
+        name: name.upper().removeprefix(_PREFIX)
+        for name in environment
+        if name.upper().startswith(_PREFIX)
+    }
+    return {
+        name: [_PREFIX + near for near in near_names(bare, known)]
+        for name, bare in unknown.items()
+        if bare not in known
+    }
 
 
 def load_settings() -> Settings:

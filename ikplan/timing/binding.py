@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from ikplan.errors import InvalidRequest, TimingFailed
 from ikplan.timing.constraints import Label, PathConstraint, PathPoints
 from ikplan.timing.engine import Check, EngineFailed, unlimited
-from ikplan.timing.jerk import smooth_span
+from ikplan.timing.jerk import smooth_span_alike
 from ikplan.timing.problem import SpanProblem
 from ikplan.timing.profile import LimitProfile
 from ikplan.timing.span import SpanTiming
@@ -134,7 +134,7 @@ def _usage(span: SpanTiming) -> tuple[list[Label], Array, Array]:
     columns = [np.maximum(dq / up, dq / down), np.sqrt(np.maximum(ddq / a_up, ddq / a_down))]
     demands = [
         (points.constraint, points.inside, demand[len(demand) // 2])
-        for points, demand in problem.demands(x)
+        for points, demand in problem.others.demands(x)
     ]
     more, usage = _shares_of(demands, len(x) - 1)
     return _joint_labels(problem.profile) + more, np.hstack([*columns, usage]), span.dt
@@ -225,7 +225,9 @@ def what_if(
     """Time a motion again with one limit changed, everywhere on the path.
 
     The path speed is solved again on the same grid, before and after the change, and the duration
-    scaled by the ratio: what the grid costs is not mistaken for what the limit brings.
+    scaled by the ratio: what the grid costs is not mistaken for what the limit brings. A
+    jerk-limited motion is smoothed again only in the way that was best for it; another one might
+    bring a little more.
 
     Args:
         timed: The timing.
@@ -250,42 +252,49 @@ def what_if(
     if (limit, joint) in [("jerk", name) for name in _names(timed)] and jerk is not None:
         jerk = jerk.copy()
         jerk[_names(timed).index(str(joint))] *= factor
-    for span in timed.spans:
-        changed = span.problem if limit == "jerk" and jerk is not timed.jerk else None
-        changed = changed or _changed(span.problem, (limit, joint), factor)
-        mine = _duration(span.problem, timed.jerk, check)
-        before += mine
+    for k, span in enumerate(timed.spans):
+        changed = span.problem
+        if limit != "jerk" or jerk is timed.jerk:
+            changed = _changed(span.problem, (limit, joint), factor)
+        known = timed.smoothed[k] if timed.jerk_limited else None
+        mine = known.duration if known is not None else _duration(span.problem)
         try:
-            after += _duration(changed, jerk, check)
+            if known is None or jerk is None:
+                new = _duration(changed, check)
+            else:
+                new = smooth_span_alike(changed, jerk, known, check).duration
         except EngineFailed as error:
-            if factor < 1.0:
-                where = float(span.problem.grid.s[error.stage] / timed.path.length)
-                raise TimingFailed(
-                    f"no path speed found at {where:.4f} of the path with {factor:g} times the "
-                    f"{limit} limit",
-                    position=where,
-                    joint=joint,
-                    limit=limit,
-                ) from error
-            after += mine  # the motion that is known keeps the wider limit as well
+            new = _unsolved(span, error, WhatIf(limit, joint, factor, mine, 0.0))
+        before += mine
+        # The motion that is known keeps a wider limit as well.
+        after += new if factor < 1.0 else min(new, mine)
     ratio = after / before if before > 0.0 else 1.0
     duration = timed.duration * ratio
     return WhatIf(limit, joint, factor, duration, timed.duration - duration)
+
+
+def _unsolved(span: SpanTiming, error: EngineFailed, asked: WhatIf) -> float:
+    """Return the duration that is known, where a limit is wider; or else fail."""
+    if asked.factor >= 1.0:
+        return asked.duration
+    where = float(span.problem.grid.s[error.stage] / span.problem.path.length)
+    raise TimingFailed(
+        f"no path speed found at {where:.4f} of the path with {asked.factor:g} times the "
+        f"{asked.limit} limit",
+        position=where,
+        joint=asked.joint,
+        limit=asked.limit,
+    ) from error
 
 
 def _names(timed: TimedPath) -> tuple[str, ...]:
     return timed.spans[0].problem.profile.joint_names if timed.spans else ()
 
 
-def _duration(problem: SpanProblem, jerk: Array | None, check: Check) -> float:
+def _duration(problem: SpanProblem, check: Check = unlimited) -> float:
     check()
     x = problem.twin / max(problem.slowdown(problem.twin), 1e-300)
-    dt = problem.times(x)
-    if jerk is None:
-        return float(dt.sum())
-    span = SpanTiming(problem, x, dt, 0.0, "CompiledEngine")
-    motion = smooth_span(problem.path, span, problem.profile, jerk, problem.constraints, check)
-    return float(motion.time[-1])
+    return float(problem.times(x).sum())
 
 
 def _changed(problem: SpanProblem, label: Label, factor: float) -> SpanProblem:
@@ -304,7 +313,6 @@ def _changed(problem: SpanProblem, label: Label, factor: float) -> SpanProblem:
             allowed=[f"{k} {n}" if n else k for k, n in dict.fromkeys(labels)],
         )
     if limit in ("velocity", "acceleration"):
-        profile = profile.scaled(limit, profile.joint_names.index(str(joint)), factor)
-    else:
-        constraints = tuple(constraint.scaled(label, factor) for constraint in constraints)
-    return SpanProblem.build(problem.path, problem.grid, profile, constraints)
+        joint_index = profile.joint_names.index(str(joint))
+        return problem.within(profile.scaled(limit, joint_index, factor))
+    return problem.under(tuple(constraint.scaled(label, factor) for constraint in constraints))

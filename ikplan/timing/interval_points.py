@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -77,6 +77,11 @@ class IntervalPoints:
         of = np.concatenate([*(pieces[inside] for _ in shares[:-1]), pieces[alone]])
         rows = constraint.at(PathPoints(at, *path.derivatives(at, of), path.length))
         return cls(constraint, inside, where, rows)
+
+    @property
+    def thrice(self) -> IntervalPoints:
+        """The same at the starts, middles and ends of the intervals only."""
+        return replace(self, where=self.where[:: (len(self.where) - 1) // 2])
 
     def demand(self, u: Array, x: Array) -> Array:
         """Return how far the limits are used at the points.

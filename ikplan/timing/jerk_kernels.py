@@ -9,7 +9,7 @@ from ikplan._jit import kernel
 from ikplan.timing.cubic_kernels import path_position
 from ikplan.timing.evaluation import _piece, interval_of
 
-__all__ = ["cubic_demand", "spread"]
+__all__ = ["cubic_demand", "path_rates", "spread"]
 
 Array = NDArray[np.float64]
 
@@ -82,6 +82,47 @@ def cubic_demand(
             place = interval_of(places, at)
             found[place] = max(found[place], top_v, np.sqrt(top_a), np.cbrt(top_j))
     return found
+
+
+@kernel
+def path_rates(time: Array, s: Array, v: Array, a: Array, places: Array) -> tuple[Array, Array]:
+    """Return path velocities and accelerations at path positions, to nine digits or so.
+
+    Args:
+        time: Times of the nodes [s], shape (n + 1,).
+        s: Path positions of the nodes, shape (n + 1,).
+        v: Path velocities at the nodes, shape (n + 1,).
+        a: Path accelerations at the nodes, shape (n + 1,).
+        places: Path positions, shape (m,).
+
+    Returns:
+        Shapes (m,).
+    """
+    speeds, pulls = np.empty(len(places)), np.empty(len(places))
+    for row in range(len(places)):
+        i = min(max(np.searchsorted(s, places[row]) - 1, 0), len(time) - 2)
+        dt, way = time[i + 1] - time[i], s[i + 1] - s[i]
+        j = (a[i + 1] - a[i]) / dt if dt > 0.0 else 0.0
+        r = min(max(places[row] - s[i], 0.0), way)
+        # As if the acceleration were constant; where the motion begins at rest, as if the jerk.
+        root = v[i] * v[i] + 2.0 * a[i] * r
+        t = 2.0 * r / (v[i] + np.sqrt(root)) if root > 0.0 else dt * np.cbrt(r / max(way, 1e-300))
+        t = min(max(t, 0.0), dt) if r < way else dt
+        low, high = 0.0, dt
+        for _ in range(40):
+            miss = t * (v[i] + t * (0.5 * a[i] + t * j / 6.0)) - r
+            if abs(miss) <= 1e-10 * way or not low < high:
+                break
+            if miss > 0.0:
+                high = t
+            else:
+                low = t
+            speed = v[i] + t * (a[i] + 0.5 * t * j)
+            following = t - miss / speed if speed > 0.0 else low
+            t = following if low < following < high else 0.5 * (low + high)
+        speeds[row] = max(v[i] + t * (a[i] + 0.5 * t * j), 0.0)
+        pulls[row] = a[i] + t * j
+    return speeds, pulls
 
 
 @kernel

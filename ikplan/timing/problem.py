@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import functools
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,7 +14,8 @@ from ikplan.timing.constraints import PathConstraint
 from ikplan.timing.engine import Engine, EngineFailed
 from ikplan.timing.excess import usage, utilisation
 from ikplan.timing.grid import Grid
-from ikplan.timing.interval_points import COARSE, FINE, IntervalPoints, highest, parts_of
+from ikplan.timing.grid_constraints import GridConstraints
+from ikplan.timing.interval_points import COARSE, FINE, highest
 from ikplan.timing.joint_path import JointPath
 from ikplan.timing.profile import LimitProfile
 from ikplan.timing.rows import StageRows, acceleration_rows, natural_units, velocity_bounds
@@ -36,26 +37,24 @@ class SpanProblem:
         path: The path.
         grid: The nodes.
         profile: Joint limits on every piece of the path.
-        constraints: Limits other than those of single joints.
+        others: Limits other than those of single joints.
         h: Lengths of the intervals, shape (n,).
         qs0: dq/ds at the starts of the intervals, shape (n, dof).
         qss0: d2q/ds2 at the starts, shape (n, dof).
         qss1: d2q/ds2 at the ends, shape (n, dof).
         bounds: Upper and lower velocity limits, upper and lower acceleration limits, each of
             shape (n, dof).
-        shares: Where in each interval the constraints are looked at.
     """
 
     path: JointPath
     grid: Grid
     profile: LimitProfile
-    constraints: tuple[PathConstraint, ...]
+    others: GridConstraints
     h: Array
     qs0: Array
     qss0: Array
     qss1: Array
     bounds: tuple[Array, Array, Array, Array]
-    shares: tuple[float, ...] = FINE
 
     @classmethod
     def build(
@@ -85,23 +84,30 @@ class SpanProblem:
             path=path,
             grid=grid,
             profile=profile,
-            constraints=tuple(constraints),
+            others=GridConstraints(path, grid, tuple(constraints), FINE if fine else COARSE),
             h=np.diff(grid.s),
             qs0=qs[:n],
             qss0=qss[:n],
             qss1=qss[n:],
-            bounds=(
-                profile.velocity[grid.pieces],
-                profile.velocity_lower[grid.pieces],
-                profile.acceleration[grid.pieces],
-                profile.acceleration_lower[grid.pieces],
-            ),
-            shares=FINE if fine else COARSE,
+            bounds=_bounds(profile, grid),
         )
 
     def on(self, grid: Grid, fine: bool = True) -> SpanProblem:
         """Return the same problem on another grid."""
         return SpanProblem.build(self.path, grid, self.profile, self.constraints, fine)
+
+    def within(self, profile: LimitProfile) -> SpanProblem:
+        """Return the same problem with other limits of the joints."""
+        return replace(self, profile=profile, bounds=_bounds(profile, self.grid))
+
+    def under(self, constraints: tuple[PathConstraint, ...]) -> SpanProblem:
+        """Return the same problem with other constraints."""
+        return replace(self, others=replace(self.others, constraints=constraints))
+
+    @property
+    def constraints(self) -> tuple[PathConstraint, ...]:
+        """Limits other than those of single joints."""
+        return self.others.constraints
 
     def rows(self, tightening: Array | None = None) -> StageRows:
         """Return the limits as rows for an engine.
@@ -115,7 +121,7 @@ class SpanProblem:
         )
         x_max = velocity_bounds(self.h, self.qs0, self.qss0, self.qss1, *self.bounds[:2])
         if self.constraints:
-            more_a, more_b, more_x = self._constraint_rows
+            more_a, more_b, more_x = self.others.rows
             if tightening is not None:
                 more_a, more_b = more_a * tightening[:, None], more_b * tightening[:, None]
                 more_x = more_x / tightening[:, None]
@@ -123,87 +129,6 @@ class SpanProblem:
             x_max[:-1] = np.minimum(x_max[:-1], more_x[:, 0])
             x_max[1:] = np.minimum(x_max[1:], more_x[:, 1])
         return StageRows(self.grid.s, a, b, x_max)
-
-    @functools.cached_property
-    def points(self) -> list[IntervalPoints]:
-        """The constraints at points of the intervals; evaluated once, as robot models are slow."""
-        found = [IntervalPoints.of(self.path, self.grid, c, self.shares) for c in self.constraints]
-        return [points for points in found if points is not None]
-
-    @functools.cached_property
-    def _constraint_rows(self) -> tuple[Array, Array, Array]:
-        """Rows of the constraints at both ends of each interval, and bounds of x at both.
-
-        A row that is zero bounds nothing. Constraints whose ranges do not meet share columns.
-        """
-        n = len(self.h)
-        used = np.zeros(n, dtype=np.int64)
-        places = []
-        for points in self.points:
-            first = int(used[points.inside].max())
-            used[points.inside] = first + 2 * points.rows.a.shape[1]
-            places.append(first)
-        a, b = np.zeros((2, n, int(used.max(initial=0))))
-        x_max = np.full((n, 2), np.inf)
-        for first, points in zip(places, self.points, strict=True):
-            inside, rows, start, end = points.inside, points.rows, points.where[0], points.where[-1]
-            middle, last = first + rows.a.shape[1], first + 2 * rows.a.shape[1]
-            a[inside, first:middle], b[inside, first:middle] = rows.a[start], rows.b[start]
-            a[inside, middle:last] = rows.a[end] + 2.0 * self.h[inside, None] * rows.b[end]
-            b[inside, middle:last] = rows.b[end]
-            x_max[inside, 0] = np.minimum(x_max[inside, 0], rows.x_max[start])
-            x_max[inside, 1] = np.minimum(x_max[inside, 1], rows.x_max[end])
-        return a, b, x_max
-
-    def asked(self, u: Array, x: Array) -> Array:
-        """Return by how much a motion would have to be slowed to keep the constraints.
-
-        Args:
-            u: Path accelerations at the points of intervals, shape (p, n).
-            x: Squared path velocities there, shape (p, n).
-
-        Returns:
-            The greatest factor of time in each interval, 1 where a limit is just kept, shape (n,).
-        """
-        top = np.zeros(len(self.h))
-        for points in self.points:
-            demand = points.demand(u, x).max(axis=(0, 2))
-            top[points.inside] = np.maximum(top[points.inside], demand)
-        return np.asarray(np.sqrt(top))
-
-    def demands(self, x: Array) -> list[tuple[IntervalPoints, Array]]:
-        """Return how far the constraints are used at the points of intervals.
-
-        Args:
-            x: Squared path velocities at the nodes, shape (n + 1,).
-
-        Returns:
-            For each constraint its points and the demands there, shape (p, r, labels); see
-            ConstraintRows.demand.
-        """
-        if not self.constraints:
-            return []
-        share = np.array(self.shares)[:, None]
-        here = x[:-1] + share * (x[1:] - x[:-1])
-        here[-1] = x[1:]
-        u = np.broadcast_to(np.diff(x) / (2.0 * self.h), here.shape)
-        return [(points, points.demand(u, here)) for points in self.points]
-
-    def parts(self, x: Array, steady: bool) -> Array:
-        """Return into how many each interval should be divided to see constraints between points.
-
-        Args:
-            x: Squared path velocities at the nodes, shape (n + 1,).
-            steady: Whether speeds that bind shall hardly vary between points.
-
-        Returns:
-            Numbers, >= 1, shape (n,).
-        """
-        wanted = np.ones(len(self.h))
-        for points, demand in self.demands(x):
-            number = parts_of(points, demand, steady)
-            wanted[points.inside] = np.maximum(wanted[points.inside], number)
-        return wanted
 
     def usage(self, x: Array) -> tuple[Array, Array]:
         """Return the exact greatest shares of velocity and acceleration limits, (n, dof) each.
@@ -233,7 +158,7 @@ class SpanProblem:
         tightening = np.ones(len(self.h))
         for _ in range(_TIGHTENINGS if self.constraints else 0):
             top = np.zeros(len(self.h))
-            for points, demand in self.demands(x):
+            for points, demand in self.others.demands(x):
                 most = highest(demand).max(axis=1)
                 top[points.inside] = np.maximum(top[points.inside], most)
             if top.max() <= 1.0 + _ENOUGH:
@@ -262,7 +187,7 @@ class SpanProblem:
             x: Squared path velocities at the nodes, shape (n + 1,).
         """
         v_share, a_share = self.usage(x)
-        demands = [float(highest(demand).max()) for _, demand in self.demands(x)]
+        demands = [float(highest(demand).max()) for _, demand in self.others.demands(x)]
         return max(float(v_share.max()) ** 2, float(a_share.max()), *demands, 0.0)
 
     def loss(self, x: Array) -> Array:
@@ -275,7 +200,7 @@ class SpanProblem:
             Times [s], shape (n,), never negative.
         """
         share = utilisation(self.h, x, self.qs0, self.qss0, self.qss1, *self.bounds)
-        for points, demand in self.demands(x):
+        for points, demand in self.others.demands(x):
             top = np.sqrt(demand.max(axis=2))
             mean = (top[0] + 4.0 * top[len(top) // 2] + top[-1]) / 6.0
             share[points.inside] = np.maximum(share[points.inside], mean)
@@ -292,3 +217,13 @@ class SpanProblem:
         dt = np.full(len(self.h), np.inf)
         np.divide(2.0 * self.h, total, out=dt, where=total > 0.0)
         return dt
+
+
+def _bounds(profile: LimitProfile, grid: Grid) -> tuple[Array, Array, Array, Array]:
+    """Velocity limits, upper and lower, then acceleration limits, on every interval."""
+    return (
+        profile.velocity[grid.pieces],
+        profile.velocity_lower[grid.pieces],
+        profile.acceleration[grid.pieces],
+        profile.acceleration_lower[grid.pieces],
+    )

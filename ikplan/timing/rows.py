@@ -74,12 +74,11 @@ def acceleration_rows(
 
 
 @kernel
-def _largest_slope(h: float, qs: float, qss0: float, qss1: float) -> float:
-    """Return the greatest |dq/ds| on an interval."""
-    top = max(abs(qs), abs(qs + 0.5 * h * (qss0 + qss1)))
-    if qss0 * qss1 < 0.0:
-        top = max(top, abs(qs + 0.5 * h * qss0 * qss0 / (qss0 - qss1)))
-    return top
+def _largest_slopes(h: float, qs: float, qss0: float, qss1: float) -> tuple[float, float]:
+    """Return the greatest and the least dq/ds on an interval, zero where none has the sign."""
+    end = qs + 0.5 * h * (qss0 + qss1)
+    inner = qs + 0.5 * h * qss0 * qss0 / (qss0 - qss1) if qss0 * qss1 < 0.0 else qs
+    return max(qs, end, inner, 0.0), min(qs, end, inner, 0.0)
 
 
 @kernel
@@ -119,11 +118,12 @@ def velocity_bounds(
                     root = (up if qs > 0.0 else down) / qs
                     x_max[node] = min(x_max[node], root * root)
             # A node where the joints stand still would else allow any speed.
-            highest = _largest_slope(h[i], qs0[i, j], qss0[i, j], qss1[i, j])
-            if highest > 0.0:
-                root = min(up, -down) / highest
-                for node in (i, i + 1):
-                    x_max[node] = min(x_max[node], 4.0 * root * root)
+            rise, fall = _largest_slopes(h[i], qs0[i, j], qss0[i, j], qss1[i, j])
+            for slope, limit in ((rise, up), (fall, down)):
+                if slope != 0.0:
+                    root = limit / slope
+                    for node in (i, i + 1):
+                        x_max[node] = min(x_max[node], 4.0 * root * root)
     share = np.ones(n + 1)
     for i in range(n):
         highest = max(x_max[i], x_max[i + 1])
@@ -132,9 +132,9 @@ def velocity_bounds(
         u = (x_max[i + 1] - x_max[i]) / (2.0 * h[i])
         for j in range(dof):
             up, down = velocity[i, j], velocity_lower[i, j]
-            slope = _largest_slope(h[i], qs0[i, j], qss0[i, j], qss1[i, j])
+            rise, fall = _largest_slopes(h[i], qs0[i, j], qss0[i, j], qss1[i, j])
             # Most joints are far from their limits, and need no closer look.
-            if slope * slope * highest > min(up * up, down * down):
+            if max(rise / up, fall / down) ** 2 * highest > 1.0:
                 top = velocity_share(h[i], x_max[i], u, qs0[i, j], qss0[i, j], qss1[i, j], up, down)
                 share[i], share[i + 1] = max(share[i], top), max(share[i + 1], top)
     for i in range(n + 1):

@@ -146,22 +146,22 @@ def _refined(problem: SpanProblem, tolerance: float, check: Check) -> SpanProble
         check()
         x = problem.twin / max(problem.slowdown(problem.twin), 1.0)
         loss, total = problem.loss(x), float(problem.times(x).sum())
-        share = float(loss.sum()) / total
+        n, share = len(loss), float(loss.sum()) / total
         if share <= tolerance:
             # Near a point where one joint turns round, a grid can be too coarse to pass at the
             # right speed and lose no time it knows of: a much finer one tells.
-            finer = problem.on(regridded(problem.grid, np.full(len(loss), _VERIFY)), fine=False)
+            finer = problem.on(regridded(problem.grid, np.full(n, _VERIFY)), fine=False)
             x = finer.twin / max(finer.slowdown(finer.twin), 1.0)
             best = float(finer.times(x).sum())
-            if total <= (1.0 + 1.5 * tolerance) * best or len(loss) * _VERIFY > _MAX_INTERVALS:
+            if total <= (1.0 + 1.5 * tolerance) * best or n * _VERIFY > _MAX_INTERVALS:
                 return problem
             problem = finer
             continue
-        if len(loss) >= _MAX_INTERVALS:
+        if n >= _MAX_INTERVALS:
             return problem
         # The loss falls with the first power of the interval's length; the least number of
         # nodes for a given sum of losses then goes with the root of each.
-        root = np.sqrt(np.maximum(loss, 1e-6 * total / len(loss)))
+        root = np.sqrt(np.maximum(loss, 1e-6 * total / n))
         wanted = np.clip(root * (root.sum() / (0.9 * tolerance * total)), 0.33, 16.0)
         wanted *= min(1.0, _MAX_INTERVALS / float(wanted.sum()))
         problem = problem.on(regridded(problem.grid, wanted), fine=False)
@@ -173,7 +173,7 @@ def _divided(problem: SpanProblem, steady: bool, check: Check) -> SpanProblem:
     for _ in range(_DIVISIONS):
         check()
         x = problem.twin
-        parts = problem.parts(x / max(problem.slowdown(x), 1.0), steady)
+        parts = problem.others.parts(x / max(problem.slowdown(x), 1.0), steady)
         if parts.max() <= 1.5:
             break
         wanted = np.maximum(parts * min(1.0, _MOST_DIVIDED / parts.sum()), 1.0)

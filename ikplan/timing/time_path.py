@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from ikplan.errors import InvalidRequest, TimingFailed
 from ikplan.timing.constraints import PathConstraint
 from ikplan.timing.engine import Check, Engine, unlimited
-from ikplan.timing.jerk import CubicMotion, smooth_span
+from ikplan.timing.jerk import Smoothed, smooth_span
 from ikplan.timing.joint_path import JointPath
 from ikplan.timing.limits import JointLimits
 from ikplan.timing.profile import LimitProfile, SegmentLimits
@@ -86,10 +86,8 @@ def time_joint_path(
         for first, last in itertools.pairwise(path.rest_knots)
     )
     if limits.jerk is not None:
-        motions = [
-            smooth_span(path, span, profile, limits.jerk, constraints, check) for span in spans
-        ]
-        return _joined(path, motions, spans, limits.jerk)
+        smoothed = tuple(smooth_span(span.problem, limits.jerk, check) for span in spans)
+        return _joined(path, smoothed, spans, limits.jerk)
     grids = [span.problem.grid for span in spans]
     dt = np.concatenate([span.dt for span in spans])
     return TimedPath(
@@ -104,11 +102,12 @@ def time_joint_path(
 
 def _joined(
     path: JointPath,
-    motions: Sequence[CubicMotion],
+    smoothed: tuple[Smoothed, ...],
     spans: tuple[SpanTiming, ...],
     jerk: NDArray[np.float64],
 ) -> TimedPath:
     """Join jerk-limited motions of spans end to end."""
+    motions = [each.motion for each in smoothed]
     ends = np.cumsum([float(motion.time[-1]) for motion in motions])
     starts = np.concatenate([[0.0], ends[:-1]])
     time = [m.time[1:] + start for m, start in zip(motions, starts, strict=True)]
@@ -121,6 +120,7 @@ def _joined(
         spans=spans,
         sddot=np.concatenate([[0.0], *(m.a[1:] for m in motions)]),
         jerk=jerk,
+        smoothed=smoothed,
     )
 
 

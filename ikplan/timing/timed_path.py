@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ikplan.timing.cubic_kernels import evaluate_cubic, times_of
 from ikplan.timing.evaluation import evaluate_timed
+from ikplan.timing.jerk import Smoothed
 from ikplan.timing.joint_path import JointPath
 from ikplan.timing.span import SpanTiming
 
@@ -34,6 +35,7 @@ class TimedPath:
         spans: How each span between rest points was timed, jerk limits apart.
         sddot: Path accelerations at the nodes of a jerk-limited motion, shape (n + 1,), or None.
         jerk: The jerk limits it keeps, shape (dof,) [rad/s^3 or m/s^3], or None.
+        smoothed: How each span was smoothed to keep them.
     """
 
     path: JointPath
@@ -44,6 +46,7 @@ class TimedPath:
     spans: tuple[SpanTiming, ...]
     sddot: Array | None = None
     jerk: Array | None = None
+    smoothed: tuple[Smoothed, ...] = ()
 
     @property
     def duration(self) -> float:

@@ -98,6 +98,13 @@ def test_asymmetric_limits_hold_each_way() -> None:
     assert_keeps_limits(back, limits)
 
 
+def test_a_limit_that_is_much_narrower_one_way_does_not_bind_the_other_way() -> None:
+    limits = JointLimits([-99], [99], [0.5], [9.0], ("j",), velocity_lower=[-6.0])  # type: ignore[arg-type]
+    back = time_joint_path(JointPath.through([[30.0], [0.0]], limits), limits)
+    assert back.duration == pytest.approx(6.0 / 9.0 + 30.0 / 6.0, rel=3e-3)
+    assert_keeps_limits(back, limits)
+
+
 CORNERS = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [2.0, 1.0]])
 
 

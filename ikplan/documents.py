@@ -13,6 +13,7 @@ from collections.abc import Mapping, Sequence
 from typing import Annotated, Any, NoReturn, TypeVar, get_args
 
 import numpy as np
+import orjson
 from numpy.typing import NDArray
 from pydantic import (
     BaseModel,
@@ -41,6 +42,7 @@ __all__ = [
     "parse_json",
     "plain",
     "raise_invalid",
+    "write_json",
 ]
 
 M = TypeVar("M", bound="Document")
@@ -79,6 +81,10 @@ Floats = Annotated[list[Number], BeforeValidator(plain)]
 Vec3 = Annotated[list[Number], BeforeValidator(plain), Field(min_length=3, max_length=3)]
 
 
+_ARRAYS = object()
+"""Context in which arrays are left as they are."""
+
+
 def _array(ndim: int, schema: dict[str, Any]) -> Any:
     def load(value: Any) -> NDArray[np.float64]:
         array = np.array(value, dtype=np.float64)
@@ -92,7 +98,7 @@ def _array(ndim: int, schema: dict[str, Any]) -> Any:
     return Annotated[
         NDArray[np.float64],
         PlainValidator(load),
-        PlainSerializer(lambda a: a.tolist(), return_type=list),
+        PlainSerializer(lambda a, info: a if info.context is _ARRAYS else a.tolist()),
         WithJsonSchema(schema),
     ]
 
@@ -102,6 +108,19 @@ Vector = _array(1, _NUMBERS)
 """A float64 array of shape (n,) in Python, a list of numbers in JSON."""
 Matrix = _array(2, {"type": "array", "items": _NUMBERS})
 """A float64 array of shape (n, m) in Python, a list of rows in JSON."""
+
+
+def write_json(document: BaseModel) -> bytes:
+    """Write a document: byte for byte what ``model_dump_json`` does, long arrays much faster."""
+    content = document.model_dump(context=_ARRAYS)
+    return orjson.dumps(content, default=_rows, option=orjson.OPT_SERIALIZE_NUMPY)
+
+
+def _rows(value: Any) -> Any:
+    """What orjson does not know by itself: an array that is not one block of memory."""
+    if isinstance(value, np.ndarray):
+        return value.tolist()
+    raise TypeError(f"{type(value).__name__} has no JSON")
 
 
 def _resolve(model: type[BaseModel], loc: Sequence[int | str]) -> tuple[str, list[Any]]:

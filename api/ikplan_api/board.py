@@ -8,7 +8,7 @@ import hashlib
 import json
 import logging
 from collections import OrderedDict
-from typing import Any
+from typing import Any, NamedTuple
 
 from ikplan.errors import (
     BudgetExceeded,
@@ -29,7 +29,15 @@ __all__ = ["PlanBoard"]
 _SEEN = 4096
 """Requests remembered to have been here before."""
 
+_KEEPING = 8
+"""Plans that may be answered before they are kept."""
+
 _log = logging.getLogger("ikplan.service")
+
+
+class _Keeping(NamedTuple):
+    document: bytes
+    task: asyncio.Task[None]
 
 
 class PlanBoard:
@@ -48,6 +56,7 @@ class PlanBoard:
         self._making: dict[str, Making] = {}
         self._seen: OrderedDict[bytes, None] = OrderedDict()
         self._unsaved = RecentPlans(max_plans=256, max_bytes=64 * 2**20)
+        self._keeping: dict[str, _Keeping] = {}
 
     async def resume(self) -> None:
         """Begin the jobs that were accepted before a restart, in their order."""
@@ -83,6 +92,8 @@ class PlanBoard:
 
     async def find(self, plan_id: str) -> bytes | None:
         """Return a finished plan, or None if it is not kept."""
+        if (keeping := self._keeping.get(plan_id)) is not None:
+            return keeping.document
         return self._unsaved.get(plan_id) or await self._store.get(plan_id)
 
     async def make(self, job: Job, *, patient: bool = False) -> bytes:
@@ -146,6 +157,7 @@ class PlanBoard:
         """Wait for what ended with the planner; jobs are done after the next start."""
         if self._making:
             await asyncio.wait([making.task for making in self._making.values()])
+        await self._kept()
 
     def under_way(self, plan_id: str) -> Making | None:
         """Return a plan that is being made, or None."""
@@ -162,6 +174,8 @@ class PlanBoard:
         Raises:
             PlanNotFound: There is none.
         """
+        if (keeping := self._keeping.get(plan_id)) is not None:
+            await asyncio.wait([keeping.task])
         making = self._making.get(plan_id)
         kept = await self._store.delete(plan_id)
         if not (self._unsaved.delete(plan_id) or kept or making):
@@ -209,7 +223,7 @@ class PlanBoard:
                 progress=making.progress,
                 patient=patient,
             )
-            await self._keep(job.plan_id, answer.document)
+            await self._begin_to_keep(job.plan_id, answer.document)
             return answer
         except IkplanError as error:
             making.problem = plain(error.to_problem())
@@ -224,12 +238,26 @@ class PlanBoard:
                 await self._keep_failure(making)
             raise
 
+    async def _begin_to_keep(self, plan_id: str, document: bytes) -> None:
+        """Keep a plan while it is answered; wait only for a store that falls behind."""
+        if len(self._keeping) >= _KEEPING:
+            await self._kept()
+        if plan_id not in self._keeping:
+            task = asyncio.create_task(self._keep(plan_id, document))
+            self._keeping[plan_id] = _Keeping(document, task)
+
+    async def _kept(self) -> None:
+        if self._keeping:
+            await asyncio.wait([keeping.task for keeping in self._keeping.values()])
+
     async def _keep(self, plan_id: str, document: bytes) -> None:
         try:
             await self._store.put(plan_id, document)
         except StoreFault as error:
             _log.error("plan %s could not be kept: %s", plan_id, error)
             self._unsaved.put(plan_id, document)
+        finally:
+            del self._keeping[plan_id]
 
     async def _keep_failure(self, making: Making) -> None:
         with contextlib.suppress(StoreFault):

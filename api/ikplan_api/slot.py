@@ -10,7 +10,7 @@ import socket
 from pebble import ProcessExpired, ProcessFuture, ProcessPool
 
 from ikplan.errors import IkplanError, WorkerLost
-from ikplan_api import worker
+from ikplan_api import handover, worker
 from ikplan_api.tasks import Answer
 
 __all__ = ["NotBegun", "Overdue", "WorkerSlot"]
@@ -18,6 +18,8 @@ __all__ = ["NotBegun", "Overdue", "WorkerSlot"]
 _FORKING = multiprocessing.get_context("forkserver")
 _FORKING.set_forkserver_preload(["ikplan.single_threaded", "ikplan_api.preload"])
 _GRACE_S = 5.0
+_LONG = 4 * 2**20
+"""Length of a document that takes milliseconds to copy [bytes]."""
 
 
 class NotBegun(Exception):
@@ -47,7 +49,8 @@ class WorkerSlot:
     def __init__(self, memory_bytes: int, reports: socket.socket) -> None:
         self._initial = (memory_bytes, reports)
         self._pool: ProcessPool | None = None
-        self._doing: ProcessFuture[Answer] | None = None
+        self._documents: tuple[socket.socket, socket.socket] | None = None
+        self._doing: ProcessFuture[worker.Done] | None = None
         self.pid = 0
         self.healthy = False
 
@@ -61,8 +64,10 @@ class WorkerSlot:
 
     def _fill(self) -> None:
         self._empty()
+        self._documents = here, there = socket.socketpair()
+        here.setblocking(False)
         pool = ProcessPool(
-            1, initializer=worker.initialize, initargs=self._initial, context=_FORKING
+            1, initializer=worker.initialize, initargs=(*self._initial, there), context=_FORKING
         )
         self._pool = pool
         self.pid = pool.schedule(worker.ready).result()
@@ -78,6 +83,9 @@ class WorkerSlot:
             self._pool.stop()  # type: ignore[no-untyped-call]
             self._pool.join()
             self._pool = None
+        for end in self._documents or ():
+            end.close()
+        self._documents = None
         if self._doing is not None and not self._doing.done():
             self._doing.set_exception(NotBegun())  # pebble leaves it open
 
@@ -102,7 +110,7 @@ class WorkerSlot:
                 # The worker keeps the time itself; this is for one that has been halted.
                 timeout=worker.READY_S + limit_s + _GRACE_S,
             )
-            answer = await asyncio.wrap_future(self._doing)
+            done = await asyncio.wrap_future(self._doing)
         except (IkplanError, worker.TaskFault):
             self.healthy = True
             raise
@@ -112,8 +120,19 @@ class WorkerSlot:
             raise Overdue from error
         except RuntimeError as error:  # pebble's, of a pool that has lost its worker
             raise NotBegun from error
+        answer = done.answer
+        if done.handed_over:
+            answer = answer._replace(document=await self._document(done.handed_over))
         self.healthy = True
         return answer
+
+    async def _document(self, length: int) -> bytes:
+        """Take the document that the worker has handed over."""
+        assert self._documents is not None
+        here, _ = self._documents
+        if length > _LONG:
+            return await asyncio.to_thread(handover.receive, here)
+        return handover.receive(here)
 
 
 def _loss(error: ProcessExpired) -> Exception:

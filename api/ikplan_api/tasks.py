@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 
 import pinocchio as pin
 
-from ikplan.documents import parse_json
+from ikplan.documents import parse_json, write_json
 from ikplan.errors import Unreachable
 from ikplan.identity import plan_id, with_tool
 from ikplan.ik.registry import find_solver, solvers
@@ -128,14 +128,14 @@ def make_plan(work: Work) -> Answer:
     """Answer ``POST /v1/plans``."""
     request = parse_json(PlanRequest, work.document)
     made = plan(request, robot=work.robot_named(request.robot), progress=work.progress)
-    return Answer(made.model_dump_json().encode(), made.id, facts_of(made))
+    return Answer(write_json(made), made.id, facts_of(made))
 
 
 def make_timing(work: Work) -> Answer:
     """Answer ``POST /v1/timings``."""
     request = parse_json(TimingRequest, work.document)
     made = time_request(request, robot=work.robot_named(request.robot), progress=work.progress)
-    return Answer(made.model_dump_json().encode(), made.id, facts_of(made))
+    return Answer(write_json(made), made.id, facts_of(made))
 
 
 def answer_ik(work: Work) -> Answer:
@@ -143,7 +143,7 @@ def answer_ik(work: Work) -> Answer:
     request = parse_json(IkRequest, work.document)
     robot = work.robot_named(request.robot)
     solved = solve_ik_request(request, robot=robot, progress=work.progress)
-    return Answer(solved.model_dump_json().encode())
+    return Answer(write_json(solved))
 
 
 def answer_fk(work: Work) -> Answer:
@@ -151,7 +151,7 @@ def answer_fk(work: Work) -> Answer:
     work.begin("fk")
     request = parse_json(FkRequest, work.document)
     placed = fk_request(request, robot=work.robot_named(request.robot))
-    return Answer(placed.model_dump_json().encode())
+    return Answer(write_json(placed))
 
 
 def _identify(kind: str, work: Work) -> Answer:

@@ -13,19 +13,44 @@ import socket
 import threading
 import time
 import traceback
+from typing import NamedTuple
 
 from ikplan.errors import IkplanError
-from ikplan_api import tasks
+from ikplan_api import handover, tasks
 from ikplan_api.tasks import Answer, Work
 
-__all__ = ["OUT_OF_MEMORY", "READY_S", "TaskFault", "do", "initialize", "prepare", "ready"]
+__all__ = [
+    "OUT_OF_MEMORY",
+    "READY_S",
+    "Done",
+    "TaskFault",
+    "do",
+    "initialize",
+    "prepare",
+    "ready",
+]
 
 OUT_OF_MEMORY = 76
 """Exit code of a worker that ran out of memory."""
 READY_S = 300.0
 """Time to load or compile what a task needs before its clock starts [s]: no part of its budget."""
 _EVERY_S = 0.05
+_SHORT = 32 * 1024
+"""Length of a document that a pipe takes in one piece [bytes]."""
 _reports: list[socket.socket] = []
+_documents: list[socket.socket] = []
+
+
+class Done(NamedTuple):
+    """A task that is done.
+
+    Attributes:
+        answer: Its answer.
+        handed_over: Length of the answer's document if that comes separately [bytes], else 0.
+    """
+
+    answer: Answer
+    handed_over: int
 
 
 class TaskFault(Exception):
@@ -38,12 +63,13 @@ def prepare() -> None:
     tasks.warm_up()
 
 
-def initialize(memory_bytes: int, reports: socket.socket) -> None:
+def initialize(memory_bytes: int, reports: socket.socket, documents: socket.socket) -> None:
     """Set a new worker up.
 
     Args:
         memory_bytes: Most memory of its own that it may take [bytes]; 0: no limit.
         reports: Where progress is told.
+        documents: Where long documents are handed over.
     """
     # To be stopped is to be stopped at once, also in the middle of a kernel.
     signal.signal(signal.SIGTERM, signal.SIG_DFL)
@@ -51,6 +77,7 @@ def initialize(memory_bytes: int, reports: socket.socket) -> None:
         resource.setrlimit(resource.RLIMIT_DATA, (memory_bytes, memory_bytes))
     reports.setblocking(False)
     _reports[:] = [reports]
+    _documents[:] = [documents]
     threading.Thread(target=_end_with_service, daemon=True).start()
 
 
@@ -95,7 +122,7 @@ def _set_alarm(seconds: float) -> None:
     signal.setitimer(signal.ITIMER_REAL, seconds)
 
 
-def do(task: int, kind: str, document: bytes, robot: bytes | None, limit_s: float) -> Answer:
+def do(task: int, kind: str, document: bytes, robot: bytes | None, limit_s: float) -> Done:
     """Do a task.
 
     Args:
@@ -111,7 +138,7 @@ def do(task: int, kind: str, document: bytes, robot: bytes | None, limit_s: floa
     """
     _set_alarm(READY_S + limit_s)
     try:
-        return tasks.run_task(kind, Work(document, robot, _Reporter(task, limit_s)))
+        return _done(tasks.run_task(kind, Work(document, robot, _Reporter(task, limit_s))))
     except IkplanError:
         raise
     except MemoryError:
@@ -121,3 +148,12 @@ def do(task: int, kind: str, document: bytes, robot: bytes | None, limit_s: floa
     finally:
         # Before the answer is sent: a worker that is ended while it sends takes the pipe with it.
         _set_alarm(0.0)
+
+
+def _done(answer: Answer) -> Done:
+    length = len(answer.document)
+    if length > _SHORT:
+        with contextlib.suppress(OSError):  # then it goes the long way
+            handover.send(_documents[0], answer.document)
+            return Done(answer._replace(document=b""), length)
+    return Done(answer, 0)

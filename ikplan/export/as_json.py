@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from ikplan.documents import write_json
 from ikplan.export.formats import Format
 
 if TYPE_CHECKING:
@@ -14,7 +15,7 @@ __all__ = ["FORMAT"]
 
 def encode(plan: Plan) -> bytes:
     """Return the document, byte for byte as ``POST /v1/plans`` answers it."""
-    return plan.model_dump_json().encode()
+    return write_json(plan)
 
 
 FORMAT = Format(

@@ -56,13 +56,11 @@ def robot_folder(name: str) -> Path:
     Raises:
         RobotNotFound: No such name; names that look like it are offered.
     """
-    # Compared with the listing, never joined to a path, so that no name leads elsewhere.
-    names = robot_names()
-    if name not in names:
-        raise RobotNotFound(name=name, valid=names)
-    return next(
-        folder / name for folder in catalogue_folders() if (folder / name / _FILE).is_file()
-    )
+    for folder in catalogue_folders():
+        # Compared with the listing before it is joined to a path, so that no name leads elsewhere.
+        if name in os.listdir(folder) and (folder / name / _FILE).is_file():
+            return folder / name
+    raise RobotNotFound(name=name, valid=robot_names())
 
 
 def package_file(package: str, path: str) -> Path:

@@ -71,7 +71,7 @@ async def ask_for_plan(request: Request, kind: str) -> Response:
         made = kept
     else:
         return _pending(await board.accept(job), applied=True)
-    return await _finished(job.plan_id, made, form)
+    return await _finished(request, job.plan_id, made, form)
 
 
 async def kept_plan(request: Request, plan_id: str) -> Response:
@@ -86,7 +86,7 @@ async def kept_plan(request: Request, plan_id: str) -> Response:
         etag = _etag(plan_id, form)
         if etag in _tags(request, "if-none-match"):
             return Response(status_code=304, headers={"etag": etag, "vary": "Accept"})
-        return await _finished(plan_id, document, form)
+        return await _finished(request, plan_id, document, form)
     if (making := board.under_way(plan_id)) is not None:
         return _pending(making.status)
     if (problem := await board.failure(plan_id)) is not None:
@@ -94,9 +94,9 @@ async def kept_plan(request: Request, plan_id: str) -> Response:
     raise PlanNotFound(id=plan_id)
 
 
-async def _finished(plan_id: str, document: bytes, form: Format) -> Response:
+async def _finished(request: Request, plan_id: str, document: bytes, form: Format) -> Response:
     headers = {"content-location": f"{PLANS}/{plan_id}", "etag": _etag(plan_id, form)}
-    return await plan_answer(document, form, headers)
+    return await plan_answer(request, document, form, headers)
 
 
 def _pending(status: PlanStatus, *, applied: bool = False) -> Response:

@@ -8,7 +8,7 @@ import hashlib
 import json
 import logging
 from collections import OrderedDict
-from typing import Any, NamedTuple
+from typing import Any
 
 from ikplan.errors import (
     BudgetExceeded,
@@ -35,11 +35,6 @@ _KEEPING = 8
 _log = logging.getLogger("ikplan.service")
 
 
-class _Keeping(NamedTuple):
-    document: bytes
-    task: asyncio.Task[None]
-
-
 class PlanBoard:
     """Makes plans, keeps them, and knows of each whether it is wanted.
 
@@ -55,8 +50,9 @@ class PlanBoard:
         self._max_budget_s = max_budget_s
         self._making: dict[str, Making] = {}
         self._seen: OrderedDict[bytes, None] = OrderedDict()
-        self._unsaved = RecentPlans(max_plans=256, max_bytes=64 * 2**20)
-        self._keeping: dict[str, _Keeping] = {}
+        # Those of the last moments, and those that the store could not keep.
+        self._recent = RecentPlans(max_plans=256, max_bytes=64 * 2**20)
+        self._keeping: dict[str, asyncio.Task[None]] = {}
 
     async def resume(self) -> None:
         """Begin the jobs that were accepted before a restart, in their order."""
@@ -92,9 +88,9 @@ class PlanBoard:
 
     async def find(self, plan_id: str) -> bytes | None:
         """Return a finished plan, or None if it is not kept."""
-        if (keeping := self._keeping.get(plan_id)) is not None:
-            return keeping.document
-        return self._unsaved.get(plan_id) or await self._store.get(plan_id)
+        recent = self._recent.get(plan_id)
+        # Or made while the store was looking.
+        return recent or await self._store.get(plan_id) or self._recent.get(plan_id)
 
     async def make(self, job: Job, *, patient: bool = False) -> bytes:
         """Return a plan, made now unless it is kept or being made; cancelled: no longer wanted.
@@ -174,11 +170,12 @@ class PlanBoard:
         Raises:
             PlanNotFound: There is none.
         """
+        recent = self._recent.delete(plan_id)
         if (keeping := self._keeping.get(plan_id)) is not None:
-            await asyncio.wait([keeping.task])
+            await asyncio.wait([keeping])
         making = self._making.get(plan_id)
         kept = await self._store.delete(plan_id)
-        if not (self._unsaved.delete(plan_id) or kept or making):
+        if not (recent or kept or making):
             raise PlanNotFound(id=plan_id)
         if making is not None:
             making.accepted = False
@@ -242,20 +239,19 @@ class PlanBoard:
         """Keep a plan while it is answered; wait only for a store that falls behind."""
         if len(self._keeping) >= _KEEPING:
             await self._kept()
+        self._recent.put(plan_id, document)
         if plan_id not in self._keeping:
-            task = asyncio.create_task(self._keep(plan_id, document))
-            self._keeping[plan_id] = _Keeping(document, task)
+            self._keeping[plan_id] = asyncio.create_task(self._keep(plan_id, document))
 
     async def _kept(self) -> None:
         if self._keeping:
-            await asyncio.wait([keeping.task for keeping in self._keeping.values()])
+            await asyncio.wait(self._keeping.values())
 
     async def _keep(self, plan_id: str, document: bytes) -> None:
         try:
             await self._store.put(plan_id, document)
         except StoreFault as error:
             _log.error("plan %s could not be kept: %s", plan_id, error)
-            self._unsaved.put(plan_id, document)
         finally:
             del self._keeping[plan_id]
 

@@ -56,11 +56,12 @@ def _not_acceptable(why: str) -> Refusal:
 
 
 async def plan_answer(
-    document: bytes, form: Format, headers: Mapping[str, str] | None = None
+    request: Request, document: bytes, form: Format, headers: Mapping[str, str] | None = None
 ) -> Response:
     """Answer a plan.
 
     Args:
+        request: What is answered.
         document: The plan as JSON.
         form: The form to answer it in.
         headers: Headers of the answer.
@@ -74,14 +75,15 @@ async def plan_answer(
             document = await asyncio.to_thread(lambda: form.encode(Plan.load(document)))
         except InvalidRequest as error:
             raise _not_acceptable(error.detail) from error
-    return document_answer(document, form.media_type, made)
+    return document_answer(request, document, form.media_type, made)
 
 
 def document_answer(
-    document: bytes, media_type: str, headers: Mapping[str, str] | None = None
+    request: Request, document: bytes, media_type: str, headers: Mapping[str, str] | None = None
 ) -> Response:
     """Answer a document; a long one in pieces, so that nobody waits while it is compressed."""
-    if len(document) <= _PIECE:
+    encodings = request.headers.get("accept-encoding", "").strip()
+    if len(document) <= _PIECE or encodings in ("", "identity"):
         return Response(document, media_type=media_type, headers=dict(headers or {}))
     return StreamingResponse(
         _pieces(document),

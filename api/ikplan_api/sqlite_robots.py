@@ -56,10 +56,9 @@ class SqliteRobotStore:
         if row is None:
             return None
         with contextlib.suppress(StoreFault):  # it can still be read
-            async with self._store.writing() as connection:
-                await connection.execute(
-                    "UPDATE robots SET used = ? WHERE name = ?", (time.time(), name)
-                )
+            await self._store.change(
+                "UPDATE robots SET used = ? WHERE name = ?", (time.time(), name)
+            )
         return StoredRobot(bytes(row[0]), bytes(row[1]))
 
     async def delete(self, name: str) -> bool:

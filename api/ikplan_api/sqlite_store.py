@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import contextlib
 import math
 import sqlite3
 import time
@@ -23,16 +24,22 @@ IN_MEMORY = ":memory:"
 """A path that stands for no file at all."""
 
 _SETTING = "IKPLAN_STORE_PATH"
-_SCHEMA = """
+_VERSION = 1
+_OPEN = """
 PRAGMA locking_mode = EXCLUSIVE;
 PRAGMA journal_mode = WAL;
 PRAGMA synchronous = NORMAL;
+"""
+# Documents are apart from what is known of them: SQLite writes a row again as a whole whatever
+# changes in it, and each use of a plan is a change.
+_SCHEMA = f"""
 BEGIN IMMEDIATE;
-CREATE TABLE IF NOT EXISTS plans (
-    id TEXT PRIMARY KEY, bytes INTEGER NOT NULL, made REAL NOT NULL, used REAL NOT NULL,
-    document BLOB NOT NULL
+DROP TABLE IF EXISTS plans;
+CREATE TABLE plans (
+    id TEXT PRIMARY KEY, bytes INTEGER NOT NULL, made REAL NOT NULL, used REAL NOT NULL
 );
-CREATE INDEX IF NOT EXISTS plans_by_use ON plans (used, id, bytes);
+CREATE INDEX plans_by_use ON plans (used, id, bytes);
+CREATE TABLE documents (id TEXT PRIMARY KEY, document BLOB NOT NULL);
 CREATE TABLE IF NOT EXISTS jobs (
     place INTEGER PRIMARY KEY AUTOINCREMENT, id TEXT NOT NULL UNIQUE, kind TEXT NOT NULL,
     budget_s REAL NOT NULL, accepted REAL NOT NULL, problem BLOB, robot BLOB,
@@ -42,6 +49,19 @@ CREATE TABLE IF NOT EXISTS robots (
     name TEXT PRIMARY KEY, bytes INTEGER NOT NULL, used REAL NOT NULL, document BLOB NOT NULL,
     info BLOB NOT NULL
 );
+CREATE VIEW kept AS SELECT id, made, document FROM plans JOIN documents USING (id);
+CREATE TRIGGER keep INSTEAD OF INSERT ON kept BEGIN
+    INSERT INTO documents VALUES (NEW.id, NEW.document)
+        ON CONFLICT (id) DO UPDATE SET document = excluded.document;
+    INSERT INTO plans VALUES (NEW.id, length(NEW.document), NEW.made, NEW.made)
+        ON CONFLICT (id) DO UPDATE SET
+            bytes = excluded.bytes, made = excluded.made, used = excluded.used;
+    DELETE FROM jobs WHERE id = NEW.id;
+END;
+CREATE TRIGGER forget AFTER DELETE ON plans BEGIN
+    DELETE FROM documents WHERE id = OLD.id;
+END;
+PRAGMA user_version = {_VERSION};
 COMMIT;
 """
 _OLD_PLANS = "DELETE FROM plans WHERE made < ?"
@@ -118,7 +138,17 @@ class SqliteStore:
         await asyncio.to_thread(self.check)
         self._connection = await aiosqlite.connect(self._path, isolation_level=None, timeout=1.0)
         try:
-            await self._connection.executescript(_SCHEMA)
+            await self._connection.executescript(_OPEN)
+            (version,) = await self.row("PRAGMA user_version", ())
+            if version > _VERSION:
+                raise InvalidRequest(
+                    f"{_SETTING}: {self._path} was written by a newer version of this service; "
+                    "name another file",
+                    field=_SETTING,
+                )
+            if version < _VERSION:
+                # Plans of an older version are made again when they are asked for.
+                await self._connection.executescript(_SCHEMA)
         except BaseException:
             await self.close()
             raise
@@ -151,55 +181,60 @@ class SqliteStore:
             except sqlite3.Error as error:
                 raise StoreFault(str(error)) from error
 
+    async def change(self, statement: str, values: Sequence[Any]) -> None:
+        """Make one change.
+
+        Raises:
+            StoreFault: It cannot be made now.
+        """
+        connection = self._open_connection()
+        async with self._writing:
+            try:
+                await connection.execute_fetchall(statement, values)
+            except sqlite3.Error as error:
+                raise StoreFault(str(error)) from error
+
     def _open_connection(self) -> aiosqlite.Connection:
         assert self._connection is not None, "the store is not open"
         return self._connection
 
     async def row(self, query: str, values: Sequence[Any]) -> Any:
         """Return the first row of an answer, or None."""
-        async with self._open_connection().execute(query, values) as cursor:
-            return await cursor.fetchone()
+        rows = await self._open_connection().execute_fetchall(query, values)
+        return next(iter(rows), None)
 
     async def put(self, plan_id: str, document: bytes) -> None:
         """Keep a plan; those unused for longest make room for it."""
         now = time.time()
-        row = (plan_id, len(document), now, now, document)
         new_plans, new_bytes = self._new_plans + 1, self._new_bytes + len(document)
         # To look at all there is for each plan would take longer the more there is.
         look = new_plans > _SLACK * self._max_plans or new_bytes > _SLACK * self._max_bytes
-        async with self.writing() as connection:
-            await connection.execute("INSERT OR REPLACE INTO plans VALUES (?, ?, ?, ?, ?)", row)
-            await connection.execute("DELETE FROM jobs WHERE id = ?", (plan_id,))
-            if look:
-                await connection.execute(_OLD_PLANS, (now - self._max_age_s,))
-                await connection.execute(_SURPLUS, (self._max_bytes, self._max_plans))
+        await self.change("INSERT INTO kept VALUES (?, ?, ?)", (plan_id, now, document))
+        if look:
+            await self.change(_OLD_PLANS, (now - self._max_age_s,))
+            await self.change(_SURPLUS, (self._max_bytes, self._max_plans))
         self._new_plans, self._new_bytes = (0, 0) if look else (new_plans, new_bytes)
 
     async def get(self, plan_id: str) -> bytes | None:
         """Return a plan, or None if it is not kept."""
         now = time.time()
         row = await self.row(
-            "SELECT document FROM plans WHERE id = ? AND made >= ?",
+            "SELECT document FROM kept WHERE id = ? AND made >= ?",
             (plan_id, now - self._max_age_s),
         )
         if row is None:
             return None
-        try:
-            async with self.writing() as connection:
-                await connection.execute("UPDATE plans SET used = ? WHERE id = ?", (now, plan_id))
-        except StoreFault:
-            pass  # it can still be read
+        with contextlib.suppress(StoreFault):  # it can still be read
+            await self.change("UPDATE plans SET used = ? WHERE id = ?", (now, plan_id))
         return bytes(row[0])
 
     async def accept(self, job: Job) -> None:
         """Keep a job; a failure of the same request before is forgotten."""
-        row = (*job, time.time())
-        async with self.writing() as connection:
-            await connection.execute(
-                "INSERT OR REPLACE INTO jobs (id, kind, document, robot, budget_s, accepted) "
-                "VALUES (?, ?, ?, ?, ?, ?)",
-                row,
-            )
+        await self.change(
+            "INSERT OR REPLACE INTO jobs (id, kind, document, robot, budget_s, accepted) "
+            "VALUES (?, ?, ?, ?, ?, ?)",
+            (*job, time.time()),
+        )
 
     async def fail(self, plan_id: str, problem: bytes) -> None:
         """Keep the problem document of a job that failed."""

@@ -82,7 +82,7 @@ class PlanStore(Protocol):
 
 
 class RecentPlans:
-    """The plans made last, in memory: for those that the store could not keep.
+    """The plans used last, in memory.
 
     Args:
         max_plans: Most plans kept.

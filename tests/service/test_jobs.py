@@ -147,6 +147,7 @@ def test_a_request_in_flight_twice_is_planned_once():
         first, second = ask(http), ask(http)
         accepted = await http.post("/v1/plans", json=GOOD, headers=ASYNC)
         assert accepted.status_code == 202
+        await until(lambda: planner.asked)
         planner.answer()
         assert (await first).content == (await second).content
         assert len(planner.asked) == 1

@@ -39,8 +39,10 @@ def receive(connection: socket.socket) -> bytes:
     Raises:
         OSError: None was sent.
     """
-    _, (descriptor,), _, _ = socket.recv_fds(connection, 1, 1)
-    with open(descriptor, "rb") as file:
+    _, descriptors, _, _ = socket.recv_fds(connection, 1, 1)
+    if not descriptors:
+        raise ConnectionError("nobody is at the other end")
+    with open(descriptors[0], "rb") as file:
         file.seek(0)
         return file.read()
 

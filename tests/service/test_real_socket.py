@@ -17,7 +17,7 @@ import pytest
 
 import ikplan
 from ikplan import AsyncClient, Client, RobotNotFound, ServiceUnavailable
-from ikplan.cli import main
+from ikplan.cli import main, serving
 from ikplan.export import encode
 
 from .bad_requests import GOOD
@@ -175,3 +175,11 @@ def test_an_interrupt_stops_the_service_cleanly(served, address):
     assert process.wait(timeout=30) == 0
     with Client(address) as client, pytest.raises(ServiceUnavailable, match="cannot reach"):
         client.version()
+
+
+def test_short_answers_do_not_wait_for_more_to_send():
+    with serving._listen("127.0.0.1", 0) as listening:
+        with socket.create_connection(listening.getsockname()[:2]):
+            connection, _ = listening.accept()
+            with connection:
+                assert connection.getsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY)

@@ -37,7 +37,7 @@ def test_an_unforeseen_fault_is_a_problem_without_a_traceback():
     async def ask() -> httpx.Response:
         transport = httpx.ASGITransport(app, raise_app_exceptions=False)
         async with httpx.AsyncClient(transport=transport, base_url=ADDRESS) as http:
-            return await http.post("/v1/fk", json={})
+            return await http.post("/v1/fk", json={"robot": "iiwa14", "q": [0.0] * 7})
 
     answer = asyncio.run(ask())
     assert answer.status_code == 500

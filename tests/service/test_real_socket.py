@@ -178,8 +178,9 @@ def test_an_interrupt_stops_the_service_cleanly(served, address):
 
 
 def test_short_answers_do_not_wait_for_more_to_send():
-    with serving._listen("127.0.0.1", 0) as listening:
-        with socket.create_connection(listening.getsockname()[:2]):
-            connection, _ = listening.accept()
-            with connection:
-                assert connection.getsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY)
+    with (
+        serving._listen("127.0.0.1", 0) as listening,
+        socket.create_connection(listening.getsockname()[:2]),
+        listening.accept()[0] as connection,
+    ):
+        assert connection.getsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY)

@@ -56,15 +56,16 @@ class ConstraintRows:
     """A limit at points of a path: rows a u + b x <= 1 that rest keeps, and bounds x <= x_max.
 
     Attributes:
-        a: Coefficients of the path acceleration u, shape (m, r).
-        b: Coefficients of the squared path velocity x, shape (m, r).
+        columns: Number of rows a point.
+        coefficients: For indices of points, shape (p,): coefficients of the path acceleration u
+            and of the squared path velocity x, each of shape (p, columns).
         x_max: Upper bounds of x, shape (m,).
         demand: For indices of points, u and x, each of shape (p,): by how much u and x would have
             to be divided to keep each limit, 1 where it is just kept, shape (p, labels).
     """
 
-    a: Array
-    b: Array
+    columns: int
+    coefficients: Callable[[Indices], tuple[Array, Array]]
     x_max: Array
     demand: Callable[[Indices, Array, Array], Array]
 

@@ -12,6 +12,7 @@ from ikplan.timing.constraints import PathConstraint
 from ikplan.timing.grid import Grid
 from ikplan.timing.interval_points import IntervalPoints, parts_of
 from ikplan.timing.joint_path import JointPath
+from ikplan.timing.rows import place_rows
 
 __all__ = ["GridConstraints"]
 
@@ -53,16 +54,15 @@ class GridConstraints:
         places = []
         for points in self.points:
             first = int(used[points.inside].max())
-            used[points.inside] = first + 2 * points.rows.a.shape[1]
+            used[points.inside] = first + 2 * points.rows.columns
             places.append(first)
         a, b = np.zeros((2, n, int(used.max(initial=0))))
         x_max = np.full((n, 2), np.inf)
         for first, points in zip(places, self.points, strict=True):
             inside, rows, start, end = points.inside, points.rows, points.where[0], points.where[-1]
-            middle, last = first + rows.a.shape[1], first + 2 * rows.a.shape[1]
-            a[inside, first:middle], b[inside, first:middle] = rows.a[start], rows.b[start]
-            a[inside, middle:last] = rows.a[end] + 2.0 * h[inside, None] * rows.b[end]
-            b[inside, middle:last] = rows.b[end]
+            nodes, at = np.unique(np.concatenate([start, end]), return_inverse=True)
+            of_u, of_x = rows.coefficients(nodes)
+            place_rows(a, b, of_u, of_x, inside, at.reshape(2, -1), h, first)
             x_max[inside, 0] = np.minimum(x_max[inside, 0], rows.x_max[start])
             x_max[inside, 1] = np.minimum(x_max[inside, 1], rows.x_max[end])
         return a, b, x_max

@@ -10,9 +10,10 @@ from numpy.typing import NDArray
 from ikplan._jit import kernel
 from ikplan.timing.excess import velocity_share
 
-__all__ = ["StageRows", "acceleration_rows", "natural_units", "velocity_bounds"]
+__all__ = ["StageRows", "acceleration_rows", "natural_units", "place_rows", "velocity_bounds"]
 
 Array = NDArray[np.float64]
+Indices = NDArray[np.int64]
 
 
 @dataclass(frozen=True, eq=False)
@@ -140,6 +141,31 @@ def velocity_bounds(
     for i in range(n + 1):
         x_max[i] /= share[i] * share[i]
     return x_max
+
+
+@kernel
+def place_rows(
+    a: Array, b: Array, of_u: Array, of_x: Array, inside: Indices, at: Indices, h: Array, first: int
+) -> None:
+    """Write rows at nodes, a u + b x <= 1, as rows at the starts and the ends of intervals.
+
+    Args:
+        a: Coefficients of u, shape (n, m); changed in place.
+        b: Coefficients of x at the starts of the intervals, shape (n, m); changed in place.
+        of_u: Coefficients of u at nodes, shape (k, r).
+        of_x: Coefficients of x at nodes, shape (k, r).
+        inside: The intervals, shape (p,).
+        at: Nodes at the starts and at the ends of those, shape (2, p).
+        h: Lengths of all intervals, shape (n,).
+        first: The first column.
+    """
+    r = of_u.shape[1]
+    for i in range(len(inside)):
+        row, start, end = inside[i], at[0, i], at[1, i]
+        for k in range(r):
+            a[row, first + k], b[row, first + k] = of_u[start, k], of_x[start, k]
+            a[row, first + r + k] = of_u[end, k] + 2.0 * h[row] * of_x[end, k]
+            b[row, first + r + k] = of_x[end, k]
 
 
 def natural_units(rows: StageRows) -> tuple[StageRows, float]:

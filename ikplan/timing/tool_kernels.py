@@ -9,9 +9,10 @@ from ikplan._jit import kernel, leaf_kernel
 from ikplan.kinematics.chain import Chain
 from ikplan.kinematics.forward import moved, placed
 
-__all__ = ["tool_rates"]
+__all__ = ["disc_rows", "tool_demand", "tool_rates"]
 
 Array = NDArray[np.float64]
+Indices = NDArray[np.int64]
 
 
 @leaf_kernel
@@ -78,3 +79,64 @@ def tool_rates(chain: Chain, q: Array, dq: Array, ddq: Array) -> tuple[Array, Ar
         frame = placed(chain.placements, n, frame)
         _carry(frame[9] - p0, frame[10] - p1, frame[11] - p2, v, a)
     return velocity, acceleration
+
+
+@kernel
+def disc_rows(P: Array, R: Array, directions: int, limit: float) -> tuple[Array, Array]:
+    """Return rows that keep |p u + r x| <= limit: a polygon in the disc in the plane of p and r.
+
+    Args:
+        P: Vectors p, shape (m, 3).
+        R: Vectors r, shape (m, 3).
+        directions: Number of sides of the polygon.
+        limit: Radius of the disc, > 0.
+
+    Returns:
+        Coefficients of u and x in rows a u + b x <= 1, each of shape (m, directions).
+    """
+    m = P.shape[0]
+    half = np.pi / directions
+    angle = half * (2.0 * np.arange(directions) + 1.0)
+    cosine, sine = np.cos(angle) / np.cos(half) / limit, np.sin(angle) / np.cos(half) / limit
+    a, b = np.empty((m, directions)), np.empty((m, directions))
+    for i in range(m):
+        p0, p1, p2 = P[i]
+        r0, r1, r2 = R[i]
+        size = np.sqrt(p0 * p0 + p1 * p1 + p2 * p2)
+        along = (p0 * r0 + p1 * r1 + p2 * r2) / size if size > 0.0 else 0.0
+        part = along / size if size > 0.0 else 0.0
+        c0, c1, c2 = r0 - part * p0, r1 - part * p1, r2 - part * p2
+        across = np.sqrt(c0 * c0 + c1 * c1 + c2 * c2)
+        for k in range(directions):
+            a[i, k] = size * cosine[k]
+            b[i, k] = along * cosine[k] + across * sine[k]
+    return a, b
+
+
+@kernel
+def tool_demand(V: Array, A: Array, index: Indices, u: Array, x: Array, limits: Array) -> Array:
+    """Return by how much u and x would have to be divided to keep limits of the tool.
+
+    Args:
+        V: The tool's twists for joint velocities q', shape (m, 6).
+        A: Their derivatives, shape (m, 6): its acceleration is V u + A x.
+        index: Rows of both, shape (p,).
+        u: Path accelerations there, shape (p,).
+        x: Squared path velocities there, shape (p,).
+        limits: Of linear and angular speed, and of linear and angular acceleration, shape (4,).
+
+    Returns:
+        Shape (p, 4).
+    """
+    out = np.empty((len(index), 4))
+    for row in range(len(index)):
+        for part in range(2):
+            speed, pull = 0.0, 0.0
+            for k in range(3 * part, 3 * part + 3):
+                v = V[index[row], k]
+                total = v * u[row] + A[index[row], k] * x[row]
+                speed += v * v
+                pull += total * total
+            out[row, part] = speed * x[row] / (limits[part] * limits[part])
+            out[row, 2 + part] = np.sqrt(pull) / limits[2 + part]
+    return out

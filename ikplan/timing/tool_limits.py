@@ -16,6 +16,7 @@ from ikplan.timing.constraints import (
     Label,
     PathPoints,
 )
+from ikplan.timing.tool_kernels import disc_rows, tool_demand
 
 __all__ = ["ToolLimits", "ToolMotion"]
 
@@ -88,38 +89,36 @@ class ToolLimits:
     def at(self, points: PathPoints) -> ConstraintRows:
         """Write the limits at points of a path; see PathConstraint."""
         V, A = self.motion(points.q, points.qs, points.qss)
-        m = len(points.s)
-        x_max = np.full(m, np.inf)
-        a, b = [np.zeros((m, 0))], [np.zeros((m, 0))]
-        for kind in _KINDS:
-            limit, part = self._limit(kind), _part(kind)
-            if limit is None:
-                continue
-            if kind.endswith("speed"):
-                norm = np.sum(V[:, part] ** 2, axis=1)
-                bound = np.full(m, np.inf)
+        x_max = np.full(len(points.s), np.inf)
+        for kind in ("linear_speed", "angular_speed"):
+            limit = self._limit(kind)
+            if limit is not None:
+                norm = np.sum(V[:, _part(kind)] ** 2, axis=1)
+                bound = np.full(len(x_max), np.inf)
                 np.divide(limit**2, norm, out=bound, where=norm > 0.0)
                 x_max = np.minimum(x_max, bound)
-            else:
-                rows = _disc_rows(V[:, part], A[:, part])
-                a.append(rows[0] / limit)
-                b.append(rows[1] / limit)
+        bounded = {
+            kind: limit
+            for kind in ("linear_acceleration", "angular_acceleration")
+            if (limit := self._limit(kind)) is not None
+        }
+        # Unset limits are infinite, and their shares zero.
+        limits = np.array([self._limit(kind) or np.inf for kind in _KINDS])
+        asked = np.isfinite(limits)
+
+        def coefficients(index: Indices) -> tuple[Array, Array]:
+            a, b = np.zeros((2, len(index), _DIRECTIONS * len(bounded)))
+            for k, (kind, limit) in enumerate(bounded.items()):
+                part, place = _part(kind), slice(k * _DIRECTIONS, (k + 1) * _DIRECTIONS)
+                P, R = (np.ascontiguousarray(rate[index, part]) for rate in (V, A))
+                a[:, place], b[:, place] = disc_rows(P, R, _DIRECTIONS, limit)
+            return a, b
 
         def demand(index: Indices, u: Array, x: Array) -> Array:
-            columns = []
-            for kind in _KINDS:
-                limit, part = self._limit(kind), _part(kind)
-                if limit is None:
-                    continue
-                v = V[index, part]
-                if kind.endswith("speed"):
-                    columns.append(np.sum(v**2, axis=1) * x / limit**2)
-                else:
-                    total = v * u[:, None] + A[index, part] * x[:, None]
-                    columns.append(np.linalg.norm(total, axis=1) / limit)
-            return np.column_stack(columns)
+            found: Array = tool_demand(V, A, index, u, x, limits)[:, asked]
+            return found
 
-        return ConstraintRows(np.hstack(a), np.hstack(b), x_max, demand)
+        return ConstraintRows(_DIRECTIONS * len(bounded), coefficients, x_max, demand)
 
     def used(self, q: Array, dq: Array, ddq: Array) -> Array:
         """Return how far joint motions use the limits; see PathConstraint."""
@@ -142,18 +141,3 @@ class ToolLimits:
 
 def _part(kind: str) -> slice:
     return slice(0, 3) if kind.startswith("linear") else slice(3, 6)
-
-
-def _disc_rows(p: Array, r: Array) -> tuple[Array, Array]:
-    """Return rows that keep |p u + r x| <= 1: a polygon in the disc in the plane of p and r."""
-    size = np.linalg.norm(p, axis=1)
-    e = np.zeros_like(p)
-    np.divide(p, size[:, None], out=e, where=size[:, None] > 0.0)
-    along = np.sum(r * e, axis=1)
-    across = np.linalg.norm(r - along[:, None] * e, axis=1)
-    half = np.pi / _DIRECTIONS
-    angle = half * (2.0 * np.arange(_DIRECTIONS) + 1.0)
-    cosine, sine = np.cos(angle) / np.cos(half), np.sin(angle) / np.cos(half)
-    a = np.outer(size, cosine)
-    b = np.outer(along, cosine) + np.outer(across, sine)
-    return a, b

@@ -106,12 +106,13 @@ class TorqueLimits:
             needed: Array = np.maximum(motion / up[index], -motion / down[index])
             return needed
 
-        return ConstraintRows(
-            np.hstack([of_u / up, -of_u / down]),
-            np.hstack([of_x / up, -of_x / down]),
-            np.full(len(points.s), np.inf),
-            demand,
-        )
+        def coefficients(index: Indices) -> tuple[Array, Array]:
+            above, below = up[index], down[index]
+            u, x = of_u[index], of_x[index]
+            return np.hstack([u / above, -u / below]), np.hstack([x / above, -x / below])
+
+        columns = 2 * len(self.joint_names)
+        return ConstraintRows(columns, coefficients, np.full(len(points.s), np.inf), demand)
 
     def used(self, q: Array, dq: Array, ddq: Array) -> Array:
         """Return how far joint motions use the limits; see PathConstraint."""

@@ -203,6 +203,9 @@ def warm_up_timing(jerk: bool) -> None:
         jerk: Whether those of jerk-limited timing too.
     """
     robot = catalogue_robot("ur5")
-    limits = MotionLimits.of(robot, LimitOptions(jerk=100.0 if jerk else None, tool_speed=1.0))
+    options = LimitOptions(
+        jerk=100.0 if jerk else None, tool_speed=1.0, tool_acceleration=50.0, torque=True
+    )
+    limits = MotionLimits.of(robot, options)
     path = JointPath.through([robot.home, robot.home + 0.1], joint_limits(robot, limits))
     time_motion(path, robot, limits, SamplingOptions())

@@ -12,6 +12,7 @@ from ikplan.errors import InvalidRequest
 from ikplan.kinematics.arm import arm_of
 from ikplan.timing.tool_kernels import tool_rates
 from ikplan.timing.tool_limits import ToolMotion
+from ikplan.timing.torque_kernels import Bodies, joint_torques
 from ikplan.timing.torque_limits import InverseDynamics
 
 if TYPE_CHECKING:
@@ -65,18 +66,29 @@ def inverse_dynamics(robot: Robot, payload: Any = None) -> InverseDynamics:
         model = model.copy()
         frame = model.frames[robot.tip_frame_id]
         model.appendBodyToJoint(frame.parentJoint, payload, frame.placement * robot.T_tip_tool)
-    data = model.createData()
-    coupling = robot.coupling
-    plain = np.array_equal(coupling, np.eye(*coupling.shape))
+    chain, bodies = arm_of(robot).chain, _bodies(robot, model)
+    coupling = np.ascontiguousarray(robot.coupling, dtype=np.float64)
 
     def torques(q: Array, dq: Array, ddq: Array) -> Array:
-        configurations = robot.configurations(q)
-        if not plain:
-            dq, ddq = dq @ coupling.T, ddq @ coupling.T
-        serial = np.empty_like(dq)
-        for i, motion in enumerate(zip(configurations, dq, ddq, strict=True)):
-            serial[i] = pin.rnea(model, data, *motion)
+        motion = (np.ascontiguousarray(array) for array in (q, dq, ddq))
         # Virtual work: the user's joints move the serial ones by the coupling.
-        return serial if plain else np.asarray(serial @ coupling)
+        return np.asarray(joint_torques(chain, bodies, *motion) @ coupling)
 
     return torques
+
+
+def _bodies(robot: Robot, model: pin.Model) -> Bodies:
+    """The bodies of a model, in the frames of the robot's chain."""
+    chain, R_base = arm_of(robot).chain, robot.T_universe_base.rotation
+    n = model.njoints - 1
+    mass, centre, inertia = np.empty(n), np.empty((n, 3)), np.empty((n, 3, 3))
+    # The chain's frames are those of the model, turned so that joints move about or along z.
+    R_before = R_base
+    for i in range(n):
+        turned = chain.placements[i, :9].reshape(3, 3)
+        Q = model.jointPlacements[i + 1].rotation.T @ R_before @ turned
+        body = model.inertias[i + 1]
+        mass[i], centre[i], inertia[i] = body.mass, Q.T @ body.lever, Q.T @ body.inertia @ Q
+        R_before = Q
+    gravity = R_base.T @ model.gravity.linear
+    return Bodies(mass, centre, inertia, np.array(model.armature, dtype=np.float64), gravity)

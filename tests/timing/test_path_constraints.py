@@ -9,7 +9,7 @@ import pinocchio as pin
 import pytest
 
 from ikplan.errors import InvalidRequest, TimingFailed
-from ikplan.robots import Robot, load_robot
+from ikplan.robots import Robot, load_robot, robot_names
 from ikplan.timing import (
     JointLimits,
     JointPath,
@@ -167,6 +167,23 @@ def test_torques_of_the_samples_are_within_limits(name: str) -> None:
     assert (np.abs(tau) <= effort).all()
     assert np.mean((np.abs(tau) / effort).max(axis=1) > 0.98) > 0.3
     assert timed.duration > time_joint_path(path, limits).duration
+
+
+@pytest.mark.parametrize("name", [n for n in robot_names() if robot(n).info().inertias_sourced])
+def test_torques_are_those_of_pinocchio(name: str) -> None:
+    arm = robot(name).with_tool([0.05, -0.02, 0.1])
+    load = pin.Inertia(1.3, np.array([0.01, 0.02, 0.03]), np.zeros((3, 3)))
+    model = arm.model.copy()
+    tip = model.frames[arm.tip_frame_id]
+    model.appendBodyToJoint(tip.parentJoint, load, tip.placement * arm.T_tip_tool)
+    data = model.createData()
+    rng = np.random.default_rng(5)
+    q = np.array([arm.random_configuration(rng) for _ in range(20)])
+    dq, ddq = rng.normal(size=q.shape), 5.0 * rng.normal(size=q.shape)
+    motions = zip(arm.configurations(q), dq @ arm.coupling.T, ddq @ arm.coupling.T, strict=True)
+    expected = np.array([pin.rnea(model, data, *motion) for motion in motions]) @ arm.coupling
+    torques = inverse_dynamics(arm, load)(q, dq, ddq)
+    assert np.abs(torques - expected).max() <= 1e-12 * np.abs(expected).max()
 
 
 def test_a_payload_needs_more_torque() -> None:

@@ -229,8 +229,10 @@ class Unreachable(IkplanError):
         q: Joint values of the best configuration found, shape (dof,) [rad or m].
         reason: Why, as far as it is known: out of reach by so much, or which joint limit binds.
         limits: Names of the joints that stand at a position limit in ``q``.
+        target: Where the tool was to be, in the robot's base, as ``{"position",
+            "quaternion_xyzw"}`` (None: any orientation) [m], or None.
         waypoints: Every waypoint found unreachable, as ``{"waypoint", "position_error",
-            "orientation_error", "reason"}``.
+            "orientation_error", "reason", "target"}``.
         repairs: Changes of the request that were tried and make it feasible, least first, as
             ``{"change", "detail"}``: the fields to change, and what that means in words.
     """
@@ -245,6 +247,7 @@ class Unreachable(IkplanError):
         "q",
         "reason",
         "limits",
+        "target",
         "waypoints",
         "repairs",
     )
@@ -259,6 +262,7 @@ class Unreachable(IkplanError):
         q: Sequence[float],
         reason: str,
         limits: Sequence[str] = (),
+        target: Mapping[str, Any] | None = None,
         waypoints: Sequence[Mapping[str, Any]] = (),
         repairs: Sequence[Mapping[str, Any]] = (),
     ) -> None:
@@ -269,6 +273,7 @@ class Unreachable(IkplanError):
         self.q = [float(v) for v in q]
         self.reason = reason
         self.limits = list(limits)
+        self.target = None if target is None else dict(target)
         self.waypoints = [dict(w) for w in waypoints]
         self.repairs = [dict(r) for r in repairs]
 
@@ -280,6 +285,7 @@ class Disconnected(IkplanError):
         waypoints: Indices of the two waypoints, from 0; -1 stands for the start configuration.
         jump: Largest single-joint difference a motion between them would need [rad or m].
         reason: Why the motion is not possible.
+        q: Joint values at which the motion gets no further, shape (dof,) [rad or m].
         repairs: Changes of the request that were tried and make it feasible, as
             ``{"change", "detail"}``.
     """
@@ -287,7 +293,7 @@ class Disconnected(IkplanError):
     slug = "disconnected"
     title = "Path disconnected"
     status = 422
-    fields = ("waypoints", "jump", "reason", "repairs")
+    fields = ("waypoints", "jump", "reason", "q", "repairs")
 
     def __init__(
         self,
@@ -296,12 +302,14 @@ class Disconnected(IkplanError):
         waypoints: Sequence[int],
         jump: float,
         reason: str = "",
+        q: Sequence[float] = (),
         repairs: Sequence[Mapping[str, Any]] = (),
     ) -> None:
         super().__init__(detail)
         self.waypoints = [int(i) for i in waypoints]
         self.jump = jump
         self.reason = reason
+        self.q = [float(v) for v in q]
         self.repairs = [dict(r) for r in repairs]
 
 

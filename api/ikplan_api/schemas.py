@@ -97,6 +97,10 @@ _DATA: dict[type[errors.IkplanError], dict[str, Any]] = {
         "q": (list[float | None], Field(description="Best joint values found [rad or m].")),
         "reason": (str, Field(description="Why, as far as it is known.")),
         "limits": (_Names, Field(description="Joints at a position limit in q.")),
+        "target": (
+            dict[str, Any] | None,
+            Field(description="Where the tool was to be, in the base: position, quaternion_xyzw."),
+        ),
         "waypoints": (list[dict[str, Any]], Field(description="Every unreachable waypoint.")),
         "repairs": _REPAIRS,
     },
@@ -104,6 +108,10 @@ _DATA: dict[type[errors.IkplanError], dict[str, Any]] = {
         "waypoints": (list[int], Field(description="The two waypoints; -1 is the start.")),
         "jump": (float | None, Field(description="Joint difference needed [rad or m].")),
         "reason": (str, Field(description="Why the motion is not possible.")),
+        "q": (
+            list[float | None],
+            Field(description="Joint values at which it gets no further [rad or m]."),
+        ),
         "repairs": _REPAIRS,
     },
     errors.TimingFailed: {

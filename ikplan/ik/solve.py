@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+from pinocchio import Quaternion
 
 from ikplan.errors import InvalidRequest, Unreachable
 from ikplan.ik.arguments import check_options, check_start, check_tolerances, target_of
@@ -27,7 +28,7 @@ from ikplan.result import IkSolution
 if TYPE_CHECKING:
     from ikplan.robots import Robot
 
-__all__ = ["NoSolution", "PoseSolver", "Solved", "solve_ik", "solve_pose"]
+__all__ = ["NoSolution", "PoseSolver", "Solved", "place", "solve_ik", "solve_pose"]
 
 Array = NDArray[np.float64]
 
@@ -278,7 +279,7 @@ def solve_pose(
     try:
         solved = solver.solve(target, q_start)
     except NoSolution as verdict:
-        raise unreachable(robot, verdict.miss, 0, "the pose") from verdict
+        raise unreachable(robot, verdict.miss, 0, "the pose", target) from verdict
     q = solved.q[0]
     difference = q - q_start
     return IkSolution.model_construct(
@@ -290,7 +291,15 @@ def solve_pose(
     )
 
 
-def unreachable(robot: Robot, miss: Miss, waypoint: int, subject: str) -> Unreachable:
+def place(target: Target) -> dict[str, Any]:
+    """Return where a target is, as errors tell it."""
+    quaternion = Quaternion(target.R).coeffs().tolist() if target.oriented else None
+    return {"position": target.p.tolist(), "quaternion_xyzw": quaternion}
+
+
+def unreachable(
+    robot: Robot, miss: Miss, waypoint: int, subject: str, target: Target
+) -> Unreachable:
     """Return the error of a target without a solution, told of ``subject``."""
     limits = [robot.joint_names[k] for k in miss.limits]
     error = f"{miss.position_error * 1e3:.3g} mm"
@@ -305,4 +314,5 @@ def unreachable(robot: Robot, miss: Miss, waypoint: int, subject: str) -> Unreac
         q=[float(v) for v in miss.q],
         reason=miss.reason,
         limits=limits,
+        target=place(target),
     )

@@ -38,11 +38,12 @@ def lost_path(
     before, after = _neighbours(path, lost.s)
     end = next((w.s for w in path.waypoints if w.index == after), path.length)
     where = f"{lost.s * 1e3:.1f} mm of {path.length * 1e3:.1f} mm along the path"
+    target = target_at(follower.targets_at(path, np.array([end])), 0)
     try:
-        solver.solve(target_at(follower.targets_at(path, np.array([end])), 0), lost.q)
+        solver.solve(target, lost.q)
     except NoSolution as verdict:
         subject = f"waypoint {after} (the path to it is followed for {where})"
-        return unreachable(robot, verdict.miss, after, subject)
+        return unreachable(robot, verdict.miss, after, subject, target)
     ahead = [lost.s + share * path.length for share in _PROBES]
     ahead = [s for s in ahead if s < path.length] or [path.length]
     others = []
@@ -52,7 +53,7 @@ def lost_path(
             others.append(solver.solve(target, lost.q).q[0])
         except NoSolution as verdict:
             subject = f"the path to waypoint {after}, from {where} on,"
-            return unreachable(robot, verdict.miss, after, subject)
+            return unreachable(robot, verdict.miss, after, subject, target)
     gap = others[0] - lost.q
     joint = int(np.argmax(np.abs(gap)))
     reason = _cause(robot, lost.q)
@@ -63,6 +64,7 @@ def lost_path(
         waypoints=[before, after],
         jump=float(np.abs(gap).max()),
         reason=reason,
+        q=lost.q.tolist(),
     )
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ikplan.errors import Unreachable
-from ikplan.ik.solve import NoSolution
+from ikplan.ik.solve import NoSolution, place
 from ikplan.planning.problem import Array, WaypointProblem
 from ikplan.planning.verdict import unreachable_path, within_tolerance
 
@@ -44,6 +44,7 @@ def solve_waypoint(problem: WaypointProblem, k: int, q_before: Array) -> tuple[A
             orientation_error=angle if target.oriented else None,
             q=[float(v) for v in solved.q[0]],
             reason="the solver was not refined and did not converge to the tolerance",
+            target=place(target),
         )
     q = solved.q[0]
     robot = problem.robot
@@ -60,5 +61,6 @@ def solve_waypoint(problem: WaypointProblem, k: int, q_before: Array) -> tuple[A
             q=[float(v) for v in q],
             reason="the solver was not refined and left the position limits",
             limits=[robot.joint_names[j] for j in outside],
+            target=place(target),
         )
     return solved.q[0], solved.evaluations

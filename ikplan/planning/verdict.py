@@ -5,8 +5,9 @@ from __future__ import annotations
 from typing import Any
 
 from ikplan.errors import Unreachable
-from ikplan.ik.solve import NoSolution, unreachable
+from ikplan.ik.solve import NoSolution, place, unreachable
 from ikplan.ik.verdict import Miss
+from ikplan.kinematics.target import Target
 from ikplan.planning.problem import Array, WaypointProblem
 from ikplan.request import Tolerance
 
@@ -45,8 +46,8 @@ def unreachable_path(
         )
         subject += f", as {'are' if len(misses) > 2 else 'is'} {others}"
         subject += f" ({unexamined} more not examined)," if unexamined else ","
-    error = unreachable(problem.robot, miss, row + first, subject)
-    error.waypoints = [_row(row + k, m) for k, m in misses.items()]
+    error = unreachable(problem.robot, miss, row + first, subject, problem.targets[first])
+    error.waypoints = [_row(row + k, m, problem.targets[k]) for k, m in misses.items()]
     return error
 
 
@@ -56,10 +57,11 @@ def within_tolerance(miss: Miss, tolerance: Tolerance) -> bool:
     return miss.position_error <= tolerance.position and angle <= tolerance.orientation
 
 
-def _row(k: int, miss: Miss) -> dict[str, Any]:
+def _row(k: int, miss: Miss, target: Target) -> dict[str, Any]:
     return {
         "waypoint": k,
         "position_error": miss.position_error,
         "orientation_error": miss.orientation_error,
         "reason": miss.reason,
+        "target": place(target),
     }

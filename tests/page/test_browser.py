@@ -6,10 +6,13 @@ import csv
 import io
 import json
 import math
+import re
 import time
+import urllib.parse
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
+import httpx
 import numpy as np
 import pytest
 from numpy.typing import NDArray
@@ -29,6 +32,7 @@ RED = (0xC6, 0x2A, 0x1F)
 DARK = (0x17, 0x1B, 0x1F)
 """Behind the scene, in dark ones."""
 EXAMPLES = Path(__file__).parents[2] / "examples"
+VECTORS = Path(__file__).parents[1] / "vectors" / "planning"
 Open = Callable[..., Page]
 
 
@@ -300,6 +304,110 @@ def test_a_refusal_is_told_drawn_and_repaired(visit: Open) -> None:
     change = error.repairs[0]["change"]["path"]
     assert {key: repaired["path"][key] for key in change} == change
     assert repaired["path"]["waypoints"] == request["path"]["waypoints"]
+
+
+def write(page: Page, request: dict) -> None:
+    page.fill("#editor", json.dumps(request))
+    expect(page.locator("#fault")).to_have_text("")
+
+
+DOWN = [1.0, 0.0, 0.0, 0.0]
+CURVES = {
+    "arc": {"type": "arc", "centre": [0.5, 0.35, 0.3], "angle": 6.0},
+    "circle": {"type": "circle", "radius": 0.5, "quaternion_xyzw": DOWN},
+    "helix": {"type": "helix", "radius": 0.1, "rise": 1.5, "turns": 2, "quaternion_xyzw": DOWN},
+}
+
+
+@pytest.mark.parametrize("kind", CURVES)
+def test_where_a_curve_cannot_be_followed_is_drawn(visit: Open, kind: str) -> None:
+    path: dict = {"segments": [CURVES[kind]]}
+    if kind == "arc":
+        path["begin"] = {"position": [0.5, -0.3, 0.3], "quaternion_xyzw": DOWN}
+    else:
+        path["frame"] = {"position": [0.5, 0.0, 0.2]}
+    request = {"robot": "ur5", "start": "free", "path": path}
+    with pytest.raises((ikplan.Unreachable, ikplan.Disconnected)) as caught:
+        ikplan.plan(request)
+    page = visit("helix_iiwa14")
+    write(page, request)
+    page.wait_for_selector("#stage[data-robot=ur5][data-meshes=ready]")
+    before = near_colour(page, RED)
+    page.click("#plan")
+    expect(page.locator("#result .verdict")).to_contain_text("Shown: ")
+    place = catalogue_robot("ur5").fk(caught.value.q).translation
+    np.testing.assert_allclose(tool(page), place, atol=1e-6)
+    assert drawn(lambda: near_colour(page, RED) > before + 100)
+
+
+def test_an_arm_that_gets_no_further_is_shown_where_it_stands(visit: Open) -> None:
+    vector = json.loads((VECTORS / "baxter_jump_between_stations.json").read_text())
+    with pytest.raises(ikplan.Disconnected) as caught:
+        ikplan.plan(vector["request"])
+    page = visit("helix_iiwa14")
+    write(page, vector["request"])
+    page.wait_for_selector(f"#stage[data-robot={vector['request']['robot']}][data-meshes=ready]")
+    page.click("#plan")
+    expect(page.locator("#result .verdict")).to_contain_text("the arm where it gets no further")
+    robot = catalogue_robot(vector["request"]["robot"])
+    np.testing.assert_allclose(tool(page), robot.fk(caught.value.q).translation, atol=1e-6)
+    assert drawn(lambda: near_colour(page, RED) > 100)
+
+
+def slow(seed: int) -> dict:
+    """A request whose search takes a while."""
+    return {
+        "robot": "iiwa14",
+        "path": {"waypoints": [{"position": [0.5, 0.01 * i, 0.5]} for i in range(50)]},
+        "ik": {"population": 1000, "iterations": 1000, "seed": seed},
+        "budget_s": 100,
+    }
+
+
+def job_of(page: Page) -> str:
+    """Where the job is that the page asks for when its button is pressed."""
+    with page.expect_response(lambda r: r.url.endswith("/v1/plans")) as caught:
+        page.click("#plan")
+    assert caught.value.status == 202
+    return urllib.parse.urljoin(caught.value.url, caught.value.headers["location"])
+
+
+def gone(place: str) -> bool:
+    return httpx.get(place).status_code == 404
+
+
+@pytest.mark.parametrize("how", ["button", "Escape", "leaving"])
+def test_the_progress_of_a_plan_is_shown_and_it_can_be_given_up(visit: Open, how: str) -> None:
+    page = visit("helix_iiwa14")
+    write(page, slow(len(how)))
+    place = job_of(page)
+    text = page.locator("#progress-text")
+    expect(text).to_have_text(re.compile(r"Joint solutions: [1-9]\d* of 50 waypoints"))
+    bar = page.locator("#progress-bar")
+    assert 1 <= bar.evaluate("bar => bar.value") <= 50
+    assert bar.evaluate("bar => bar.max") == 50
+    expect(page.locator("#status")).to_have_text("Joint solutions")
+    expect(page.locator("#plan")).to_have_text("Cancel")
+    if how == "leaving":
+        page.goto("about:blank")
+    else:
+        page.click("#plan") if how == "button" else page.keyboard.press("Escape")
+        expect(page.locator("#progress")).to_be_hidden()
+        expect(page.locator("#plan")).to_have_text("Plan")
+        expect(page.locator("#status")).to_have_text("Cancelled")
+    assert drawn(lambda: gone(place))
+
+
+def test_a_plan_comes_also_where_events_do_not_get_through(visit: Open) -> None:
+    page = visit("helix_iiwa14")
+    page.route("**/events", lambda route: route.fulfill(status=404, body=""))
+    request = slow(7)
+    request["path"]["waypoints"] = request["path"]["waypoints"][:4]
+    write(page, request)
+    job_of(page)
+    expect(page.locator("#progress-text")).to_contain_text("of 4 waypoints")
+    page.wait_for_selector("#result .certificate")
+    expect(page.locator("#progress")).to_be_hidden()
 
 
 def test_two_waypoints_without_a_way_between_them_are_drawn(visit: Open) -> None:

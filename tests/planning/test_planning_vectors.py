@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pinocchio as pin
 import pytest
 
 import ikplan
@@ -59,6 +60,31 @@ def test_a_path_that_cannot_be_is_refused_with_its_cause(name: str) -> None:
         assert words in caught.value.detail
     for field, value in expected.get("data", {}).items():
         assert getattr(caught.value, field) == value
+    check_place(caught.value, VECTORS[name]["request"])
+
+
+def check_place(error: ikplan.IkplanError, request: dict[str, Any]) -> None:
+    """What is told of where the tool was to be fits what is told of how far it is from there."""
+    if not isinstance(error, errors.Unreachable | errors.Disconnected):
+        return
+    tool = request.get("tool", {})
+    robot = ikplan.load_robot(request["robot"])
+    if tool:
+        robot = robot.with_tool(tool["position"], tool.get("quaternion_xyzw", [0, 0, 0, 1]))
+    q = np.array(error.q)
+    assert ((robot.lower <= q) & (q <= robot.upper)).all()
+    if isinstance(error, errors.Disconnected):
+        return
+    pose, target = robot.fk(q), error.target
+    assert target is not None
+    distance = np.linalg.norm(pose.translation - target["position"])
+    assert distance == pytest.approx(error.position_error, abs=1e-9)
+    if error.orientation_error is not None:
+        R = pin.Quaternion(np.array(target["quaternion_xyzw"])).matrix()
+        angle = np.linalg.norm(pin.log3(R.T @ pose.rotation))
+        assert angle == pytest.approx(error.orientation_error, abs=1e-6)
+    for row in error.waypoints[:1]:
+        assert row["target"] == target
 
 
 @pytest.mark.parametrize("seed", [1, 2, 3])

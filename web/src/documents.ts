@@ -93,6 +93,16 @@ export interface Plan {
   timing: Timing | null;
 }
 
+/** How far a plan is. */
+export interface PlanStatus {
+  id: string;
+  state: "queued" | "running" | "finished" | "failed" | "cancelled";
+  stage: string | null;
+  done: number;
+  /** 0: the stage does not count waypoints. */
+  total: number;
+}
+
 export interface Repair {
   change: Record<string, unknown>;
   detail: string;
@@ -106,6 +116,9 @@ export interface Problem {
   detail: string;
   waypoint?: number;
   waypoints?: unknown[];
+  /** Where the tool was to be, in the base. */
+  target?: unknown;
+  /** The closest configuration, or the one at which the motion gets no further. */
   q?: number[];
   reason?: string;
   field?: string;

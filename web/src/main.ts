@@ -2,20 +2,22 @@
 
 import { Clock } from "./clock";
 import type { Plan, Problem, Repair, Request, RobotInfo } from "./documents";
-import { failedWaypoints, isNumbers } from "./documents";
+import { isNumbers } from "./documents";
 import { byId, h } from "./dom";
 import { EXAMPLES } from "./examples";
+import { makePlan } from "./job";
 import { limitsOf } from "./limits";
 import { bindingPanel } from "./panels/binding";
 import { certificatePanel } from "./panels/certificate";
 import { downloadPanel } from "./panels/downloads";
 import { Editor } from "./panels/editor";
 import { Plots } from "./panels/plots";
+import { ProgressPanel } from "./panels/progress";
 import { Transport } from "./panels/transport";
 import { keyPanel, verdictPanel } from "./panels/verdict";
 import { Motion } from "./playback";
-import { Refusal, accessKey, fetchRobots, makePlan } from "./service";
-import { targetsOf, toolOf } from "./targets";
+import { Refusal, accessKey, fetchRobots } from "./service";
+import { failedTargets, targetsOf, toolOf } from "./targets";
 import { setAngleUnit, timeText, type AngleUnit } from "./units";
 import { ArmView } from "./view";
 
@@ -38,6 +40,7 @@ let underway: AbortController | null = null;
 
 const clock = new Clock(showMoment);
 const transport = new Transport(clock);
+const progress = new ProgressPanel((stage) => { status.textContent = stage; });
 const view = new ArmView(() => void redraw());
 const plots = new Plots(byId("plots"), (time) => clock.seek(time));
 const editor = new Editor((request) => void preview(request), () => void plan());
@@ -96,25 +99,21 @@ async function plan(): Promise<void> {
   if (request === null) return;
   const document = editor.document;
   underway = new AbortController();
-  const begun = performance.now();
-  const tell = (): void => {
-    planButton.textContent = `Cancel (${Math.round((performance.now() - begun) / 1000)} s)`;
-  };
-  tell();
-  status.textContent = "Planning";
-  const ticking = setInterval(tell, 1000);
+  planButton.textContent = "Cancel";
+  progress.begin();
   result.setAttribute("aria-busy", "true");
   try {
-    const { plan: made, text } = await makePlan(document, underway.signal);
+    const { plan: made, text } = await makePlan(document, underway.signal, (how) => progress.show(how));
     const robot = robots.find(({ name }) => name === made.robot);
     if (robot === undefined) throw new Error(`the service planned for ${made.robot}, which it does not list`);
     await showPlan({ request, document, plan: made, text, motion: new Motion(made.trajectory), robot });
   } catch (error) {
     if (error instanceof Refusal) await showVerdict(error, request);
-    else if (!(error instanceof DOMException)) throw error;
+    else if (error instanceof DOMException) status.textContent = "Cancelled";
+    else throw error;
   } finally {
     underway = null;
-    clearInterval(ticking);
+    progress.end();
     planButton.textContent = "Plan";
     result.removeAttribute("aria-busy");
   }
@@ -152,13 +151,16 @@ function showRefusal({ problem, retryAfter }: Refusal, request: Request): void {
 }
 
 function drawVerdict(problem: Problem, request: Request, robot: RobotInfo): void {
-  const closest = isNumbers(problem.q, robot.joints.length) ? problem.q : null;
-  const targets = targetsOf(request);
-  for (const index of failedWaypoints(problem)) {
-    const target = targets[index];
-    if (target) view.markFailure(target, index === problem.waypoint ? closest : null);
+  const q = isNumbers(problem.q, robot.joints.length) ? problem.q : null;
+  const targets = failedTargets(problem, request);
+  const stuck = q !== null && problem.waypoint === undefined;
+  if (stuck) {
+    // No pose failed, but the way to it: what failed is where the tool is then.
+    view.markFailures([...view.toolPositions([q]).map((position) => ({ position, quaternion: null })), ...targets], null);
+  } else {
+    view.markFailures(targets, q);
   }
-  if (closest !== null) view.setJoints(closest);
+  if (q !== null) view.setJoints(q);
   view.follow();
 }
 
@@ -205,6 +207,9 @@ for (const button of document.querySelectorAll<HTMLButtonElement>("[data-unit]")
   });
 }
 planButton.addEventListener("click", () => void plan());
+document.addEventListener("keydown", (event) => {
+  if (event.key === "Escape") underway?.abort();
+});
 
 async function begin(): Promise<void> {
   try {

@@ -1,6 +1,6 @@
 /** Everything the page asks of the service, and nothing else is asked. */
 
-import type { Plan, Problem, RobotInfo } from "./documents";
+import type { Problem, RobotInfo } from "./documents";
 
 /** What the service answers when it refuses. */
 export class Refusal extends Error {
@@ -18,7 +18,7 @@ export const accessKey = {
 };
 
 /** Asks; the answer is a success. */
-async function ask(path: string, init: RequestInit = {}): Promise<Response> {
+export async function ask(path: string, init: RequestInit = {}): Promise<Response> {
   const headers = new Headers(init.headers);
   if (accessKey.get()) headers.set("authorization", `Bearer ${accessKey.get()}`);
   let answer: Response;
@@ -51,14 +51,4 @@ export async function fetchVisual(robot: string): Promise<string> {
 
 export async function fetchMesh(address: string): Promise<ArrayBuffer> {
   return (await ask(address)).arrayBuffer();
-}
-
-/** A plan, with the bytes it came in. */
-export async function makePlan(
-  request: string, signal: AbortSignal,
-): Promise<{ plan: Plan; text: string }> {
-  const headers = { "content-type": "application/json" };
-  const answer = await ask("v1/plans", { method: "POST", body: request, headers, signal });
-  const text = await answer.text();
-  return { plan: JSON.parse(text) as Plan, text };
 }

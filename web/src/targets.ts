@@ -2,7 +2,7 @@
 
 import { Matrix4, Quaternion, Vector3 } from "three";
 
-import { isNumbers, isObject, type Request } from "./documents";
+import { failedWaypoints, isNumbers, isObject, type Problem, type Request } from "./documents";
 
 export interface Target {
   position: Vector3;
@@ -51,6 +51,15 @@ function targetOf(pose: unknown): Target | null {
     position: new Vector3(...pose["position"]),
     quaternion: isNumbers(q, 4) ? new Quaternion(...q).normalize() : null,
   };
+}
+
+/** The poses that a problem says could not be had; of a curve, only the service knows them. */
+export function failedTargets(problem: Problem, request: Request): Target[] {
+  const rows = (problem.waypoints ?? []).map((row) => (isObject(row) ? row["target"] : null));
+  const told = (rows.some(isObject) ? rows : [problem.target]).map(targetOf).filter((target) => target !== null);
+  if (told.length > 0) return told;
+  const listed = targetsOf(request);
+  return failedWaypoints(problem).flatMap((index) => listed[index] ?? []);
 }
 
 /** The tool of a request in the tip frame; null: the robot's own. */

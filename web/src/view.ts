@@ -108,10 +108,14 @@ export class ArmView {
     this.marks.showTrace(points);
   }
 
-  /** Marks a waypoint that failed; `q` is the closest configuration, null where none is told. */
-  markFailure(target: Target, q: number[] | null): void {
+  /** Marks poses that could not be had; `q` comes closest to the first, null where none is told. */
+  markFailures(targets: Target[], q: number[] | null): void {
     const [tool] = q === null ? [] : this.toolPositions([q]);
-    this.marks.showFailure(target, tool ?? null, 0.01);
+    const size = Math.max(0.01, 0.007 * (this.arm?.size() ?? 0));
+    for (const [i, target] of targets.entries()) {
+      this.marks.showFailure(target, i === 0 ? tool ?? null : null, size);
+    }
+    this.stage?.draw();
   }
 
   setPassed(pieces: number): void {

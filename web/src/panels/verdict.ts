@@ -18,9 +18,7 @@ export function verdictPanel(
       h("li", {}, h("code", {}, field), ` ${detail}`))));
   }
   if (failedWaypoints(problem).length > 0) {
-    const closest = problem.q === undefined ? "" : "the closest configuration found, and ";
-    card.append(h("p", { class: "hint" },
-      `Shown: ${closest}in red the poses asked for that failed. Waypoints count from 0.`));
+    card.append(h("p", { class: "hint" }, `Shown: ${shown(problem)} Waypoints count from 0.`));
   }
   if (problem.repairs !== undefined && problem.repairs.length > 0) {
     card.append(h("h3", {}, "What would make it feasible"), h("ul", { class: "repairs" },
@@ -31,6 +29,14 @@ export function verdictPanel(
     card.append(h("p", { class: "hint" }, "No repair was found."));
   }
   return card;
+}
+
+/** What is drawn of a failure. */
+function shown(problem: Problem): string {
+  if (!problem.q?.length) return "in red the poses asked for that failed.";
+  return problem.waypoint === undefined
+    ? "the arm where it gets no further, in red its tool and the poses that no motion joins."
+    : "the closest configuration found, and in red the poses asked for that failed.";
 }
 
 /** Asks for the key that the service wants. */

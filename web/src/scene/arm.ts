@@ -1,6 +1,6 @@
 /** A robot in the scene: set its joints, and ask where its tool is. */
 
-import { Color, Group, Mesh, MeshPhongMaterial, Object3D, Quaternion, Vector3 } from "three";
+import { Box3, Color, Group, Mesh, MeshPhongMaterial, Object3D, Quaternion, Vector3 } from "three";
 import URDFLoader, { type URDFJoint, type URDFRobot } from "urdf-loader";
 
 import type { RobotInfo } from "../documents";
@@ -66,6 +66,11 @@ export class Arm {
   /** Where the tool is in the base, as the scene has it [m]. */
   toolPosition(): Vector3 {
     return this.tool.getWorldPosition(new Vector3());
+  }
+
+  /** From corner to corner of all there is to see of the robot [m]. */
+  size(): number {
+    return new Box3().setFromObject(this.root).getSize(new Vector3()).length();
   }
 
   private link(name: string): Object3D {

@@ -68,7 +68,8 @@ export class Marks {
 
   /** Marks a waypoint that failed, and how far from it the tool stays; null: that is not known. */
   showFailure(target: Target, tool: Vector3 | null, size: number): void {
-    const material = new MeshBasicMaterial({ color: palette().fault });
+    // What went wrong has to be seen, whatever is before it.
+    const material = new MeshBasicMaterial({ color: palette().fault, depthTest: false, transparent: true });
     const mark: Object3D[] = [new Mesh(new SphereGeometry(size * 1.5, 20, 14), material)];
     for (const turn of [0, Math.PI / 2]) {
       const ring = new Mesh(new TorusGeometry(size * 4, size * 0.35, 10, 48), material);
@@ -80,7 +81,10 @@ export class Marks {
       frame.quaternion.copy(target.quaternion);
       mark.push(frame);
     }
-    for (const part of mark) part.position.copy(target.position);
+    for (const part of mark) {
+      part.position.copy(target.position);
+      part.renderOrder = 1;
+    }
     this.group.add(...mark);
     if (tool === null) return;
     const gap = new LineGeometry().setPositions([...tool.toArray(), ...target.position.toArray()]);

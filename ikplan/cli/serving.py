@@ -47,6 +47,7 @@ def serve(options: argparse.Namespace) -> None:
         os.environ["IKPLAN_HOST"], os.environ["IKPLAN_PORT"] = options.host, str(options.port)
         if options.workers is not None:
             os.environ["IKPLAN_WORKERS"] = str(options.workers)
+        os.environ.setdefault("OTEL_SERVICE_NAME", "ikplan")  # what traces call it
         config.load()
         logging.config.dictConfig(_logging())
         sys.stderr.write(f"ikplan: listening on {_address(listening)} (manual at /docs)\n")

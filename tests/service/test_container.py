@@ -2,12 +2,14 @@
 
 import fnmatch
 import json
+import os
 import re
 import shlex
 import socket
 import subprocess
 import sys
 import threading
+import tomllib
 from http.server import BaseHTTPRequestHandler, HTTPServer
 from pathlib import Path
 
@@ -144,6 +146,30 @@ def test_the_health_check_fails_where_nobody_listens():
 def test_compose_takes_every_right_away(key, value):
     (service,) = COMPOSE["services"].values()
     assert service[key] == value
+
+
+def seconds(text: str) -> int:
+    return int(text.removesuffix("s"))
+
+
+def test_compose_gives_the_service_the_time_to_stop():
+    (service,) = COMPOSE["services"].values()
+    assert seconds(service["stop_grace_period"]) >= Settings().stop_s + 5
+
+
+def test_the_image_takes_what_an_extra_needs_where_it_is_asked_for(tmp_path):
+    (command,) = re.findall(
+        r'^RUN (python -c "import os, tomllib;.+?") >', DOCKERFILE, re.MULTILINE
+    )
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
+    own, extra = project["dependencies"], project["optional-dependencies"]["otel"]
+    for extras, wanted in ((None, own), ("", own), ("otel", [*own, *extra])):
+        given = {} if extras is None else {"EXTRAS": extras}
+        environment = {"PATH": os.environ["PATH"], **given}
+        done = subprocess.run(
+            ["sh", "-c", command], cwd=ROOT, env=environment, capture_output=True, check=True
+        )
+        assert done.stdout.decode().splitlines() == wanted
 
 
 def test_compose_listens_on_this_machine_only_and_builds_this_dockerfile():

@@ -87,6 +87,11 @@ def test_settings_are_those_of_the_service_and_no_key_is_written_here():
     assert env["IKPLAN_WORKERS"]["valueFrom"]["resourceFieldRef"]["resource"] == "limits.cpu"
 
 
+def test_a_pod_gets_the_time_to_stop():
+    before = CONTAINER["lifecycle"]["preStop"]["sleep"]["seconds"]
+    assert POD["terminationGracePeriodSeconds"] >= before + Settings().stop_s + 5
+
+
 def test_the_service_of_that_name_does_not_set_the_port():
     # Kubernetes sets IKPLAN_PORT=tcp://... for a Service `ikplan`, unless it is told not to.
     assert BY_KIND["Service"]["metadata"]["name"] == "ikplan"

@@ -157,7 +157,7 @@ def test_compose_gives_the_service_the_time_to_stop():
     assert seconds(service["stop_grace_period"]) >= Settings().stop_s + 5
 
 
-def test_the_image_takes_what_an_extra_needs_where_it_is_asked_for(tmp_path):
+def test_the_image_takes_what_an_extra_needs_where_it_is_asked_for():
     (command,) = re.findall(
         r'^RUN (python -c "import os, tomllib;.+?") >', DOCKERFILE, re.MULTILINE
     )

@@ -76,13 +76,16 @@ class Lost(Exception):
         s: Path position of the last station reached.
         q: Its configuration, shape (dof,) [rad or m].
         evaluations: Forward-kinematics evaluations spent.
+        beyond: The configuration next on the path, which it cannot move on to, shape (dof,); None:
+            none was found.
     """
 
-    def __init__(self, s: float, q: Array, evaluations: int) -> None:
+    def __init__(self, s: float, q: Array, evaluations: int, beyond: Array | None = None) -> None:
         super().__init__(f"lost the path at {s:.6g}")
         self.s = s
         self.q = q
         self.evaluations = evaluations
+        self.beyond = beyond
 
 
 @dataclass(frozen=True)
@@ -257,8 +260,8 @@ class Follower:
             steps = s[wide + 1] - s[wide]
             if steps.min() < _JUMP * guide.length:
                 # The joints move, the tool does not: a jump that the first steps went over.
-                at = wide[int(np.argmin(steps))]
-                raise Lost(float(s[at]), q[at].copy(), evaluations)
+                at = int(wide[np.argmin(steps)])
+                raise Lost(float(s[at]), q[at].copy(), evaluations, q[at + 1].copy())
             middle = 0.5 * (s[wide] + s[wide + 1])
             knots = path.s_waypoints
             q_middle = np.clip(path(0.5 * (knots[wide] + knots[wide + 1])), lower, upper)
@@ -268,7 +271,8 @@ class Follower:
             evaluations += spent
             bad = np.flatnonzero(left > _EXACT)
             if len(bad):
-                raise Lost(float(s[wide[bad[0]]]), q[wide[bad[0]]].copy(), evaluations)
+                at = int(wide[bad[0]])
+                raise Lost(float(s[at]), q[at].copy(), evaluations, q[at + 1].copy())
             order = np.argsort(np.concatenate([s, middle]), kind="stable")
             s = np.concatenate([s, middle])[order]
             q = np.ascontiguousarray(np.vstack([q, q_middle])[order])

@@ -46,15 +46,18 @@ def lost_path(
         return unreachable(robot, verdict.miss, after, subject, target)
     ahead = [lost.s + share * path.length for share in _PROBES]
     ahead = [s for s in ahead if s < path.length] or [path.length]
-    others = []
+    others = [] if lost.beyond is None else [lost.beyond]
     for s in ahead:
         target = target_at(follower.targets_at(path, np.array([s])), 0)
         try:
-            others.append(solver.solve(target, lost.q).q[0])
+            solution = solver.solve(target, lost.q).q[0]
         except NoSolution as verdict:
             subject = f"the path to waypoint {after}, from {where} on,"
             return unreachable(robot, verdict.miss, after, subject, target)
-    gap = others[0] - lost.q
+        if lost.beyond is None:
+            others.append(solution)
+    # The nearest solutions ahead may still be of this branch, which ends a little later.
+    gap = max((other - lost.q for other in others), key=lambda gap: float(np.abs(gap).max()))
     joint = int(np.argmax(np.abs(gap)))
     reason = _cause(robot, lost.q)
     return Disconnected(

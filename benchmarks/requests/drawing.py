@@ -42,8 +42,9 @@ def draw(kind: str, seed: int, number: int, budget_s: float) -> dict[str, Any]:
         request |= random_joint_path(rng, robot)
     else:
         q = robot.random_configuration(rng)
-        request["start"] = "free" if rng.random() < 0.25 else q.tolist()
-        request["path"] = random_path(rng, robot, q)
+        free = bool(rng.random() < 0.25)
+        request["start"] = "free" if free else q.tolist()
+        request["path"] = random_path(rng, robot, q, free)
         ik: dict[str, Any] = {"method": "lm"} if rng.random() < 0.5 else {}
         if rng.random() < 0.2:
             ik["elongation"] = "greedy"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Callable
 from typing import Any
 
@@ -28,13 +29,14 @@ def _pose(T: pin.SE3, oriented: bool) -> Document:
     return document
 
 
-def random_path(rng: Draws, robot: Robot, q: Array) -> Document:
+def random_path(rng: Draws, robot: Robot, q: Array, free_start: bool) -> Document:
     """Draw the path of a plan request.
 
     Args:
         rng: Source of the numbers.
         robot: The robot.
         q: Where it starts; waypoints are tool poses of configurations about it.
+        free_start: Whether the start is not told: segments then need a pose to begin at.
 
     Returns:
         The document.
@@ -52,7 +54,7 @@ def random_path(rng: Draws, robot: Robot, q: Array) -> Document:
         path = _through_waypoints(rng, waypoint, _pose(robot.fk(q), True))
     else:
         path = {"segments": _segments(rng, robot, waypoint)}
-        if rng.random() < 0.2:
+        if free_start or rng.random() < 0.2:
             path["begin"] = _pose(robot.fk(q), True)
     if rng.random() < 0.25:
         kinds = ["all", {"about": "tool_z"}, {"about": "tool_x", "cone": 0.2}]
@@ -110,6 +112,9 @@ def _segments(rng: Draws, robot: Robot, waypoint: Callable[[], Document]) -> lis
         if rng.random() < 0.3:
             segment["limits"] = random_stretch_limits(rng, robot)
         segments.append(segment)
+    for segment, following in itertools.zip_longest(segments, segments[1:]):
+        if following is None or following["type"] == "joint":
+            segment.pop("blend", None)
     return segments
 
 

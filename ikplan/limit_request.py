@@ -97,6 +97,16 @@ class StretchLimits(Document):
         description="true: keep the robot's torque limits; a list: the strictest of those and "
         "these, one each [N m or N]. Only for robots whose inertias have a source.",
     )
+    payload: Payload | None = Field(
+        None,
+        description="What the tool carries, counted towards the torques; null: nothing, or on a "
+        "stretch, what it carries on the whole.",
+    )
+    jerk: PerJoint | None = Field(
+        None,
+        description="Highest joint jerks, both ways, one each or one for all [rad/s^3 or m/s^3]; "
+        "null: no limit, accelerations may jump.",
+    )
     tool_speed: ToolLimit | None = Field(
         None, description="Highest speed of the tool frame; a number is the linear one [m/s]."
     )
@@ -108,15 +118,6 @@ class StretchLimits(Document):
 
 class LimitOptions(StretchLimits):
     """Limits of the motion, on top of the robot's own: the strictest of all holds."""
-
-    jerk: PerJoint | None = Field(
-        None,
-        description="Highest joint jerks, both ways, one each or one for all [rad/s^3 or m/s^3]; "
-        "null: no limit, accelerations may jump.",
-    )
-    payload: Payload | None = Field(
-        None, description="What the tool carries; counts towards the torques; null: nothing."
-    )
 
 
 class SamplingOptions(Document):

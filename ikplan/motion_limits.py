@@ -60,23 +60,15 @@ class MotionLimits:
             InvalidRequest: A list has the wrong length; a torque limit is asked of a robot whose
                 inertias or torque limits have no source; a payload without a torque limit.
         """
-        payload = options.payload
-        if payload is not None and options.torque is False:
-            raise InvalidRequest(
-                "limits.payload: a payload counts only towards torques; set limits.torque too",
-                field="limits.payload",
-                allowed="null, or limits.torque with it",
-            )
-        jerk = options.jerk
         return cls(
             velocity=robot.velocity_limit,
             velocity_lower=-robot.velocity_limit,
             acceleration=robot.acceleration_limit,
             acceleration_lower=-robot.acceleration_limit,
-            jerk=None if jerk is None else _each(robot, jerk, "limits.jerk"),
+            jerk=None,
             torque=None,
-            payload_mass=0.0 if payload is None else payload.mass,
-            payload_position=np.zeros(3) if payload is None else np.array(payload.position),
+            payload_mass=0.0,
+            payload_position=np.zeros(3),
             tool_speed=(np.inf, np.inf),
             tool_acceleration=(np.inf, np.inf),
         ).within(robot, options, "limits")
@@ -101,13 +93,30 @@ class MotionLimits:
         if options.torque is not False:
             asked = _torque(robot, options.torque, f"{field}.torque")
             torque = asked if torque is None else np.minimum(torque, asked)
+        mass, centre = self.payload_mass, self.payload_position
+        if options.payload is not None:
+            if torque is None:
+                raise InvalidRequest(
+                    f"{field}.payload: a payload counts only towards torques; set {field}.torque "
+                    "too",
+                    field=f"{field}.payload",
+                    allowed=f"null, or {field}.torque with it",
+                )
+            mass, centre = options.payload.mass, np.array(options.payload.position)
+        jerk = self.jerk
+        if options.jerk is not None:
+            asked = _each(robot, options.jerk, f"{field}.jerk")
+            jerk = asked if jerk is None else np.minimum(jerk, asked)
         return replace(
             self,
             velocity=np.minimum(self.velocity, up),
             velocity_lower=np.maximum(self.velocity_lower, down),
             acceleration=np.minimum(self.acceleration, a_up),
             acceleration_lower=np.maximum(self.acceleration_lower, a_down),
+            jerk=jerk,
             torque=torque,
+            payload_mass=mass,
+            payload_position=centre,
             tool_speed=_stricter(self.tool_speed, _tool(options.tool_speed)),
             tool_acceleration=_stricter(self.tool_acceleration, _tool(options.tool_acceleration)),
         )

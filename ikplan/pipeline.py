@@ -62,7 +62,8 @@ def plan(
     """
     request = parse(PlanRequest, request)
     warm_up(request.ik.method)
-    warm_up_timing(request.limits.jerk is not None)
+    parts = [s.limits for s in request.path.segments or () if s.limits is not None]
+    warm_up_timing(any(part.jerk is not None for part in (request.limits, *parts)))
     clock = Clock(request.budget_s, progress)
     robot = robot or catalogue_robot(request.robot)
     robot = with_tool(robot, request.tool)

@@ -57,6 +57,10 @@ class SegmentCertificate(_Result):
         None, description="Largest joint acceleration over its limit; <= 1."
     )
     acceleration_limit_at: LimitPlace | None = Field(None, description="Where.")
+    jerk_limit_ratio: float | None = Field(
+        None, description="Largest joint jerk between samples over its limit; <= 1."
+    )
+    jerk_limit_at: LimitPlace | None = Field(None, description="Where.")
     torque_limit_ratio: float | None = Field(
         None, description="Largest joint torque over its limit; <= 1."
     )

@@ -101,7 +101,8 @@ def time_request(
         CertificateViolated: The finished trajectory broke a promise: a bug.
     """
     request = parse(TimingRequest, request)
-    warm_up_timing(request.limits.jerk is not None)
+    parts = [request.limits, *(part.limits for part in request.segments)]
+    warm_up_timing(any(part.jerk is not None for part in parts))
     clock = Clock(request.budget_s, progress)
     robot = robot or catalogue_robot(request.robot)
     robot = with_tool(robot, request.tool)

@@ -29,7 +29,7 @@ class LimitWindow:
         field: What of the request asks for them.
         begin: When they begin [s].
         end: When they end [s].
-        limits: All that the motion has to keep there; a jerk limit is not looked at.
+        limits: All that the motion has to keep there.
     """
 
     field: str
@@ -85,5 +85,5 @@ def _measured(
         measured[f"{kind}_limit_at"] = place
         if not ratios[row, joint] <= 1.0 + RATIO_SLACK:
             exceeded.append(f"the {kind} limit of {place.joint} is exceeded at {place.time:.4f} s")
-    known = {key: value for key, value in measured.items() if "jerk" not in key}
+    known = {key: value for key, value in measured.items() if key != "jerk_limited"}
     return certificate.model_copy(update=known), exceeded

@@ -151,7 +151,7 @@ def _constraints(
     if np.isfinite(rates).any() and not same:
         v, w, dv, dw = (value if np.isfinite(value) else None for value in rates)
         constraints.append(ToolLimits(tool_motion(robot), v, w, dv, dw, start, end))
-    if limits.torque is not None and (known is None or limits.torque is not known.torque):
+    if limits.torque is not None and (known is None or _more_torque(limits, known)):
         payload = None
         if limits.payload_mass > 0.0:
             payload = pin.Inertia(limits.payload_mass, limits.payload_position, np.zeros((3, 3)))
@@ -159,6 +159,15 @@ def _constraints(
         names = tuple(robot.joint_names)
         constraints.append(TorqueLimits(dynamics, limits.torque, names, start, end))
     return constraints
+
+
+def _more_torque(limits: MotionLimits, known: MotionLimits) -> bool:
+    """Whether limits ask more of the torques than others that hold as well."""
+    load = (limits.payload_mass, *limits.payload_position)
+    return limits.torque is not known.torque or load != (
+        known.payload_mass,
+        *known.payload_position,
+    )
 
 
 def _report(timed: TimedPath, check: Check) -> TimingReport:

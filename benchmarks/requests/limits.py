@@ -34,18 +34,19 @@ def random_stretch_limits(rng: Draws, robot: Robot) -> Document:
     if info.inertias_sourced and rng.random() < 0.25:
         known = bool((robot.effort_limit > 0.0).all())
         limits["torque"] = True if known else [float(rng.uniform(50, 300))] * robot.dof
+        if rng.random() < 0.5:
+            load = {"mass": float(rng.uniform(0.1, 3.0)), "position": [0.0, 0.02, 0.05]}
+            limits["payload"] = load
+    if rng.random() < 0.15:
+        limits["jerk"] = float(rng.uniform(20, 500))
     return limits
 
 
 def random_limits(rng: Draws, robot: Robot) -> Document:
     """Draw limits of a whole motion."""
     limits = random_stretch_limits(rng, robot)
-    if rng.random() < 0.25:
-        one = float(rng.uniform(20, 500))
-        each = rng.uniform(20, 500, robot.dof).tolist()
-        limits["jerk"] = one if rng.random() < 0.5 else each
-    if limits.get("torque") and rng.random() < 0.5:
-        limits["payload"] = {"mass": float(rng.uniform(0.1, 3.0)), "position": [0.0, 0.02, 0.05]}
+    if rng.random() < 0.15:
+        limits["jerk"] = rng.uniform(20, 500, robot.dof).tolist()
     return limits
 
 

@@ -161,7 +161,7 @@ def _shares_of(
 
 def _jerk_usage(timed: TimedPath) -> tuple[list[Label], Array, Array]:
     """Return the same of a jerk-limited motion."""
-    if timed.jerk is None or timed.sddot is None or not timed.spans:
+    if timed.sddot is None or not timed.spans:
         return [], np.zeros((0, 0)), np.zeros(0)
     profile, path = timed.spans[0].problem.profile, timed.path
     dt = np.diff(timed.node_times)
@@ -184,7 +184,7 @@ def _jerk_usage(timed: TimedPath) -> tuple[list[Label], Array, Array]:
                     ddq / profile.acceleration[piece], ddq / profile.acceleration_lower[piece]
                 )
             ),
-            np.cbrt(np.abs(dddq) / timed.jerk),
+            np.cbrt(np.abs(dddq) / profile.jerk[piece]),
         ]
     )
     jerk: list[Label] = [("jerk", name) for name in profile.joint_names]
@@ -248,21 +248,15 @@ def what_if(
             f"factor must be positive, not {factor!r}", field="factor", allowed="a positive number"
         )
     before = after = 0.0
-    jerk = timed.jerk
-    if (limit, joint) in [("jerk", name) for name in _names(timed)] and jerk is not None:
-        jerk = jerk.copy()
-        jerk[_names(timed).index(str(joint))] *= factor
     for k, span in enumerate(timed.spans):
-        changed = span.problem
-        if limit != "jerk" or jerk is timed.jerk:
-            changed = _changed(span.problem, (limit, joint), factor)
+        changed = _changed(span.problem, (limit, joint), factor)
         known = timed.smoothed[k] if timed.jerk_limited else None
         mine = known.duration if known is not None else _duration(span.problem)
         try:
-            if known is None or jerk is None:
+            if known is None:
                 new = _duration(changed, check)
             else:
-                new = smooth_span_alike(changed, jerk, known, check).duration
+                new = smooth_span_alike(changed, known, check).duration
         except EngineFailed as error:
             new = _unsolved(span, error, WhatIf(limit, joint, factor, mine, 0.0))
         before += mine
@@ -287,10 +281,6 @@ def _unsolved(span: SpanTiming, error: EngineFailed, asked: WhatIf) -> float:
     ) from error
 
 
-def _names(timed: TimedPath) -> tuple[str, ...]:
-    return timed.spans[0].problem.profile.joint_names if timed.spans else ()
-
-
 def _duration(problem: SpanProblem, check: Check = unlimited) -> float:
     check()
     x = problem.twin / max(problem.slowdown(problem.twin), 1e-300)
@@ -304,6 +294,8 @@ def _changed(problem: SpanProblem, label: Label, factor: float) -> SpanProblem:
     labels: list[Label] = [
         (k, n) for k in ("velocity", "acceleration") for n in profile.joint_names
     ]
+    if np.isfinite(profile.jerk).any():
+        labels += [("jerk", name) for name in profile.joint_names]
     for constraint in constraints:
         labels += constraint.labels
     if label not in labels:
@@ -312,7 +304,7 @@ def _changed(problem: SpanProblem, label: Label, factor: float) -> SpanProblem:
             field="limit",
             allowed=[f"{k} {n}" if n else k for k, n in dict.fromkeys(labels)],
         )
-    if limit in ("velocity", "acceleration"):
+    if limit in ("velocity", "acceleration", "jerk"):
         joint_index = profile.joint_names.index(str(joint))
         return problem.within(profile.scaled(limit, joint_index, factor))
     return problem.under(tuple(constraint.scaled(label, factor) for constraint in constraints))

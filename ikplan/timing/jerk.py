@@ -27,11 +27,14 @@ _WINDOWS = (0.3, 0.5, 0.8, 1.2, 2.0)
 # Shares of the acceleration that the jerk limit lets a swing reach, where that is less than the
 # acceleration limit: the time-optimal speed to be smoothed is then found for these.
 _SOFTNESS = (1.0, 0.5)
+# The window where no jerk is limited, as a share of the duration.
+_SHORT = 0.01
 # All windows are tried for some rounds, those that lead then for the rest.
 _FIRST_ROUNDS, _LEADING, _ROUNDS = 4, 2, 16
 # Paths with large grids are searched less: intervals times rounds.
 _EFFORT = 60_000
 _FINE_POINTS = 12
+_INSIDE = 1e-7
 # Kept below the limits: they are measured at points of intervals, not between them.
 _MARGIN = 1e-3
 
@@ -45,7 +48,7 @@ class Smoothed:
         softness: Share of the acceleration that a swing over the duration would build up, to
             which accelerations were limited; None: they were not.
         window: The window, as a multiple of the time in which the jerk limits build up the
-            acceleration limits; inf: the duration.
+            acceleration limits where it is longest; inf: the duration.
     """
 
     motion: CubicMotion
@@ -58,7 +61,7 @@ class Smoothed:
         return float(self.motion.time[-1])
 
 
-def smooth_span(problem: SpanProblem, jerk: Array, check: Check = unlimited) -> Smoothed:
+def smooth_span(problem: SpanProblem, check: Check = unlimited) -> Smoothed:
     """Time a span within jerk limits, on the same geometric path.
 
     The time-optimal path speed is smoothed by a moving average over time, which bounds the jerk of
@@ -68,8 +71,7 @@ def smooth_span(problem: SpanProblem, jerk: Array, check: Check = unlimited) -> 
     kept. The result is not the optimum: the benchmark tells the distance.
 
     Args:
-        problem: The span, with continuous curvature, and its limits, those of the jerk apart.
-        jerk: Jerk limits, shape (dof,).
+        problem: The span, with continuous curvature where jerks are limited, and its limits.
         check: Is called now and then, and may end the search by an error of its own.
 
     Returns:
@@ -78,28 +80,25 @@ def smooth_span(problem: SpanProblem, jerk: Array, check: Check = unlimited) -> 
     Raises:
         EngineFailed: There is no timing even without jerk limits.
     """
-    demand = _demand(problem, jerk)
-    best = _best_window(problem, jerk, demand, None, _WINDOWS, check)
+    demand = _demand(problem)
+    best = _best_window(problem, demand, None, None, check)
     for share in _SOFTNESS:
-        soft = _softer(problem, jerk, share, best.duration)
+        soft = _softer(problem, share, best.duration)
         if soft is None:
             continue
         try:
-            found = _best_window(soft, jerk, demand, share, _WINDOWS, check)
+            found = _best_window(soft, demand, share, None, check)
         except EngineFailed:
             continue
         best = min(best, found, key=lambda smoothed: smoothed.duration)
     return replace(best, motion=_within_limits(problem, best.motion, demand))
 
 
-def smooth_span_alike(
-    problem: SpanProblem, jerk: Array, known: Smoothed, check: Check = unlimited
-) -> Smoothed:
+def smooth_span_alike(problem: SpanProblem, known: Smoothed, check: Check = unlimited) -> Smoothed:
     """Time a span within jerk limits in the way that was best for nearly the same limits.
 
     Args:
-        problem: The span and its limits, those of the jerk apart.
-        jerk: Jerk limits, shape (dof,).
+        problem: The span and its limits.
         known: What was best for a problem that is much like this one.
         check: Is called now and then, and may end the search by an error of its own.
 
@@ -109,27 +108,28 @@ def smooth_span_alike(
     Raises:
         EngineFailed: There is no timing even without jerk limits.
     """
-    demand, best = _demand(problem, jerk), None
+    demand, best = _demand(problem), None
     duration = known.duration
     # The swing goes with the duration, which is known after the first time only.
     for _ in range(1 if known.softness is None else 2):
         soft = None
         if known.softness is not None:
-            soft = _softer(problem, jerk, known.softness, duration)
-        found = _best_window(soft or problem, jerk, demand, known.softness, (known.window,), check)
+            soft = _softer(problem, known.softness, duration)
+        found = _best_window(soft or problem, demand, known.softness, known.window, check)
         best = found if best is None else min(best, found, key=lambda s: s.duration)
         duration = best.duration
     assert best is not None  # the loop has made one
     return replace(best, motion=_within_limits(problem, best.motion, demand))
 
 
-def _demand(problem: SpanProblem, jerk: Array) -> JointDemand:
-    return JointDemand(problem.path, problem.profile, jerk, problem.path.third_derivatives())
+def _demand(problem: SpanProblem) -> JointDemand:
+    return JointDemand(problem.path, problem.profile, problem.path.third_derivatives())
 
 
-def _softer(problem: SpanProblem, jerk: Array, share: float, duration: float) -> SpanProblem | None:
+def _softer(problem: SpanProblem, share: float, duration: float) -> SpanProblem | None:
     """Return the problem with less acceleration; None: it would be the same."""
-    profile, reached = problem.profile, 0.25 * share * jerk * duration
+    profile = problem.profile
+    reached = 0.25 * share * profile.jerk * duration
     weaker = replace(
         profile,
         acceleration=np.minimum(profile.acceleration, reached),
@@ -140,24 +140,34 @@ def _softer(problem: SpanProblem, jerk: Array, share: float, duration: float) ->
     return problem.within(weaker)
 
 
-def _best_window(
-    problem: SpanProblem,
-    jerk: Array,
-    demand: JointDemand,
-    softness: float | None,
-    multiples: Sequence[float],
-    check: Check,
-) -> Smoothed:
-    """Return the shortest motion found with any window."""
-    check()
-    x = problem.twin / max(problem.slowdown(problem.twin), 1e-300)
-    duration = float(problem.times(x).sum())
-    profile = problem.profile
+def _windows(problem: SpanProblem, duration: float, only: float | None) -> dict[float, float]:
+    """Return the windows to be tried [s], and what Smoothed calls them."""
+    span, profile = np.unique(problem.grid.pieces), problem.profile
     limit = np.minimum(profile.acceleration, -profile.acceleration_lower)
-    build_up = float((limit / jerk).max())
-    windows = {min(multiple * build_up, duration): multiple for multiple in reversed(multiples)}
+    build_up = (limit / profile.jerk)[span].max(axis=1)
+    # Where no jerk is limited, accelerations still change within some time, a short one.
+    build_up[build_up == 0.0] = _SHORT * duration
+    longest, shortest = float(build_up.max()), float(build_up.min())
+    multiples = [only] if only is not None else [*reversed(_WINDOWS)]
+    if only is None and shortest < 0.5 * longest:
+        multiples += [multiple * shortest / longest for multiple in reversed(_WINDOWS)]
+    windows = {min(multiple * longest, duration): multiple for multiple in multiples}
     if duration < 2.0 * max(windows):
         windows[duration] = np.inf
+    return windows
+
+
+def _best_window(
+    problem: SpanProblem,
+    demand: JointDemand,
+    softness: float | None,
+    only: float | None,
+    check: Check,
+) -> Smoothed:
+    """Return the shortest motion found with any window; ``only``: with that one."""
+    check()
+    x = problem.twin / max(problem.slowdown(problem.twin), 1e-300)
+    windows = _windows(problem, float(problem.times(x).sum()), only)
     searches = {m: Smoothing(problem, x, window, demand) for window, m in windows.items()}
     rounds = min(max(_EFFORT // len(problem.h), 6), _ROUNDS)
     for search in searches.values():
@@ -185,7 +195,8 @@ def _within_constraints(
     path: JointPath, motion: CubicMotion, constraints: Sequence[PathConstraint]
 ) -> CubicMotion:
     """Slow a motion by what it exceeds limits other than those of single joints."""
-    share = np.array(FINE)
+    # The ends from inside: at a knot the curvature may step.
+    share = np.clip(FINE, _INSIDE, 1.0 - _INSIDE)
     dt = np.diff(motion.time)
     j = np.divide(np.diff(motion.a), dt, out=np.zeros(len(dt)), where=dt > 0.0)
     r = share[:, None] * dt

@@ -13,6 +13,9 @@ __all__ = ["cubic_demand", "path_rates", "spread"]
 
 Array = NDArray[np.float64]
 
+# How far inside an interval its ends are looked at, as a share of its duration.
+_INSIDE = 1e-7
+
 
 @kernel
 def cubic_demand(
@@ -52,7 +55,7 @@ def cubic_demand(
         velocity_lower: Lower velocity limits on every piece, shape (k, dof).
         acceleration: Upper acceleration limits on every piece, shape (k, dof).
         acceleration_lower: Lower acceleration limits on every piece, shape (k, dof).
-        jerk: Jerk limits, shape (dof,).
+        jerk: Jerk limits on every piece, shape (k, dof), may be inf.
         points: Number of steps between the points of an interval.
         places: Ends of the ranges of s that are told apart, shape (p + 1,).
 
@@ -65,7 +68,8 @@ def cubic_demand(
         if dt <= 0.0:
             continue
         for point in range(points + 1):
-            t = time[i] + dt * point / points
+            # The ends of an interval from inside: at a knot the limits and the curvature may step.
+            t = time[i] + dt * min(max(point / points, _INSIDE), 1.0 - _INSIDE)
             at, speed, pull, j_path = path_position(time, s, v, a, i, t)
             k = interval_of(s_knots, at)
             length = s_knots[k + 1] - s_knots[k]
@@ -78,7 +82,7 @@ def cubic_demand(
                 dddq = qs * j_path + 3.0 * qss * speed * pull + third[k, j] * speed**3
                 top_v = max(top_v, dq / velocity[k, j], dq / velocity_lower[k, j])
                 top_a = max(top_a, ddq / acceleration[k, j], ddq / acceleration_lower[k, j])
-                top_j = max(top_j, abs(dddq) / jerk[j])
+                top_j = max(top_j, abs(dddq) / jerk[k, j])
             place = interval_of(places, at)
             found[place] = max(found[place], top_v, np.sqrt(top_a), np.cbrt(top_j))
     return found

@@ -41,7 +41,8 @@ def sampled_within_limits(
     Args:
         timed: The motion.
         rate_hz: Samples per second [Hz].
-        constraints: Limits other than those of single joints; those are bounded over intervals.
+        constraints: Limits other than those of single joints; those are bounded over intervals,
+            and looked at here only in a jerk-limited motion.
         nodes: Whether the nodes of the motion are samples too.
         check: Is called before each look, and may end it by an error of its own.
 
@@ -56,7 +57,9 @@ def sampled_within_limits(
     while True:
         check()
         samples = with_nodes(timed, rate_hz) if nodes else sample(timed, rate_hz)
-        top = max((_used(timed, samples, c) for c in constraints), default=0.0)
+        top = max(
+            [_used_by_joints(timed, samples), *(_used(timed, samples, c) for c in constraints)]
+        )
         if top <= 1.0:
             return timed, samples
         timed = timed.slowed(math.sqrt(top) * (1.0 + step))
@@ -75,3 +78,26 @@ def _used(timed: TimedPath, samples: Samples, constraint: PathConstraint) -> flo
         return 0.0
     used = constraint.used(samples.q[inside], samples.dq[inside], samples.ddq[inside])
     return float(used.max())
+
+
+def _used_by_joints(timed: TimedPath, samples: Samples) -> float:
+    """Return how far the joints' own limits are used at the samples of a jerk-limited motion."""
+    if not timed.jerk_limited or not timed.spans or len(samples.time) < 2:
+        return 0.0
+    path, profile = timed.path, timed.spans[0].problem.profile
+    places, edge = timed.places_at(samples.time), _EDGE * timed.path.length
+    # At a knot the limits of either side will do.
+    before, after = (
+        np.clip(np.searchsorted(path.s_knots, at, side="right") - 1, 0, len(path.s_knots) - 2)
+        for at in (places - edge, places + edge)
+    )
+    v_up, a_up = (np.maximum(r[before], r[after]) for r in (profile.velocity, profile.acceleration))
+    v_down, a_down = (
+        np.minimum(r[before], r[after])
+        for r in (profile.velocity_lower, profile.acceleration_lower)
+    )
+    speed = np.maximum(samples.dq / v_up, samples.dq / v_down)
+    pull = np.maximum(samples.ddq / a_up, samples.ddq / a_down)
+    jerk = np.abs(np.diff(samples.ddq, axis=0)) / np.diff(samples.time)[:, None]
+    change = jerk / np.maximum(profile.jerk[after[:-1]], profile.jerk[before[1:]])
+    return float(max(np.square(speed.max()), pull.max(), np.cbrt(change.max()) ** 2))

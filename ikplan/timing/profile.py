@@ -26,7 +26,8 @@ class SegmentLimits:
     Attributes:
         start: Where the range begins, as a path position s.
         end: Where it ends.
-        limits: Velocity and acceleration limits there; positions are limited for the whole path.
+        limits: Velocity, acceleration and jerk limits there; positions are limited for the whole
+            path.
     """
 
     start: float
@@ -44,13 +45,14 @@ class SegmentLimits:
 
 @dataclass(frozen=True, eq=False)
 class LimitProfile:
-    """Velocity and acceleration limits of every joint on every piece of a path.
+    """Velocity, acceleration and jerk limits of every joint on every piece of a path.
 
     Attributes:
         velocity: Upper velocity limits, shape (k, dof).
         velocity_lower: Lower velocity limits, shape (k, dof), negative.
         acceleration: Upper acceleration limits, shape (k, dof).
         acceleration_lower: Lower acceleration limits, shape (k, dof), negative.
+        jerk: Jerk limits, both ways, shape (k, dof); inf: none.
         joint_names: Names of the joints.
     """
 
@@ -58,6 +60,7 @@ class LimitProfile:
     velocity_lower: Array
     acceleration: Array
     acceleration_lower: Array
+    jerk: Array
     joint_names: tuple[str, ...]
 
     @classmethod
@@ -77,18 +80,22 @@ class LimitProfile:
         k = len(path.s_knots) - 1
         middle = 0.5 * (path.s_knots[:-1] + path.s_knots[1:])
         rates = {name: np.tile(getattr(limits, name), (k, 1)) for name in _RATES}
+        jerk = np.tile(np.inf if limits.jerk is None else limits.jerk, (k, 1))
+        jerk = np.broadcast_to(jerk, (k, path.dof)).copy()
         for segment in segments:
             inside = (middle > segment.start) & (middle < segment.end)
             for name in _RATES:
                 stricter = np.maximum if name.endswith("lower") else np.minimum
                 rates[name][inside] = stricter(rates[name][inside], getattr(segment.limits, name))
-        return cls(joint_names=limits.joint_names, **rates)
+            if segment.limits.jerk is not None:
+                jerk[inside] = np.minimum(jerk[inside], segment.limits.jerk)
+        return cls(joint_names=limits.joint_names, jerk=jerk, **rates)
 
     def scaled(self, limit: str, joint: int, factor: float) -> LimitProfile:
         """Return the profile with one limit of one joint multiplied.
 
         Args:
-            limit: "velocity" or "acceleration": the upper and the lower one.
+            limit: "velocity" or "acceleration", the upper and the lower one, or "jerk".
             joint: Index of the joint.
             factor: The factor.
 
@@ -96,7 +103,7 @@ class LimitProfile:
             The changed profile.
         """
         changed = {}
-        for name in (limit, f"{limit}_lower"):
+        for name in (limit,) if limit == "jerk" else (limit, f"{limit}_lower"):
             array = getattr(self, name).copy()
             array[:, joint] *= factor
             changed[name] = array

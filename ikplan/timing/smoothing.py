@@ -34,13 +34,11 @@ class JointDemand:
     Attributes:
         path: The path.
         profile: Joint limits on every piece of it.
-        jerk: Jerk limits, shape (dof,).
         third: Third derivatives of the pieces.
     """
 
     path: JointPath
     profile: LimitProfile
-    jerk: Array
     third: Array
 
     def __call__(self, motion: CubicMotion, points: int, places: Array) -> Array:
@@ -60,7 +58,7 @@ class JointDemand:
             profile.velocity_lower,
             profile.acceleration,
             profile.acceleration_lower,
-            self.jerk,
+            profile.jerk,
             points,
             places,
         )

@@ -6,7 +6,6 @@ import itertools
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ikplan.errors import InvalidRequest, TimingFailed
 from ikplan.timing.constraints import PathConstraint
@@ -62,16 +61,17 @@ def time_joint_path(
     check_inside(path, limits)
     ranges = [(r.start, r.end) for r in segments] + [(r.start, r.end) for r in constraints]
     path = path.with_knots([place for both in ranges for place in both])
-    if limits.jerk is not None:
-        # A step of the curvature is a step of the acceleration, unless the motion stops there.
-        path = path.stopping_at(path.curvature_jumps())
+    jerk_limited = any(each.jerk is not None for each in (limits, *(x.limits for x in segments)))
     if path.length == 0.0:
         zero = np.zeros(1)
-        sddot = None if limits.jerk is None else zero
-        return TimedPath(
-            path, zero, np.zeros(0, dtype=np.int64), zero, zero, (), sddot, limits.jerk
-        )
+        sddot = zero if jerk_limited else None
+        return TimedPath(path, zero, np.zeros(0, dtype=np.int64), zero, zero, (), sddot)
     profile = LimitProfile.merged(path, limits, segments)
+    if jerk_limited:
+        # A step of the curvature is a step of the acceleration, unless the motion stops there.
+        limited = np.asarray(np.isfinite(profile.jerk).any(axis=1))
+        jumps = path.curvature_jumps()
+        path = path.stopping_at(jumps[limited[jumps - 1] | limited[jumps]])
     spans = tuple(
         time_span(
             path,
@@ -80,14 +80,14 @@ def time_joint_path(
             profile,
             constraints,
             engine,
-            steady=limits.jerk is None,
+            steady=not jerk_limited,
             check=check,
         )
         for first, last in itertools.pairwise(path.rest_knots)
     )
-    if limits.jerk is not None:
-        smoothed = tuple(smooth_span(span.problem, limits.jerk, check) for span in spans)
-        return _joined(path, smoothed, spans, limits.jerk)
+    if jerk_limited:
+        smoothed = tuple(smooth_span(span.problem, check) for span in spans)
+        return _joined(path, smoothed, spans)
     grids = [span.problem.grid for span in spans]
     dt = np.concatenate([span.dt for span in spans])
     return TimedPath(
@@ -104,7 +104,6 @@ def _joined(
     path: JointPath,
     smoothed: tuple[Smoothed, ...],
     spans: tuple[SpanTiming, ...],
-    jerk: NDArray[np.float64],
 ) -> TimedPath:
     """Join jerk-limited motions of spans end to end."""
     motions = [each.motion for each in smoothed]
@@ -119,7 +118,6 @@ def _joined(
         node_times=np.concatenate([[0.0], *time]),
         spans=spans,
         sddot=np.concatenate([[0.0], *(m.a[1:] for m in motions)]),
-        jerk=jerk,
         smoothed=smoothed,
     )
 

@@ -34,8 +34,7 @@ class TimedPath:
         node_times: Times of the nodes [s], shape (n + 1,), strictly increasing from 0.
         spans: How each span between rest points was timed, jerk limits apart.
         sddot: Path accelerations at the nodes of a jerk-limited motion, shape (n + 1,), or None.
-        jerk: The jerk limits it keeps, shape (dof,) [rad/s^3 or m/s^3], or None.
-        smoothed: How each span was smoothed to keep them.
+        smoothed: How each span was smoothed to keep jerk limits.
     """
 
     path: JointPath
@@ -45,7 +44,6 @@ class TimedPath:
     node_times: Array
     spans: tuple[SpanTiming, ...]
     sddot: Array | None = None
-    jerk: Array | None = None
     smoothed: tuple[Smoothed, ...] = ()
 
     @property
@@ -98,17 +96,7 @@ class TimedPath:
             q = np.repeat(path.q_knots, len(at), axis=0)
             return q, np.zeros_like(q), np.zeros_like(q)
         if self.sddot is not None:
-            return evaluate_cubic(
-                path.s_knots,
-                path.q_knots,
-                path.tangents_start,
-                path.tangents_end,
-                self.node_times,
-                self.s,
-                self.sdot,
-                self.sddot,
-                at,
-            )[:3]
+            return self._cubic(at)[:3]
         return evaluate_timed(
             path.s_knots,
             path.q_knots,
@@ -119,6 +107,30 @@ class TimedPath:
             self.s,
             self.sdot,
             at,
+        )
+
+    def places_at(self, t: Array) -> Array:
+        """Return the path positions of a jerk-limited motion, shape (m,).
+
+        Args:
+            t: Times [s], shape (m,); clipped to [0, duration].
+        """
+        return self._cubic(t)[3] if len(self.s) > 1 else np.zeros(len(t))
+
+    def _cubic(self, t: Array) -> tuple[Array, Array, Array, Array]:
+        """Evaluate a jerk-limited motion; see evaluate_cubic."""
+        assert self.sddot is not None  # it is jerk-limited
+        path = self.path
+        return evaluate_cubic(
+            path.s_knots,
+            path.q_knots,
+            path.tangents_start,
+            path.tangents_end,
+            self.node_times,
+            self.s,
+            self.sdot,
+            self.sddot,
+            t,
         )
 
     def slowed(self, factor: float) -> TimedPath:

@@ -92,6 +92,23 @@ def test_a_torque_limit_that_rest_breaks_is_refused_and_not_slowed_for_ever() ->
         sampled_within_limits(time_joint_path(path, limits), 100.0, [weak])
 
 
+def test_a_jerk_limit_that_a_timing_has_not_seen_is_kept_by_the_samples() -> None:
+    path, limits = path_of()
+    limits = replace(limits, jerk=np.full(6, 50.0))
+    timed = time_joint_path(path, limits)
+    # As if its nodes had been passed a little sooner.
+    hasty = replace(
+        timed,
+        node_times=timed.node_times / 1.1,
+        sdot=timed.sdot * 1.1,
+        sddot=timed.sddot * 1.1**2,  # type: ignore[operator]
+    )
+    kept, samples = sampled_within_limits(hasty, 1000.0)
+    jerk = np.abs(np.diff(samples.ddq, axis=0)) / np.diff(samples.time)[:, None]
+    assert 0.99 * 50.0 < jerk.max() <= 50.0
+    assert kept.duration == pytest.approx(timed.duration, rel=5e-3)
+
+
 def test_samples_at_nodes_are_all_told_apart() -> None:
     path, limits = path_of()
     timed = time_joint_path(path, limits)

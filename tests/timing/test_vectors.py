@@ -68,9 +68,10 @@ def test_a_bad_input_is_refused_by_its_field(name: str) -> None:
 
 
 @pytest.mark.parametrize("name", REQUESTS)
-@pytest.mark.parametrize("rate_hz", [50.0, 1000.0])
+@pytest.mark.parametrize("rate_hz", [50.0, 250.0, 1000.0])
 def test_a_hard_request_is_certified_and_uses_its_limit(name: str, rate_hz: float) -> None:
     vector = REQUESTS[name]
-    certificate = time_request({**vector["request"], "sampling": {"rate_hz": rate_hz}}).certificate
+    sampling = {**vector["request"].get("sampling", {}), "rate_hz": rate_hz}
+    certificate = time_request({**vector["request"], "sampling": sampling}).certificate
     for field, (least, most) in vector["expect"].items():
         assert least <= getattr(certificate, field) <= most

@@ -12,7 +12,7 @@ import pytest
 import ikplan
 from ikplan import CertificateViolated, InvalidRequest, Plan
 from ikplan.certificate import Claim, certify
-from ikplan.limit_request import LimitOptions, StretchLimits
+from ikplan.limit_request import LimitOptions, Payload, StretchLimits
 from ikplan.motion_limits import MotionLimits
 from ikplan.stretch_checks import LimitWindow
 
@@ -118,6 +118,72 @@ def test_a_part_of_a_joint_path_keeps_its_limits(name: str, jerk: float | None) 
     assert any(b.limit == "tool_linear_speed" for b in plan.timing.binding)
 
 
+@pytest.mark.parametrize("name", ["panda", "ur5"])
+def test_jerk_is_limited_on_a_part_and_not_on_the_rest(name: str) -> None:
+    robot, limit = ikplan.load_robot(name), 60.0
+    part = {"first": 2, "last": 4, "limits": {"jerk": limit}}
+    plan = ikplan.time_path(robot, walk(name), rate_hz=1000.0, segments=[part])
+    (certified,) = plan.certificate.segments
+    jerk = np.abs(np.diff(plan.ddq, axis=0)) / np.diff(plan.time)[:, None]
+    inside = (plan.time[:-1] > certified.begin) & (plan.time[1:] < certified.end)
+    assert 0.9 * limit < jerk[inside].max() <= limit
+    assert certified.jerk_limit_ratio == pytest.approx(jerk[inside].max() / limit, rel=1e-6)
+    assert jerk[~inside].max() > 2.0 * limit
+    assert not plan.certificate.jerk_limited
+    free = ikplan.time_path(robot, walk(name))
+    whole = ikplan.time_path(robot, walk(name), limits={"jerk": limit})
+    assert free.duration < plan.duration < whole.duration
+    assert plan.timing.unlimited_duration == pytest.approx(free.duration, rel=1e-2)
+
+
+def test_a_jerk_limit_of_a_part_stops_the_motion_at_steps_of_the_curvature_there_only() -> None:
+    # A spline that is bent to stay within position limits: its curvature steps at waypoints.
+    robot = ikplan.load_robot("panda")
+    q = np.tile(robot.home, (7, 1))
+    q[:, 0] += 0.3 * np.arange(7)
+    q[[1, 3, 5], 3] = robot.upper[3]
+    stops = []
+    for first, last in ((0, 6), (0, 3), (3, 6)):
+        part = {"first": first, "last": last, "limits": {"jerk": 200.0}}
+        plan = ikplan.time_path(robot, q, rate_hz=1000.0, segments=[part])
+        at = [int(np.argmin(np.abs(plan.time - t))) for t in plan.waypoints.time[1:-1]]
+        stops.append({k + 1 for k, row in enumerate(at) if np.abs(plan.dq[row]).max() < 0.02})
+    assert stops[0] >= stops[1] | stops[2]
+    assert stops[1]
+    assert max(stops[1]) <= 3
+    assert min(stops[2]) >= 3
+
+
+def test_a_payload_on_a_part_is_carried_there_only() -> None:
+    robot, mass = ikplan.load_robot("panda"), 3.0
+    q = walk("panda")
+    bare = ikplan.time_path(robot, q, limits={"torque": True})
+    limits = {"torque": True, "payload": {"mass": mass, "position": [0.0, 0.0, 0.3]}}
+    plan = ikplan.time_path(
+        robot, q, limits={"torque": True}, segments=[{"first": 2, "last": 4, "limits": limits}]
+    )
+    (part,) = plan.certificate.segments
+    inside = (plan.time > part.begin) & (plan.time < part.end)
+    load = np.zeros_like(plan.q)
+    for row in np.flatnonzero(inside):
+        T, lift = robot.fk(plan.q[row]), np.array([0.0, 0.0, 9.81 * mass])
+        at_tool = T.rotation.T @ lift
+        force = np.concatenate([at_tool, np.cross([0.0, 0.0, 0.3], at_tool)])
+        load[row] = robot.jacobian(plan.q[row]).T @ force
+    # Its weight alone is within the limits, and what the certificate saw is more than without.
+    assert (np.abs(load) < robot.effort_limit).all()
+    assert part.torque_limit_ratio is not None
+    assert bare.certificate.torque_limit_ratio is not None
+    assert part.torque_limit_ratio <= 1.0 + 1e-9
+    again = ikplan.time_path(robot, q, limits={"torque": True}, segments=[])
+    assert again.duration == bare.duration
+    heavy = ikplan.time_path(robot, q, limits=limits)
+    assert bare.duration <= plan.duration <= heavy.duration * (1.0 + 1e-6)
+    loaded = heavy.certificate.torque_limit_ratio
+    assert loaded is not None
+    assert loaded >= part.torque_limit_ratio * (1.0 - 1e-2)
+
+
 def test_parts_may_overlap_and_need_not_have_a_length() -> None:
     robot, q = ikplan.load_robot("ur5"), walk("ur5")
     parts = [
@@ -162,6 +228,11 @@ def test_the_certificate_finds_a_segment_that_breaks_its_limits() -> None:
         (StretchLimits(velocity_scale=0.05), "segments[0]: the velocity limit of"),
         (StretchLimits(acceleration=0.05), "segments[0]: the acceleration limit of"),
         (StretchLimits(torque=[1.0] * 7), "segments[0]: the torque limit of"),
+        (StretchLimits(jerk=0.1), "segments[0]: the jerk limit of"),
+        (
+            StretchLimits(torque=True, payload=Payload(mass=200.0)),
+            "segments[0]: the torque limit of",
+        ),
     ):
         own = limits.within(robot, options, "segments[0].limits")
         begin, end = plan.waypoints.time[[2, 4]]
@@ -176,7 +247,8 @@ WRONG: dict[str, tuple[dict[str, Any], str]] = {
     "negative speed": ({"tool_speed": -1.0}, "limits.tool_speed"),
     "length": ({"velocity": [1.0, 1.0]}, "limits.velocity"),
     "scale": ({"velocity_scale": 2.0}, "limits.velocity_scale"),
-    "jerk": ({"jerk": 10.0}, "limits.jerk"),
+    "jerk": ({"jerk": [10.0, 20.0]}, "limits.jerk"),
+    "payload": ({"payload": {"mass": 1.0}}, "limits.payload"),
     "torque": ({"torque": True}, "limits.torque"),
 }
 

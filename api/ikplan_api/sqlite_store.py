@@ -103,6 +103,8 @@ class SqliteStore:
         # Kept since the surplus was dropped last; infinite: not known, so look.
         self._new_plans: float = math.inf
         self._new_bytes: float = math.inf
+        # Every plan of the file, and some that are no more: most requests are for new ones.
+        self._ids: set[str] = set()
 
     def check(self) -> None:
         """Make sure that the file can be used.
@@ -149,9 +151,17 @@ class SqliteStore:
             if version < _VERSION:
                 # Plans of an older version are made again when they are asked for.
                 await self._connection.executescript(_SCHEMA)
+            await self._learn_ids()
         except BaseException:
             await self.close()
             raise
+
+    async def _learn_ids(self) -> None:
+        before = set(self._ids)
+        rows = await self._open_connection().execute_fetchall("SELECT id FROM plans")
+        kept = {row[0] for row in rows}
+        self._ids -= before - kept
+        self._ids |= kept
 
     async def close(self) -> None:
         """Close the file."""
@@ -210,13 +220,17 @@ class SqliteStore:
         # To look at all there is for each plan would take longer the more there is.
         look = new_plans > _SLACK * self._max_plans or new_bytes > _SLACK * self._max_bytes
         await self.change("INSERT INTO kept VALUES (?, ?, ?)", (plan_id, now, document))
+        self._ids.add(plan_id)
         if look:
             await self.change(_OLD_PLANS, (now - self._max_age_s,))
             await self.change(_SURPLUS, (self._max_bytes, self._max_plans))
+            await self._learn_ids()
         self._new_plans, self._new_bytes = (0, 0) if look else (new_plans, new_bytes)
 
     async def get(self, plan_id: str) -> bytes | None:
         """Return a plan, or None if it is not kept."""
+        if plan_id not in self._ids:
+            return None
         now = time.time()
         row = await self.row(
             "SELECT document FROM kept WHERE id = ? AND made >= ?",

@@ -11,20 +11,13 @@ import pytest
 
 import ikplan
 from ikplan.cli import main
+from tests.two_joints import URDF
 
 REQUEST = {"robot": "ur5", "sampling": {"rate_hz": 50}}
 GOOD = [
     {**REQUEST, "path": {"waypoints": [{"position": [0.4, y, 0.4]}]}} for y in (-0.1, 0.0, 0.1, 0.2)
 ]
 FAR = {**REQUEST, "path": {"waypoints": [{"position": [9.0, 0.0, 0.0]}]}}
-URDF = """<robot name="two">
-  <link name="base"/><link name="arm"/><link name="tip"/>
-  <joint name="shoulder" type="revolute"><parent link="base"/><child link="arm"/>
-    <axis xyz="0 0 1"/><limit lower="-3" upper="3" velocity="2" effort="1"/></joint>
-  <joint name="slide" type="prismatic"><parent link="arm"/><child link="tip"/>
-    <origin xyz="0.3 0 0"/><axis xyz="1 0 0"/>
-    <limit lower="0" upper="0.5" velocity="1" effort="1"/></joint>
-</robot>"""
 KILLING = """
 import json, multiprocessing.forkserver, os, signal, sys, threading, time
 from pathlib import Path

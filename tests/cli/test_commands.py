@@ -13,6 +13,7 @@ import pytest
 import ikplan
 from ikplan.cli import main
 from ikplan.request import json_schema
+from tests.two_joints import URDF
 
 REQUEST = {
     "robot": "iiwa14",
@@ -21,14 +22,6 @@ REQUEST = {
     "path": {"waypoints": [{"position": [0.6, 0.0, 0.4]}, {"position": [0.6, 0.1, 0.4]}]},
     "sampling": {"rate_hz": 50},
 }
-URDF = """<robot name="two">
-  <link name="base"/><link name="arm"/><link name="tip"/>
-  <joint name="shoulder" type="revolute"><parent link="base"/><child link="arm"/>
-    <axis xyz="0 0 1"/><limit lower="-3" upper="3" velocity="2" effort="1"/></joint>
-  <joint name="slide" type="prismatic"><parent link="arm"/><child link="tip"/>
-    <origin xyz="0.3 0 0"/><axis xyz="1 0 0"/>
-    <limit lower="0" upper="0.5" velocity="1" effort="1"/></joint>
-</robot>"""
 POINT = ["--position", "0.4", "0", "0.4"]
 
 

@@ -13,19 +13,12 @@ from ikplan.cli import main
 from ikplan_api.app import create_app
 from ikplan_api.batch import NDJSON
 from ikplan_api.settings import Settings
+from tests.two_joints import URDF
 
 from .bad_requests import GOOD
 from .conftest import ADDRESS
 from .stand_in import StandIn
 
-_URDF = """<robot name="two">
-  <link name="base"/><link name="arm"/><link name="tip"/>
-  <joint name="shoulder" type="revolute"><parent link="base"/><child link="arm"/>
-    <axis xyz="0 0 1"/><limit lower="-3" upper="3" velocity="2" effort="1"/></joint>
-  <joint name="slide" type="prismatic"><parent link="arm"/><child link="tip"/>
-    <origin xyz="0.3 0 0"/><axis xyz="1 0 0"/>
-    <limit lower="0" upper="0.5" velocity="1" effort="1"/></joint>
-</robot>"""
 HEADERS = {"content-type": NDJSON}
 
 
@@ -73,7 +66,7 @@ def test_the_command_hands_the_lines_to_a_service(live_address, tmp_path, capsys
 
 def test_the_command_uploads_the_robot_that_all_lines_are_for(live_address, tmp_path):
     urdf, requests, out = (tmp_path / name for name in ("two.urdf", "in.jsonl", "out.jsonl"))
-    urdf.write_text(_URDF)
+    urdf.write_text(URDF)
     waypoints = {"path": {"waypoints": [{"position": [0.4, 0.2, 0.0]}]}, "start": [0.0, 0.1]}
     requests.write_bytes(lines({"robot": "any", **waypoints}, waypoints, [1]))
     options = ["--robot", str(urdf), "--tip", "tip", "-o", str(out)]

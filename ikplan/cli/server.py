@@ -1,9 +1,11 @@
-"""The server that tells the service when it is to stop."""
+"""The server that tells the service when it is to stop, and sees to it that it does."""
 
 from __future__ import annotations
 
 import asyncio
+import logging
 import math
+import os
 import socket
 
 import uvicorn
@@ -12,10 +14,14 @@ __all__ = ["Server"]
 
 _LAST_BYTES_S = 1
 """Time for answers to get out, beyond that for their work [s]."""
+_CLOSING_S = 5
+"""Time for the service to end its workers and close its files, beyond that [s]."""
+
+_log = logging.getLogger("uvicorn.error")
 
 
 class Server(uvicorn.Server):
-    """Stops in order: what would never end by itself is ended first.
+    """Stops in order, and in bounded time.
 
     uvicorn tells an application that it is to stop when all connections are closed; an event
     stream would keep one open for as long as uvicorn waits at all.
@@ -24,7 +30,14 @@ class Server(uvicorn.Server):
     async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
         """Tell the service to stop, and give requests under way the time that it says."""
         stop = self.lifespan.state.get("stop")
-        if stop is not None:
-            self.config.timeout_graceful_shutdown = math.ceil(stop()) + _LAST_BYTES_S
-            await asyncio.sleep(0)
-        await super().shutdown(sockets)
+        last_s = math.ceil(stop() if stop is not None else 0.0) + _LAST_BYTES_S
+        self.config.timeout_graceful_shutdown = last_s
+        try:
+            async with asyncio.timeout(last_s + _CLOSING_S):
+                await super().shutdown(sockets)
+        except TimeoutError:
+            # As where kernels are just being compiled. Nothing is lost that a kill would not
+            # lose: what is kept is on the disk, and workers end with their service.
+            _log.error("the service did not end in time, and is ended")
+            logging.shutdown()
+            os._exit(1)

@@ -4,7 +4,10 @@ from __future__ import annotations
 
 import asyncio
 import json
+import os
 import signal
+import subprocess
+import sys
 import threading
 import time
 from pathlib import Path
@@ -22,6 +25,18 @@ from .conftest import ADDRESS
 from .stand_in import StandIn
 
 ASYNC = {"prefer": "respond-async"}
+STUCK = """
+import asyncio, sys
+from ikplan.cli import main
+from ikplan_api.pool import ProcessPlanner
+
+async def close(self):
+    await asyncio.Event().wait()
+
+if __name__ == "__main__":
+    ProcessPlanner.close = close
+    sys.exit(main(["serve", "--port", "0", "--workers", "1"]))
+"""
 
 
 def at(x: float) -> dict:
@@ -116,3 +131,19 @@ def test_a_stopped_service_ends_its_streams_and_does_its_jobs_after_the_next_sta
         waiting.join(60)
         assert answers[0].certificate.valid
         assert again.process.wait(30) == -signal.SIGTERM
+
+
+def test_a_service_that_is_stuck_ends_all_the_same():
+    environment = {**os.environ, "IKPLAN_STORE_PATH": ":memory:", "IKPLAN_STOP_S": "0"}
+    command = [sys.executable, "-c", STUCK]
+    pipes = {"stderr": subprocess.PIPE, "text": True, "env": environment}
+    with subprocess.Popen(command, **pipes) as process:
+        assert process.stderr is not None
+        address = process.stderr.readline().split()[3]
+        assert httpx.get(f"{address}/livez", timeout=60).status_code == 200
+        process.send_signal(signal.SIGTERM)
+        begin = time.monotonic()
+        assert process.wait(30) == 1
+        assert 5.0 < time.monotonic() - begin < 20.0
+        said = process.stderr.read()
+    assert "did not end in time" in said

@@ -62,6 +62,7 @@ def main() -> int:
     parser.add_argument("--kind", choices=(*KINDS, "both"), default="both")
     parser.add_argument("--slow", type=float, default=5.0, help="processor seconds that are long")
     parser.add_argument("--budget", type=float, default=40.0, help="budget_s of each request")
+    parser.add_argument("--tell", nargs="*", default=[], help="refusals to print, by class")
     parser.add_argument("--out", type=Path, default=Path("out/requests"))
     options = parser.parse_args()
     kinds = KINDS if options.kind == "both" else (options.kind,)
@@ -82,6 +83,8 @@ def main() -> int:
             timing_seconds.append(timing)
         fault, slow = found.startswith("FAULT"), took > options.slow
         faults += fault
+        if found in options.tell:
+            print(f"{kind} {number}: {found}, {words}", flush=True)
         if fault or slow:
             options.out.mkdir(parents=True, exist_ok=True)
             file = options.out / f"{kind}_{options.seed}_{number}.json"

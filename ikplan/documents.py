@@ -7,8 +7,10 @@ Every model refuses unknown fields, NaN and infinities. A fault becomes an
 
 from __future__ import annotations
 
+import contextlib
 import hashlib
 import json
+import re
 from collections.abc import Mapping, Sequence
 from typing import Annotated, Any, NoReturn, TypeVar, get_args
 
@@ -60,8 +62,8 @@ def content_hash(document: Document, *context: str) -> str:
     The budget is left out: it decides whether there is a plan, never which one.
     """
     content = document.model_dump(mode="json", exclude={"budget_s"})
-    canonical = json.dumps([content, *context], sort_keys=True, separators=(",", ":"))
-    return hashlib.sha256(canonical.encode()).hexdigest()[:32]
+    canonical = orjson.dumps([content, *context], option=orjson.OPT_SORT_KEYS)
+    return hashlib.sha256(canonical).hexdigest()[:32]
 
 
 def plain(value: Any) -> Any:
@@ -249,12 +251,21 @@ def parse_json(model: type[M], text: str | bytes) -> M:
     return parse(model, load_json(text))
 
 
+_MANY_DIGITS = re.compile("[0-9]{19}")
+_MANY_DIGITS_BYTES = re.compile(rb"[0-9]{19}")
+
+
 def load_json(text: str | bytes) -> Any:
     """Read JSON, refusing the NaN and Infinity that Python's parser lets through.
 
     Raises:
         InvalidRequest: With the line and column of the fault.
     """
+    long = _MANY_DIGITS.search(text) if isinstance(text, str) else _MANY_DIGITS_BYTES.search(text)
+    if not long:  # which might be a whole number that orjson would round
+        with contextlib.suppress(orjson.JSONDecodeError):
+            return orjson.loads(text)
+    # What is wrong is told by the parser that says where; a few things are right for it alone.
     try:
         return json.loads(text, parse_constant=_refuse_constant)
     except json.JSONDecodeError as error:

@@ -81,7 +81,13 @@ class Work:
             robot = _uploaded(self.robot)
             if robot.name == name:
                 return robot
-        return catalogue_robot(name)
+        return _of_catalogue(name)
+
+
+@functools.lru_cache(maxsize=64)
+def _of_catalogue(name: str) -> Robot:
+    """As it was when it was first asked for: its files are not looked at for each request."""
+    return catalogue_robot(name)
 
 
 @functools.lru_cache(maxsize=64)

@@ -1,6 +1,8 @@
-"""Documents written fast are the documents that pydantic writes."""
+"""Documents written and read fast are those that the slow ways write and read."""
 
 from __future__ import annotations
+
+import json
 
 import numpy as np
 import pytest
@@ -8,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import array_shapes, arrays
 
-from ikplan.documents import write_json
+from ikplan.documents import load_json, write_json
 from ikplan.result import FkResult, Trajectory
 
 finite = st.floats(allow_nan=False, allow_infinity=False)
@@ -32,3 +34,17 @@ def test_what_was_written_is_read_back_to_the_last_bit(position):
     written = write_json(FkResult(position=position, quaternion_xyzw=[0, 0, 0, 1]))
     read = FkResult.model_validate_json(written)
     assert read.position.tobytes() == np.array(position, dtype=np.float64).tobytes()
+
+
+values = st.recursive(
+    st.none() | st.booleans() | st.integers() | finite | st.text(),
+    lambda inner: st.lists(inner) | st.dictionaries(st.text(), inner),
+)
+
+
+@given(values)
+def test_json_is_read_as_python_reads_it(value):
+    text = json.dumps(value)
+    for document in (text, text.encode()):
+        read = load_json(document)
+        assert repr(read) == repr(json.loads(text))

@@ -42,9 +42,11 @@ def receive(connection: socket.socket) -> bytes:
     _, descriptors, _, _ = socket.recv_fds(connection, 1, 1)
     if not descriptors:
         raise ConnectionError("nobody is at the other end")
-    with open(descriptors[0], "rb") as file:
-        file.seek(0)
-        return file.read()
+    (descriptor,) = descriptors
+    try:
+        return os.pread(descriptor, os.fstat(descriptor).st_size, 0)
+    finally:
+        os.close(descriptor)
 
 
 def _memory() -> BinaryIO:

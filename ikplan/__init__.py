@@ -10,6 +10,8 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from ikplan.client import AsyncClient, AsyncPlanJob, Client, PlanJob
+    from ikplan.documents.status import PlanStatus
+    from ikplan.documents.timing import TimingRequest
     from ikplan.errors import (
         AccessDenied,
         BudgetExceeded,
@@ -33,8 +35,6 @@ if TYPE_CHECKING:
     from ikplan.result import Certificate, FkResult, IkSolution, Plan
     from ikplan.retiming import time_path, time_request
     from ikplan.robots import Robot, load_robot, robot_names
-    from ikplan.status import PlanStatus
-    from ikplan.timing_request import TimingRequest
 
 _HOMES = {
     "AccessDenied": "errors",
@@ -57,13 +57,13 @@ _HOMES = {
     "PlanJob": "client",
     "PlanNotFound": "errors",
     "PlanRequest": "request",
-    "PlanStatus": "status",
+    "PlanStatus": "documents.status",
     "RateLimited": "errors",
     "Robot": "robots",
     "RobotNotFound": "errors",
     "ServiceUnavailable": "errors",
     "TimingFailed": "errors",
-    "TimingRequest": "timing_request",
+    "TimingRequest": "documents.timing",
     "Unreachable": "errors",
     "WorkerLost": "errors",
     "load_robot": "robots",

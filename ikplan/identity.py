@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from ikplan import __version__
-from ikplan.poses import Frame
+from ikplan.documents.poses import Frame
+from ikplan.documents.timing import TimingRequest
 from ikplan.request import PlanRequest
 from ikplan.robots import Robot
-from ikplan.timing_request import TimingRequest
 
 __all__ = ["plan_id", "with_tool"]
 

@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ikplan.documents.limits import LimitOptions, StretchLimits, ToolRate
 from ikplan.errors import InvalidRequest
-from ikplan.limit_request import LimitOptions, StretchLimits, ToolRate
 from ikplan.robots import Robot
 
 __all__ = ["LimitedStretch", "MotionLimits"]

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from ikplan import __version__
 from ikplan.certificate import Claim, certify
+from ikplan.certificate.paths import TimedSpan
 from ikplan.documents import parse
 from ikplan.errors import Disconnected, Unreachable
 from ikplan.identity import plan_id, with_tool
@@ -19,7 +20,6 @@ from ikplan.ik.solve import PoseSolver, pose_distance, solve_pose
 from ikplan.kinematics.arm import arm_of
 from ikplan.motion_limits import LimitedStretch, MotionLimits
 from ikplan.path import rotation_of
-from ikplan.path_checks import TimedSpan
 from ikplan.planning import Clock, Progress, Route, RouteProblem, find_repairs, lay_route
 from ikplan.request import FkRequest, IkOptions, IkRequest, PlanRequest
 from ikplan.result import FkResult, IkSolution, Plan, Stats, WaypointResults

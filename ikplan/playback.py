@@ -10,8 +10,8 @@ from numpy.typing import ArrayLike, NDArray
 from ikplan.errors import InvalidRequest
 
 if TYPE_CHECKING:
+    from ikplan.documents.timing_report import PathMotion
     from ikplan.result import Plan, Trajectory
-    from ikplan.timing_report import PathMotion
 
 __all__ = ["Moment", "evaluate"]
 

@@ -12,9 +12,9 @@ from typing import Annotated, Any, Literal
 from pydantic import Discriminator, Field, PlainValidator, Tag, field_validator, model_validator
 
 from ikplan.documents import Document, Floats, Vec3, content_hash
-from ikplan.limit_request import LimitOptions, SamplingOptions
-from ikplan.path_request import PathRequest
-from ikplan.poses import Frame, Quaternion, Tolerance, Waypoint, unit_quaternion
+from ikplan.documents.limits import LimitOptions, SamplingOptions
+from ikplan.documents.path import PathRequest
+from ikplan.documents.poses import Frame, Quaternion, Tolerance, Waypoint, unit_quaternion
 
 __all__ = [
     "FkRequest",

@@ -10,12 +10,12 @@ from numpy.typing import ArrayLike, NDArray
 from pydantic import BaseModel, ConfigDict, Field
 
 from ikplan.documents import Matrix, Vector
-from ikplan.timing_report import PathMotion, TimingReport
+from ikplan.documents.timing_report import PathMotion, TimingReport
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from ikplan.limit_request import LimitOptions
+    from ikplan.documents.limits import LimitOptions
     from ikplan.playback import Moment
 
 __all__ = [
@@ -260,7 +260,7 @@ class Plan(_Result):
         Args:
             path: Image file; the suffix (png, svg, pdf) names the format.
         """
-        from ikplan.plotting import plot_plan
+        from ikplan.figures.plan import plot_plan
 
         plot_plan(self, Path(path))
 
@@ -273,7 +273,7 @@ class Plan(_Result):
             path: Image file; the suffix (png, svg, pdf) names the format.
             limits: The limits of the request, which a plan does not tell; None: the robot's own.
         """
-        from ikplan.timing_plot import plot_timing
+        from ikplan.figures.timing import plot_timing
 
         plot_timing(self, Path(path), limits=limits)
 

@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from ikplan import __version__
 from ikplan.certificate import Claim, certify
 from ikplan.documents import parse
+from ikplan.documents.timing import TimingRequest
 from ikplan.errors import InvalidRequest
 from ikplan.identity import plan_id, with_tool
 from ikplan.motion_limits import LimitedStretch, MotionLimits
@@ -18,7 +19,6 @@ from ikplan.planning import Clock, Progress
 from ikplan.result import Plan, Stats, WaypointResults
 from ikplan.robots import Robot, catalogue_robot
 from ikplan.timing import JointPath
-from ikplan.timing_request import TimingRequest
 from ikplan.timing_stage import joint_limits, time_motion, warm_up_timing
 
 __all__ = ["time_path", "time_request"]

@@ -9,11 +9,12 @@ from dataclasses import dataclass
 import numpy as np
 import pinocchio as pin
 
-from ikplan.limit_request import LimitOptions, SamplingOptions
+from ikplan.certificate.stretches import LimitWindow
+from ikplan.documents.limits import LimitOptions, SamplingOptions
+from ikplan.documents.timing_report import BindingLimit, PathMotion, TimingReport, WiderLimit
 from ikplan.motion_limits import LimitedStretch, MotionLimits
 from ikplan.result import Trajectory
 from ikplan.robots import Robot, catalogue_robot
-from ikplan.stretch_checks import LimitWindow
 from ikplan.timing import (
     JointLimits,
     JointPath,
@@ -31,7 +32,6 @@ from ikplan.timing import (
 )
 from ikplan.timing.engine import Check, unlimited
 from ikplan.timing.models import inverse_dynamics, tool_motion
-from ikplan.timing_report import BindingLimit, PathMotion, TimingReport, WiderLimit
 
 __all__ = ["Timing", "joint_limits", "time_motion", "warm_up_timing"]
 

@@ -9,11 +9,11 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
+from ikplan.certificate.paths import TimedSpan, follow_checks
 from ikplan.ik.solve import PoseSolver
 from ikplan.ik.verdict import explain_miss
 from ikplan.kinematics.arm import Arm, arm_of
 from ikplan.kinematics.target import pose_target
-from ikplan.path_checks import TimedSpan, follow_checks
 from ikplan.planning import Clock, RouteProblem, lay_route
 from ikplan.request import IkOptions, PathRequest, Waypoint
 from ikplan.robots import load_robot

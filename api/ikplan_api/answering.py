@@ -7,9 +7,9 @@ from typing import Any
 
 from fastapi import Request, Response
 
+from ikplan.documents.status import PlanStatus
 from ikplan.errors import PlanNotFound
 from ikplan.export.formats import Format
-from ikplan.status import PlanStatus
 from ikplan_api.board import PlanBoard
 from ikplan_api.body import read_json_body
 from ikplan_api.disconnect import while_connected

@@ -10,13 +10,13 @@ import logging
 from collections import OrderedDict
 from typing import Any
 
+from ikplan.documents.status import PlanStatus
 from ikplan.errors import (
     BudgetExceeded,
     IkplanError,
     PlanNotFound,
     ServiceUnavailable,
 )
-from ikplan.status import PlanStatus
 from ikplan_api.identity import identify
 from ikplan_api.making import Making
 from ikplan_api.planner import Planner

@@ -6,7 +6,7 @@ import asyncio
 from collections.abc import AsyncIterator
 from typing import Any
 
-from ikplan.status import PlanStatus
+from ikplan.documents.status import PlanStatus
 from ikplan_api.store import Job
 from ikplan_api.tasks import Answer
 

@@ -12,9 +12,9 @@ from pydantic import BaseModel
 from pydantic.json_schema import models_json_schema
 
 from ikplan import errors
+from ikplan.documents.timing import TimingRequest
 from ikplan.request import FkRequest, IkRequest, PlanRequest
 from ikplan.robots import RobotUpload
-from ikplan.timing_request import TimingRequest
 from ikplan_api.problems import PROBLEM
 from ikplan_api.representations import plan_contents
 from ikplan_api.schemas import PROBLEMS, BatchLine, Problem

@@ -13,6 +13,7 @@ from typing import Any, NamedTuple
 import pinocchio as pin
 
 from ikplan.documents import parse_json, write_json
+from ikplan.documents.timing import TimingRequest
 from ikplan.errors import Unreachable
 from ikplan.identity import plan_id, with_tool
 from ikplan.ik.registry import find_solver, solvers
@@ -21,7 +22,6 @@ from ikplan.planning import Progress
 from ikplan.request import FkRequest, IkRequest, PlanRequest
 from ikplan.retiming import time_request
 from ikplan.robots import Robot, RobotUpload, catalogue_robot, robot_names
-from ikplan.timing_request import TimingRequest
 from ikplan_api.facts import PlanFacts, facts_of
 
 __all__ = [

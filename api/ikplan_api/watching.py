@@ -8,8 +8,8 @@ from typing import Any
 from fastapi import Request
 from fastapi.sse import ServerSentEvent
 
+from ikplan.documents.status import PlanStatus
 from ikplan.errors import PlanNotFound
-from ikplan.status import PlanStatus
 from ikplan_api.board import PlanBoard
 from ikplan_api.making import Making
 from ikplan_api.problems import request_id_of

@@ -17,9 +17,9 @@ from ikplan.summary import certificate_rows
 
 if TYPE_CHECKING:
     from ikplan.client import PlanJob
+    from ikplan.documents.timing import TimingRequest
     from ikplan.result import Plan
     from ikplan.robots import Robot
-    from ikplan.timing_request import TimingRequest
 
 __all__ = ["check_outputs", "draw", "plan", "report", "robot_of_file", "watched"]
 
@@ -42,7 +42,7 @@ def check_outputs(options: argparse.Namespace) -> None:
         format_for(output)
     for image in (options.plot, options.plot_timing):
         if image is not None:
-            from ikplan.figure_style import check_image_suffix
+            from ikplan.figures.style import check_image_suffix
 
             check_image_suffix(image)
 
@@ -149,10 +149,10 @@ def draw(
     """Draw a plan with the tool and the limits of its request, which a plan does not tell."""
     if options.plot is None and options.plot_timing is None:
         return
+    from ikplan.figures.plan import plot_plan
+    from ikplan.figures.timing import plot_timing
     from ikplan.identity import with_tool
-    from ikplan.plotting import plot_plan
     from ikplan.robots import catalogue_robot, robot_names
-    from ikplan.timing_plot import plot_timing
 
     request = parse(model, document)
     if robot is None and made.robot in robot_names():

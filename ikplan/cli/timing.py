@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING, Any
 from ikplan.cli.planning import check_outputs, draw, report, robot_of_file, watched
 from ikplan.cli.progress import progress_bar
 from ikplan.documents import load_json
+from ikplan.documents.timing import TimingRequest
 from ikplan.errors import InvalidRequest
-from ikplan.timing_request import TimingRequest
 
 if TYPE_CHECKING:
     from ikplan.result import Plan

@@ -8,11 +8,11 @@ from typing import Any
 from urllib.parse import quote
 
 from ikplan.client.wire import Call, encode
+from ikplan.documents.status import PlanStatus
+from ikplan.documents.timing import TimingRequest
 from ikplan.errors import InvalidRobot, ServiceUnavailable
 from ikplan.request import FkRequest, IkRequest, PlanRequest
 from ikplan.result import FkResult, IkSolution, Plan
-from ikplan.status import PlanStatus
-from ikplan.timing_request import TimingRequest
 
 __all__ = [
     "delete_plan",

@@ -8,9 +8,9 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 from ikplan.client import calls
+from ikplan.documents.status import PlanStatus
 from ikplan.errors import IkplanError, PlanNotFound, ServiceUnavailable
 from ikplan.result import Plan
-from ikplan.status import PlanStatus
 
 if TYPE_CHECKING:
     from ikplan.client.asynchronous import AsyncClient

@@ -10,9 +10,9 @@ from httpx_sse import ServerSentEvent
 from pydantic import BaseModel, ValidationError
 
 from ikplan.client.wire import encode
+from ikplan.documents.status import PlanStatus
 from ikplan.errors import IkplanError, InvalidRequest, ServiceUnavailable, error_from_problem
 from ikplan.result import Plan
-from ikplan.status import PlanStatus
 
 __all__ = ["BATCH", "batch_body", "read_event", "read_line"]
 

@@ -7,7 +7,8 @@ from collections.abc import Callable, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from ikplan.curve_request import CurveSegment
+from ikplan.documents.curve import CurveSegment
+from ikplan.documents.segment import ArcSegment, EndOrientation, LineSegment, OrientationRule
 from ikplan.errors import InvalidRequest
 from ikplan.path.arcs import arc_about, arc_through
 from ikplan.path.assembly import assemble
@@ -21,7 +22,6 @@ from ikplan.path.rotation import angle_between, exp
 from ikplan.path.spline_items import spline_items
 from ikplan.path.steady import line
 from ikplan.path.tool_path import ToolPath
-from ikplan.segment_request import ArcSegment, EndOrientation, LineSegment, OrientationRule
 
 __all__ = ["PathBuilder"]
 

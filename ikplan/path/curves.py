@@ -9,7 +9,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from ikplan.curve_request import (
+from ikplan.documents.curve import (
     CircleSegment,
     CurveSegment,
     HelixSegment,

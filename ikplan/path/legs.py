@@ -9,14 +9,14 @@ from itertools import count
 import numpy as np
 from numpy.typing import NDArray
 
-from ikplan.curve_request import CurveSegment
+from ikplan.documents.curve import CurveSegment
+from ikplan.documents.segment import ArcSegment, JointSegment, LineSegment, SplineSegment
 from ikplan.errors import InvalidRequest
 from ikplan.path.builder import PathBuilder
 from ikplan.path.path_frame import PathFrame
 from ikplan.path.piece import Pose
 from ikplan.path.tool_path import ToolPath
 from ikplan.request import PathRequest
-from ikplan.segment_request import ArcSegment, JointSegment, LineSegment, SplineSegment
 
 __all__ = ["JointLeg", "JointTarget", "Leg", "ToolLeg", "legs_of"]
 

@@ -7,9 +7,9 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from ikplan.documents.poses import Frame, Waypoint
 from ikplan.path.piece import Pose
 from ikplan.path.rotation import rotation_of
-from ikplan.poses import Frame, Waypoint
 from ikplan.request import PathRequest
 
 __all__ = ["PathFrame"]

@@ -10,10 +10,10 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
+from ikplan.documents.path import MAX_WAYPOINTS
+from ikplan.documents.poses import unit_quaternion
 from ikplan.errors import InvalidRequest, near_names
 from ikplan.path.rotation import quaternion_of, rotation_of
-from ikplan.path_request import MAX_WAYPOINTS
-from ikplan.poses import unit_quaternion
 
 __all__ = ["read_waypoints_csv"]
 

@@ -9,8 +9,8 @@ from typing import Annotated
 from pydantic import Field
 
 from ikplan.documents import Document, Floats, Number
+from ikplan.documents.poses import Frame
 from ikplan.errors import InvalidRobot
-from ikplan.poses import Frame
 from ikplan.robots.checks import unit_quaternion
 from ikplan.robots.describe import moving_chain
 from ikplan.robots.describe_urdf import describe_urdf

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from ikplan.least_elongation import elongation_lower_bound
+from ikplan.certificate.elongation import elongation_lower_bound
 from ikplan.robots import Robot, load_robot, robot_from_urdf, robot_names
 from tests.kinematics.synthetic import Joint, chains, robot_of, urdf_of
 

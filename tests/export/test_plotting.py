@@ -6,7 +6,7 @@ import pytest
 
 import ikplan
 from ikplan import InvalidRequest, Plan
-from ikplan.plotting import IMAGE_SUFFIXES, draw_plan, plot_plan
+from ikplan.figures.plan import IMAGE_SUFFIXES, draw_plan, plot_plan
 from ikplan.summary import certificate_rows
 
 from .plans import rest_to_rest

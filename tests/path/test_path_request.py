@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from ikplan import InvalidRequest
 from ikplan.documents import parse
-from ikplan.path_request import ToleranceBox
+from ikplan.documents.path import ToleranceBox
 from ikplan.request import PathRequest, PlanRequest
 
 from .requests import pose, quaternion, vectors

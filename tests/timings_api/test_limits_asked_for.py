@@ -12,9 +12,9 @@ import pytest
 import ikplan
 from ikplan import CertificateViolated, Plan, TimingFailed
 from ikplan.certificate import Claim, certify
-from ikplan.limit_request import LimitOptions
+from ikplan.documents.limits import LimitOptions
+from ikplan.figures.phase_plane import path_speed, path_speed_bound
 from ikplan.motion_limits import MotionLimits
-from ikplan.phase_plane import path_speed, path_speed_bound
 
 
 def path(name: str, size: float = 0.4, n: int = 6) -> np.ndarray:

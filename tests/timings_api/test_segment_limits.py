@@ -12,9 +12,9 @@ import pytest
 import ikplan
 from ikplan import CertificateViolated, InvalidRequest, Plan
 from ikplan.certificate import Claim, certify
-from ikplan.limit_request import LimitOptions, Payload, StretchLimits
+from ikplan.certificate.stretches import LimitWindow
+from ikplan.documents.limits import LimitOptions, Payload, StretchLimits
 from ikplan.motion_limits import MotionLimits
-from ikplan.stretch_checks import LimitWindow
 
 DOWN = [1.0, 0.0, 0.0, 0.0]
 

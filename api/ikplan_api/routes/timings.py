@@ -5,8 +5,8 @@ from __future__ import annotations
 from fastapi import APIRouter, Request, Response
 
 from ikplan import errors
+from ikplan.documents.timing import TimingRequest
 from ikplan.result import Plan
-from ikplan.timing_request import TimingRequest
 from ikplan_api.answering import ACCEPTED, PREFER, ask_for_plan
 from ikplan_api.openapi import plan_answers, request_body
 

@@ -2,7 +2,7 @@
 
 A segment begins where the one before ended; the first at the start of the path. Poses are of the
 tool frame in the path frame, in metres and radians. The named curves are in
-:mod:`ikplan.curve_request`.
+:mod:`ikplan.documents.curve`.
 """
 
 from __future__ import annotations
@@ -13,8 +13,8 @@ from typing import Annotated, Any, Literal
 from pydantic import Discriminator, Field, Tag, field_validator, model_validator
 
 from ikplan.documents import Document, Floats, Vec3
-from ikplan.limit_request import StretchLimits
-from ikplan.poses import Quaternion, Waypoint, unit_quaternion
+from ikplan.documents.limits import StretchLimits
+from ikplan.documents.poses import Quaternion, Waypoint, unit_quaternion
 
 __all__ = [
     "ArcSegment",

@@ -6,7 +6,8 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BeforeValidator, Discriminator, Field, Tag, model_validator
 
-from ikplan.curve_request import (
+from ikplan.documents import Document, plain
+from ikplan.documents.curve import (
     CircleSegment,
     HelixSegment,
     RoseSegment,
@@ -14,9 +15,8 @@ from ikplan.curve_request import (
     SinusoidSegment,
     TrapezoidSegment,
 )
-from ikplan.documents import Document, plain
-from ikplan.poses import Frame, Tolerance, Waypoint
-from ikplan.segment_request import ArcSegment, JointSegment, LineSegment, SplineSegment
+from ikplan.documents.poses import Frame, Tolerance, Waypoint
+from ikplan.documents.segment import ArcSegment, JointSegment, LineSegment, SplineSegment
 
 __all__ = [
     "AxisFreedom",

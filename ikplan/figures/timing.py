@@ -10,8 +10,11 @@ import numpy as np
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
+from ikplan.certificate.limits import torque_ratios
 from ikplan.documents import parse
-from ikplan.figure_style import (
+from ikplan.documents.limits import LimitOptions
+from ikplan.figures.phase_plane import path_speed, path_speed_bound
+from ikplan.figures.style import (
     COLOURS,
     METADATA,
     check_image_suffix,
@@ -19,10 +22,7 @@ from ikplan.figure_style import (
     line_style,
     style,
 )
-from ikplan.limit_checks import torque_ratios
-from ikplan.limit_request import LimitOptions
 from ikplan.motion_limits import MotionLimits
-from ikplan.phase_plane import path_speed, path_speed_bound
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

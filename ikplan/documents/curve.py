@@ -6,8 +6,8 @@ from typing import Literal
 
 from pydantic import Field, field_validator, model_validator
 
-from ikplan.poses import Frame, Quaternion, unit_quaternion
-from ikplan.segment_request import OrientationRule, ToolSegment
+from ikplan.documents.poses import Frame, Quaternion, unit_quaternion
+from ikplan.documents.segment import OrientationRule, ToolSegment
 
 __all__ = [
     "CircleSegment",

@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from ikplan.errors import RobotNotFound
-from ikplan.figure_style import (
+from ikplan.figures.style import (
     COLOURS,
     IMAGE_SUFFIXES,
     METADATA,

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 
 from pebble import ProcessExpired, ProcessFuture, ProcessPool
 
-from ikplan import batch_worker
+from ikplan.batch import worker
 from ikplan.errors import IkplanError, WorkerLost
 from ikplan.processors import processor_count
 
@@ -43,15 +43,15 @@ def plan_lines(
     count = workers or processor_count()
     crew = [_Worker(robot) for _ in range(count)]
     idle: queue.SimpleQueue[_Worker] = queue.SimpleQueue()
-    for worker in crew:
-        idle.put(worker)
+    for one in crew:
+        idle.put(one)
 
     def answer(line: bytes) -> bytes | IkplanError:
-        worker = idle.get()
+        one = idle.get()
         try:
-            return worker.answer(line)
+            return one.answer(line)
         finally:
-            idle.put(worker)
+            idle.put(one)
 
     under_way: deque[Future[bytes | IkplanError]] = deque()
     with ThreadPoolExecutor(count) as threads:
@@ -66,8 +66,8 @@ def plan_lines(
         finally:
             for future in under_way:
                 future.cancel()
-            for worker in crew:
-                worker.stop()
+            for one in crew:
+                one.stop()
 
 
 class _Worker:
@@ -96,7 +96,7 @@ class _Worker:
                 "affected",
                 exit_code=code,
             )
-        except batch_worker.Fault as fault:
+        except worker.Fault as fault:
             _log.error("a request failed: %s", fault)
             return IkplanError("an unexpected fault of ikplan, told on stderr")
 
@@ -107,9 +107,9 @@ class _Worker:
             if self._pool is None or not self._pool.active:
                 self._end()
                 self._pool = ProcessPool(
-                    1, initializer=batch_worker.begin, initargs=(self._robot,), context=_forking()
+                    1, initializer=worker.begin, initargs=(self._robot,), context=_forking()
                 )
-            self._doing = self._pool.schedule(batch_worker.make, args=(line,))
+            self._doing = self._pool.schedule(worker.make, args=(line,))
             return self._doing
 
     def stop(self) -> None:
@@ -130,5 +130,5 @@ class _Worker:
 def _forking() -> multiprocessing.context.ForkServerContext:
     """What makes processes: forked from one that has every kernel loaded."""
     context = multiprocessing.get_context("forkserver")
-    context.set_forkserver_preload(["ikplan.single_threaded", "ikplan.batch_preload"])
+    context.set_forkserver_preload(["ikplan.single_threaded", "ikplan.batch.preload"])
     return context

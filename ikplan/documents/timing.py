@@ -7,8 +7,8 @@ from typing import Annotated
 from pydantic import BeforeValidator, Field, model_validator
 
 from ikplan.documents import Document, Floats, content_hash, plain
-from ikplan.limit_request import LimitOptions, SamplingOptions, StretchLimits
-from ikplan.poses import Frame
+from ikplan.documents.limits import LimitOptions, SamplingOptions, StretchLimits
+from ikplan.documents.poses import Frame
 
 __all__ = ["LimitedRange", "TimingRequest"]
 

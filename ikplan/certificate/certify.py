@@ -13,16 +13,16 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
+from ikplan.certificate.elongation import elongation_lower_bound
+from ikplan.certificate.limits import RATIO_SLACK, further_limits
+from ikplan.certificate.paths import Followed, TimedSpan, follow_checks, offset
+from ikplan.certificate.stretches import LimitWindow, stretch_checks
+from ikplan.documents.limits import LimitOptions
 from ikplan.errors import CertificateViolated
-from ikplan.least_elongation import elongation_lower_bound
-from ikplan.limit_checks import RATIO_SLACK, further_limits
-from ikplan.limit_request import LimitOptions
 from ikplan.motion_limits import MotionLimits
-from ikplan.path_checks import Followed, TimedSpan, follow_checks, offset
 from ikplan.request import PathRequest
 from ikplan.result import Certificate, LimitPlace
 from ikplan.robots import Robot
-from ikplan.stretch_checks import LimitWindow, stretch_checks
 
 __all__ = ["Claim", "certify"]
 

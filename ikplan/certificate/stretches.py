@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ikplan.limit_checks import RATIO_SLACK, further_limits
+from ikplan.certificate.limits import RATIO_SLACK, further_limits
 from ikplan.motion_limits import MotionLimits
 from ikplan.result import LimitPlace, SegmentCertificate
 from ikplan.robots import Robot

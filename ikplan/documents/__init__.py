@@ -1,0 +1,35 @@
+"""What the request and result documents are built of; a file for each part of them."""
+
+from ikplan.documents.base import (
+    MAX_NUMBER,
+    Document,
+    Floats,
+    Matrix,
+    Number,
+    Vec3,
+    Vector,
+    content_hash,
+    load_json,
+    parse,
+    parse_json,
+    plain,
+    raise_invalid,
+    write_json,
+)
+
+__all__ = [
+    "MAX_NUMBER",
+    "Document",
+    "Floats",
+    "Matrix",
+    "Number",
+    "Vec3",
+    "Vector",
+    "content_hash",
+    "load_json",
+    "parse",
+    "parse_json",
+    "plain",
+    "raise_invalid",
+    "write_json",
+]

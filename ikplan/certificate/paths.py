@@ -137,7 +137,7 @@ def follow_checks(
         hints = np.interp(time[inside], span.time, span.s)
         plain = path.orientation_free is None and path.tolerance.box is None
         weight = path.tolerance.position / path.tolerance.orientation if plain else 0.0
-        _, _, nearest = path_deviation(
+        distance, angle, nearest = path_deviation(
             span.path,
             p,
             R,
@@ -145,8 +145,11 @@ def follow_checks(
             window=_window(span),
             rotation_weight=weight,
         )
-        R_path, p_path = span.path.poses(nearest)
-        distance, angle = offsets(path, p, R, p_path, R_path)
+        if not plain:
+            # Where nothing is free the search's own figures hold: where an oriented piece and a
+            # free one meet, the path length alone does not tell which of them it measured.
+            R_path, p_path = span.path.poses(nearest)
+            distance, angle = offsets(path, p, R, p_path, R_path)
         at = int(np.argmax(distance))
         if worst.distance is None or distance[at] > worst.distance:
             worst = replace(

@@ -17,6 +17,8 @@ Index = NDArray[np.int64]
 _BATCH = 2048
 _SPACINGS = 4
 """Stations in half a window."""
+_AT_END = 1e-12
+"""How close to its piece's end a place is the end [m]."""
 _TIE = 1e-12
 """Weight of the square of the way from the hint, where all else is equal."""
 
@@ -35,7 +37,8 @@ def path_deviation(
     Nearest is the pose of the path with the least ``distance^2 + (rotation_weight angle)^2``. Both
     figures of a pose are taken there, so that one pose of the path bears them out together. Every
     piece within the window is searched: at stations, then by safeguarded Newton steps around each
-    station that can still lead to the least.
+    station that can still lead to the least. Where the orientation is free ends, it is asked for:
+    a hint from beyond that end is not measured there as if it were free.
 
     Args:
         tool_path: The path asked for.
@@ -99,7 +102,8 @@ class _Search:
         # The root of the cost changes by no more than the twist for each unit of s.
         root = np.sqrt(value)
         best = np.full(count, np.inf)
-        np.minimum.at(best, pose[pair], root)
+        held = self._held(pose[pair], piece[pair], s)
+        np.minimum.at(best, pose[pair[~held]], root[~held])
         reach = np.sqrt(rate) * step[pair]
         keep = root - reach <= best[pose[pair]]
         pair, s = pair[keep], s[keep]
@@ -107,11 +111,21 @@ class _Search:
         a = np.maximum(s - step[pair], lower[pair])
         b = np.minimum(s + step[pair], upper[pair])
         s, value = self._descend(here, on, a, s, b)
+        value[self._held(here, on, s)] = np.inf
         order = np.lexsort((s + begins[on], value, here))
         chosen = order[np.concatenate([[True], np.diff(here[order]) > 0])]
         here, on, s = here[chosen], on[chosen], s[chosen]
         distance, angle = self._figures(here, on, s)
         return distance, angle, begins[on] + s
+
+    def _held(self, pose: Index, piece: Index, s: Array) -> NDArray[np.bool_]:
+        """Whether a place is where a free piece ends towards the hint: its neighbour's by right."""
+        begins, hints = self._path.begins, self._hints[pose]
+        begin, end = begins[piece], begins[piece + 1]
+        at_begin = (s <= _AT_END) & (hints < begin)
+        at_end = (s >= end - begin - _AT_END) & (hints > end)
+        free = ~self._oriented[piece] & (self._weight > 0.0)
+        return np.asarray(free & (at_begin | at_end))
 
     def _errors(self, pose: Index, piece: Index, s: Array) -> tuple[Array, Array, Array, Array]:
         """Offset and rotation vector from path to pose in the base, and the path's twist."""

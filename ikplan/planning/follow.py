@@ -8,20 +8,21 @@ leaves the path, and nowhere else.
 
 from __future__ import annotations
 
+import functools
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ikplan.kinematics.arm import Arm
-from ikplan.kinematics.forward import forward_batch
 from ikplan.kinematics.target import ORIENTATION_WEIGHT, Freedom, constraint_rows
 from ikplan.planning.candidates import Targets, target_at
 from ikplan.planning.clock import Clock
-from ikplan.planning.guide import Guide, first_stations, nearest_places, rest_stations
+from ikplan.planning.guide import Guide, first_stations, rest_stations
 from ikplan.planning.length import motion_length
 from ikplan.planning.polish import polish
-from ikplan.planning.track import errors_at, first_break, onto_targets, track
+from ikplan.planning.stray import measured_shares, strayed_shares
+from ikplan.planning.track import first_break, onto_targets, track
 from ikplan.request import Tolerance
 from ikplan.timing import JointLimits, JointPath
 
@@ -44,8 +45,6 @@ _FINEST = 2.0**-13
 _DEVIATION_SHARE = 0.5
 """Share of the tolerance that the joint spline may use up."""
 _MOST_STATIONS = 20_000
-_INSIDE = np.array([0.2, 0.5, 0.8])
-"""Where between two stations the deviation is measured, as shares of the step."""
 
 
 @dataclass(frozen=True)
@@ -252,8 +251,15 @@ class Follower:
             self.clock.check()
             rest = rest_stations(guide, s)
             path = JointPath.through(q, self.limits, rest_at=rest)
-            off = self._interval_deviation(guide, s, path)
-            evaluations += len(_INSIDE) * (len(s) - 1)
+            off = strayed_shares(
+                self.arm.chain,
+                guide,
+                functools.partial(self.targets_at, guide),
+                s,
+                path,
+                self.tolerance,
+            )
+            evaluations += len(measured_shares(self.freedom)) * (len(s) - 1)
             wide = np.flatnonzero(off > _DEVIATION_SHARE)
             if len(wide) == 0 or len(s) > _MOST_STATIONS:
                 return s, q, rest, evaluations
@@ -276,20 +282,6 @@ class Follower:
             order = np.argsort(np.concatenate([s, middle]), kind="stable")
             s = np.concatenate([s, middle])[order]
             q = np.ascontiguousarray(np.vstack([q, q_middle])[order])
-
-    def _interval_deviation(self, guide: Guide, s: Array, path: JointPath) -> Array:
-        """Largest share of the tolerance used between each two stations, shape (m - 1,)."""
-        knots = path.s_waypoints
-        sigma = (knots[:-1, None] + np.diff(knots)[:, None] * _INSIDE).ravel()
-        near = (s[:-1, None] + np.diff(s)[:, None] * _INSIDE).ravel()
-        q = np.ascontiguousarray(path(sigma))
-        _, p = forward_batch(self.arm.chain, q)
-        low, high = np.repeat(s[:-1], len(_INSIDE)), np.repeat(s[1:], len(_INSIDE))
-        near = nearest_places(guide, near, p, low, high)
-        distance, angle = errors_at(self.arm.chain, self.targets_at(guide, near), q)
-        tolerance = self.tolerance
-        off = np.maximum(distance / tolerance.position, angle / tolerance.orientation)
-        return np.asarray(off.reshape(-1, len(_INSIDE)).max(axis=1))
 
 
 def _length(q: Array) -> float:

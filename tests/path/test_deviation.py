@@ -141,3 +141,14 @@ def test_an_end_orientation_off_by_a_known_angle_is_found():
     R, p = path.poses(s)
     _, angle, _ = path_deviation(path, p, R @ exp(np.array([0.0, 3e-3, 0.0])), s)
     assert_allclose(angle, 3e-3, rtol=1e-6)
+
+
+def test_the_last_of_an_oriented_span_is_held_to_it_though_a_free_span_follows():
+    here = Pose(np.eye(3), np.zeros(3))
+    path = through([pose([0.1, 0, 0], [0, 0, 0]), pose([0.2, 0, 0])], "line", here)
+    joint = path.waypoint_s[0]
+    s = joint + np.array([-3e-4, -1e-4, -1e-6, 1e-6, 1e-4])
+    tilted = np.broadcast_to(path.pose(joint)[0] @ exp(np.array([0.02, 0.0, 0.0])), (5, 3, 3))
+    distance, angle, _ = path_deviation(path, path.poses(s)[1], tilted, s)
+    assert_allclose(distance, 0.0, atol=1e-12)
+    assert_allclose(angle, [0.02, 0.02, 0.02, 0.0, 0.0], atol=1e-9)

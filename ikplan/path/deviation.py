@@ -18,7 +18,7 @@ _BATCH = 2048
 _SPACINGS = 4
 """Stations in half a window."""
 _AT_END = 1e-12
-"""How close to its piece's end a place is the end [m]."""
+"""How close to an end of where it is looked for a place is that end [m]."""
 _TIE = 1e-12
 """Weight of the square of the way from the hint, where all else is equal."""
 
@@ -102,8 +102,8 @@ class _Search:
         # The root of the cost changes by no more than the twist for each unit of s.
         root = np.sqrt(value)
         best = np.full(count, np.inf)
-        held = self._held(pose[pair], piece[pair], s)
-        np.minimum.at(best, pose[pair[~held]], root[~held])
+        within = self._beyond(pose[pair], piece[pair]) == 0
+        np.minimum.at(best, pose[pair[within]], root[within])
         reach = np.sqrt(rate) * step[pair]
         keep = root - reach <= best[pose[pair]]
         pair, s = pair[keep], s[keep]
@@ -111,21 +111,21 @@ class _Search:
         a = np.maximum(s - step[pair], lower[pair])
         b = np.minimum(s + step[pair], upper[pair])
         s, value = self._descend(here, on, a, s, b)
-        value[self._held(here, on, s)] = np.inf
+        # A free piece from beyond its end: only a least of its own, not the way to that end.
+        side = self._beyond(here, on)
+        ends = ((side < 0) & (s <= a + _AT_END)) | ((side > 0) & (s >= b - _AT_END))
+        value[ends] = np.inf
         order = np.lexsort((s + begins[on], value, here))
         chosen = order[np.concatenate([[True], np.diff(here[order]) > 0])]
         here, on, s = here[chosen], on[chosen], s[chosen]
         distance, angle = self._figures(here, on, s)
         return distance, angle, begins[on] + s
 
-    def _held(self, pose: Index, piece: Index, s: Array) -> NDArray[np.bool_]:
-        """Whether a place is where a free piece ends towards the hint: its neighbour's by right."""
+    def _beyond(self, pose: Index, piece: Index) -> Index:
+        """On which side of a free piece the hint is: -1 before, 1 after, 0 within, or not free."""
         begins, hints = self._path.begins, self._hints[pose]
-        begin, end = begins[piece], begins[piece + 1]
-        at_begin = (s <= _AT_END) & (hints < begin)
-        at_end = (s >= end - begin - _AT_END) & (hints > end)
-        free = ~self._oriented[piece] & (self._weight > 0.0)
-        return np.asarray(free & (at_begin | at_end))
+        side = np.where(hints < begins[piece], -1, np.where(hints > begins[piece + 1], 1, 0))
+        return np.where(~self._oriented[piece] & (self._weight > 0.0), side, 0)
 
     def _errors(self, pose: Index, piece: Index, s: Array) -> tuple[Array, Array, Array, Array]:
         """Offset and rotation vector from path to pose in the base, and the path's twist."""

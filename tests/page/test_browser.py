@@ -453,9 +453,10 @@ def test_a_key_is_asked_for_where_one_is_needed(browser: Browser) -> None:
         visit = Visit(browser, address, width=760, height=560, dark=False)
         page = visit.page
         page.goto(address)
-        for wrong in ("ikp_wrong", key):
-            expect(page.locator("#result")).to_contain_text("A key is needed")
-            page.get_by_label("API key").fill(wrong)
+        # The second panel tells something else than the first: what is filled in is for it.
+        for said, given in (("A key is needed here", "ikp_wrong"), ("This key is not known", key)):
+            expect(page.locator("#result")).to_contain_text(said)
+            page.get_by_label("API key").fill(given)
             page.keyboard.press("Enter")
         # Robots, their shapes and meshes come with the key.
         page.select_option("#robot", "xarm7")

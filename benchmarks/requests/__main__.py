@@ -7,27 +7,22 @@ kind. Those, and the slow ones, are written to a folder, to be asked again with
 
 from __future__ import annotations
 
-import os
+import argparse
+import collections
+import itertools
+import json
+import statistics
+import sys
+import time
+import traceback
+from pathlib import Path
+from typing import Any
 
-for _name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "NUMBA_NUM_THREADS"):
-    os.environ.setdefault(_name, "1")
-
-import argparse  # noqa: E402 - the threads are counted when NumPy is imported
-import collections  # noqa: E402
-import itertools  # noqa: E402
-import json  # noqa: E402
-import statistics  # noqa: E402
-import sys  # noqa: E402
-import time  # noqa: E402
-import traceback  # noqa: E402
-from pathlib import Path  # noqa: E402
-from typing import Any  # noqa: E402
-
-import ikplan  # noqa: E402
-from benchmarks.requests.drawing import KINDS, draw  # noqa: E402
-from ikplan.errors import CertificateViolated, IkplanError  # noqa: E402
-from ikplan.result import Plan  # noqa: E402
-from ikplan.retiming import time_request  # noqa: E402
+import ikplan
+from benchmarks.requests.drawing import KINDS, draw
+from ikplan.errors import CertificateViolated, IkplanError
+from ikplan.result import Plan
+from ikplan.retiming import time_request
 
 
 def asked(kind: str, request: dict[str, Any]) -> Plan:

@@ -155,6 +155,31 @@ def test_a_request_in_flight_twice_is_planned_once():
     served(use)
 
 
+def test_a_plan_is_answered_before_it_is_kept_and_forgotten_after_that():
+    async def use(planner, http, board) -> None:
+        put, written = board._store.put, asyncio.Event()
+
+        async def slowly(plan_id: str, document: bytes) -> None:
+            await written.wait()
+            await put(plan_id, document)
+
+        board._store.put = slowly
+        asking = ask(http)
+        await until(lambda: planner.asked)
+        planner.answer()
+        answer = await asking
+        place = f"/v1/plans/{GOOD_ID}"
+        assert (await http.get(place)).content == answer.content
+        forgetting = asyncio.create_task(http.delete(place))
+        await asyncio.sleep(0.02)
+        assert not forgetting.done()
+        written.set()
+        assert (await forgetting).status_code == 204
+        assert (await http.get(place)).status_code == 404
+
+    served(use)
+
+
 def test_a_larger_budget_is_not_bound_by_a_smaller_one_in_flight():
     async def use(planner, http, _) -> None:
         small, large = ask(http, budget_s=1.0), ask(http, budget_s=2.0)

@@ -20,6 +20,8 @@ __all__ = [
 ]
 
 MAX_REPEATS = 1000
+_LEAST = 1e-6
+"""Smallest size [m] and smallest turn [rad or turns] that a curve can have: less is a point."""
 
 
 class CurveSegment(ToolSegment):
@@ -63,7 +65,7 @@ class CircleSegment(CurveSegment):
     """``(radius cos a, radius sin a, 0)``, a from ``phase`` to ``phase + angle``."""
 
     type: Literal["circle"] = Field(description="A circle about the frame's z axis.")
-    radius: float = Field(gt=0, le=100, description="Radius [m].")
+    radius: float = Field(ge=_LEAST, le=100, description="Radius [m].")
     angle: float = Field(
         6.283185307179586, ge=-10_000, le=10_000, description="Angle turned, signed [rad]."
     )
@@ -79,7 +81,7 @@ class HelixSegment(CurveSegment):
     """``(radius cos a, radius sin a, rise u)``, ``a = phase + 2 pi turns u``, u from 0 to 1."""
 
     type: Literal["helix"] = Field(description="A helix about the frame's z axis.")
-    radius: float = Field(gt=0, le=100, description="Radius [m].")
+    radius: float = Field(ge=_LEAST, le=100, description="Radius [m].")
     rise: float = Field(ge=-100, le=100, description="Way along the axis, signed [m].")
     turns: float = Field(
         ge=-MAX_REPEATS, le=MAX_REPEATS, description="Turns, positive anticlockwise about z [1]."
@@ -96,7 +98,7 @@ class RoseSegment(CurveSegment):
     """``(rho cos b, rho sin b, 0)``, ``rho = radius cos(petals b)``, b from phase on by angle."""
 
     type: Literal["rose"] = Field(description="A rose (rhodonea) in the frame's x-y plane.")
-    radius: float = Field(gt=0, le=100, description="Length of a petal [m].")
+    radius: float = Field(ge=_LEAST, le=100, description="Length of a petal [m].")
     petals: int = Field(3, ge=1, le=50, description="Factor of the angle; even: twice the petals.")
     phase: float = Field(0.0, ge=-1000, le=1000, description="First polar angle b [rad].")
     angle: float | None = Field(
@@ -117,9 +119,9 @@ class SinusoidSegment(CurveSegment):
     """``(x, amplitude sin(2 pi x / wavelength + phase), 0)``, x from 0 to ``length``."""
 
     type: Literal["sinusoid"] = Field(description="A sine wave along the frame's x axis.")
-    length: float = Field(gt=0, le=100, description="Way along x [m].")
+    length: float = Field(ge=_LEAST, le=100, description="Way along x [m].")
     amplitude: float = Field(ge=-100, le=100, description="Amplitude along y [m].")
-    wavelength: float = Field(gt=0, le=1e6, description="Way along x of one period [m].")
+    wavelength: float = Field(ge=_LEAST, le=1e6, description="Way along x of one period [m].")
     phase: float = Field(0.0, ge=-1000, le=1000, description="Phase of the first point [rad].")
 
     @model_validator(mode="after")
@@ -133,7 +135,7 @@ class SawtoothSegment(CurveSegment):
     """Teeth along x: each rises to ``height`` and falls back to 0 over the last part of it."""
 
     type: Literal["sawtooth"] = Field(description="A sawtooth along the frame's x axis.")
-    length: float = Field(gt=0, le=100, description="Way along x of all teeth [m].")
+    length: float = Field(ge=_LEAST, le=100, description="Way along x of all teeth [m].")
     height: float = Field(ge=-100, le=100, description="Height of the teeth along y, signed [m].")
     teeth: int = Field(ge=1, le=MAX_REPEATS, description="Number of teeth.")
     fall: float = Field(
@@ -145,7 +147,7 @@ class TrapezoidSegment(CurveSegment):
     """Trapezoids along x: up to ``height``, along the top, down to 0, along the bottom."""
 
     type: Literal["trapezoid"] = Field(description="A trapezoid wave along the frame's x axis.")
-    length: float = Field(gt=0, le=100, description="Way along x of all periods [m].")
+    length: float = Field(ge=_LEAST, le=100, description="Way along x of all periods [m].")
     height: float = Field(ge=-100, le=100, description="Height along y, signed [m].")
     periods: int = Field(ge=1, le=MAX_REPEATS, description="Number of periods.")
     ramp: float = Field(
@@ -158,6 +160,9 @@ class TrapezoidSegment(CurveSegment):
 
 
 def _not_zero(value: float) -> float:
-    if abs(value) < 1e-12:
-        raise ValueError("a curve that does not turn is no curve: other than 0 is wanted")
+    if abs(value) < _LEAST:
+        raise ValueError(
+            "a curve that does not turn is no curve: other than 0 is wanted, by at least "
+            f"{_LEAST:g}"
+        )
     return value

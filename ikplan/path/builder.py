@@ -150,10 +150,17 @@ class PathBuilder:
         """Append a named curve, joined by a line to where the path has got to.
 
         Raises:
-            InvalidRequest: There is a gap and no line is wanted, or the orientation is undefined.
+            InvalidRequest: It has no length, there is a gap and no line is wanted, or the
+                orientation is undefined.
         """
         R, origin = self._frame.frame(segment.frame)
         pieces = curve_pieces(segment, R, origin)
+        if sum(piece.length for piece in pieces) < _JOINED:
+            raise InvalidRequest(
+                f"{field}: the curve is shorter than {_JOINED:g} m: a point, not a path",
+                field=field,
+                allowed=f"a curve of at least {_JOINED:g} m",
+            )
         first = self.curve_begin(segment, pieces)
         gap = float(np.linalg.norm(first.p - self._at.p))
         turn = 0.0

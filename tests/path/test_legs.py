@@ -98,6 +98,13 @@ def test_a_curve_is_joined_by_a_line_unless_it_must_not_be():
         legs({"segments": [turned]}, Pose(START.R, np.array(FIRST)))
 
 
+def test_a_curve_without_length_is_refused():
+    point = {**HELIX, "radius": 1e-6, "turns": 1e-6, "rise": 0.0}
+    with pytest.raises(InvalidRequest, match="a point, not a path") as caught:
+        legs({"segments": [point]})
+    assert caught.value.field == "path.segments[0]"
+
+
 def test_a_joint_approach_leads_to_the_first_point_of_a_curve_or_spline():
     found = legs({"segments": [HELIX], "approach": "joint"})
     assert shape(found) == [("joint", [0]), ("tool", [1])]

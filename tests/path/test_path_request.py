@@ -166,6 +166,8 @@ CIRCLE = {"type": "circle", "radius": 0.1}
         ({"segments": [{"type": "spline", "through": []}]}, "path.segments[0].through", "least"),
         ({"segments": [{**CIRCLE, "radius": 0}]}, "path.segments[0].radius", "greater"),
         ({"segments": [{**CIRCLE, "angle": 0.0}]}, "path.segments[0].angle", "other than 0"),
+        ({"segments": [{**CIRCLE, "angle": 5e-324}]}, "path.segments[0].angle", "other than 0"),
+        ({"segments": [{**CIRCLE, "radius": 5e-324}]}, "path.segments[0].radius", "greater than"),
         ({"segments": [{**CIRCLE, "orientation": "spin"}]}, "path.segments[0].orientation", "fol"),
         (
             {"segments": [{**CIRCLE, "orientation": {"quaternion_xyzw": [0, 0, 0, 2.0]}}]},

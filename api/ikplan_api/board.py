@@ -50,7 +50,7 @@ class PlanBoard:
         self._max_budget_s = max_budget_s
         self._making: dict[str, Making] = {}
         self._seen: OrderedDict[bytes, None] = OrderedDict()
-        # Those of the last moments, and those that the store could not keep.
+        # Those that are not kept yet, and those that the store could not keep.
         self._recent = RecentPlans(max_plans=256, max_bytes=64 * 2**20)
         self._keeping: dict[str, asyncio.Task[None]] = {}
 
@@ -250,6 +250,7 @@ class PlanBoard:
     async def _keep(self, plan_id: str, document: bytes) -> None:
         try:
             await self._store.put(plan_id, document)
+            self._recent.delete(plan_id)  # from here on the bounds of the store hold for it
         except StoreFault as error:
             _log.error("plan %s could not be kept: %s", plan_id, error)
         finally:

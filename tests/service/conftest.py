@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import socket
 import time
 from collections.abc import Iterator
@@ -11,6 +12,7 @@ import pytest
 import uvicorn
 from anyio.from_thread import BlockingPortal, start_blocking_portal
 from fastapi import FastAPI
+from starlette.types import ASGIApp, Receive, Scope, Send
 
 from ikplan import Client
 from ikplan_api.app import create_app
@@ -41,6 +43,18 @@ class PortalTransport(httpx.BaseTransport):
         return self._portal.call(exchange)
 
 
+class OneLoop:
+    """Lets nobody use the shared app in another event loop than its own: its locks have one."""
+
+    def __init__(self, app: ASGIApp, loop: asyncio.AbstractEventLoop) -> None:
+        self._app = app
+        self._loop = loop
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        assert asyncio.get_running_loop() is self._loop, "ask the shared app by portal.call"
+        await self._app(scope, receive, send)
+
+
 @pytest.fixture(scope="session")
 def portal() -> Iterator[BlockingPortal]:
     with start_blocking_portal() as running:
@@ -50,6 +64,7 @@ def portal() -> Iterator[BlockingPortal]:
 @pytest.fixture(scope="session")
 def app(portal: BlockingPortal) -> Iterator[FastAPI]:
     made = create_app(Settings(workers=2, max_queued=1000, max_body_bytes=2**22))
+    made.add_middleware(OneLoop, loop=portal.call(asyncio.get_running_loop))
     with portal.wrap_async_context_manager(made.router.lifespan_context(made)):
         portal.call(made.state.planner.warm_up)  # tells why, if it cannot
         yield made

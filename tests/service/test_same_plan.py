@@ -55,7 +55,7 @@ def test_the_client_returns_the_plan_that_python_makes(plan, client):
         assert encode(remote, "csv") == encode(plan, "csv")
 
 
-def test_the_twin_returns_what_the_client_returns(plan, app, client):
+def test_the_twin_returns_what_the_client_returns(plan, app, client, portal):
     async def ask() -> tuple:
         transport = httpx.ASGITransport(app)
         async with AsyncClient(ADDRESS, transport=transport) as twin:
@@ -67,7 +67,7 @@ def test_the_twin_returns_what_the_client_returns(plan, app, client):
             lists = (await twin.robots(), await twin.robot("ur5"), await twin.solvers())
             return made, await twin.get_plan(made.id), others, lists, await twin.version()
 
-    made, kept, others, lists, version = asyncio.run(ask())
+    made, kept, others, lists, version = portal.call(ask)
     assert lasting(made.model_dump_json()) == lasting(plan.model_dump_json())
     assert kept.model_dump_json() == made.model_dump_json()
     expected = (
@@ -92,14 +92,14 @@ def test_the_command_writes_the_plan_that_python_makes(plan, tmp_path: Path, cap
     assert written[1:] == [encode(plan, "csv"), encode(plan, "npz")]
 
 
-def test_requests_at_the_same_time_do_not_disturb_each_other(plan, app):
+def test_requests_at_the_same_time_do_not_disturb_each_other(plan, app, portal):
     others = [{**GOOD, "ik": {"seed": seed}} for seed in range(4)]
 
     async def ask() -> list[Plan]:
         async with AsyncClient(ADDRESS, transport=httpx.ASGITransport(app)) as twin:
             return await asyncio.gather(*(twin.plan(r) for r in [GOOD, *others, GOOD]))
 
-    answers = asyncio.run(ask())
+    answers = portal.call(ask)
     assert {a.id for a in answers if a.id == plan.id} == {plan.id}
     for answer, request in zip(answers, [GOOD, *others, GOOD], strict=True):
         assert encode(answer, "npz") == encode(ikplan.plan(request), "npz")

@@ -1,6 +1,7 @@
 """Once over a real socket: the command that serves, the clients, the shell, the signal to stop."""
 
 import asyncio
+import contextlib
 import io
 import json
 import re
@@ -25,8 +26,8 @@ from .bad_requests import GOOD
 WAIT_S = 120.0
 
 
-@pytest.fixture(scope="module")
-def served() -> Iterator[tuple[subprocess.Popen[str], str]]:
+@contextlib.contextmanager
+def service() -> Iterator[tuple[subprocess.Popen[str], str]]:
     """A service on a free port, as its own process; it is stopped whatever happens."""
     arguments = ["-m", "ikplan", "serve", "--port", "0", "--workers", "1"]
     process = subprocess.Popen([sys.executable, *arguments], stderr=subprocess.PIPE, text=True)
@@ -41,6 +42,7 @@ def served() -> Iterator[tuple[subprocess.Popen[str], str]]:
                 break
         else:
             raise AssertionError("".join(said))
+        overdue.cancel()
         drain = threading.Thread(target=process.stderr.read)
         drain.start()
         yield process, match[0]
@@ -54,14 +56,14 @@ def served() -> Iterator[tuple[subprocess.Popen[str], str]]:
 
 
 @pytest.fixture(scope="module")
-def address(served: tuple[subprocess.Popen[str], str]) -> str:
-    _, address = served
-    assert httpx.get(f"{address}/livez").status_code == 200
-    deadline = time.monotonic() + WAIT_S
-    while httpx.get(f"{address}/readyz").status_code != 200:
-        assert time.monotonic() < deadline
-        time.sleep(0.1)
-    return address
+def address() -> Iterator[str]:
+    with service() as (_, address):
+        assert httpx.get(f"{address}/livez").status_code == 200
+        deadline = time.monotonic() + WAIT_S
+        while httpx.get(f"{address}/readyz").status_code != 200:
+            assert time.monotonic() < deadline
+            time.sleep(0.1)
+        yield address
 
 
 def test_the_clients_get_the_plan_that_python_makes(address):
@@ -161,20 +163,21 @@ def test_raw_bytes_do_not_disturb_the_service(address):
     assert httpx.get(f"{address}/livez").json() == {"status": "alive"}
 
 
-def test_a_taken_port_is_told_in_one_line(address, capsys):
-    port = address.rpartition(":")[2]
-    capsys.readouterr()
-    assert main(["serve", "--port", port]) == 2
+def test_a_taken_port_is_told_in_one_line(capsys):
+    with socket.create_server(("127.0.0.1", 0)) as other:
+        port = other.getsockname()[1]
+        assert main(["serve", "--port", str(port)]) == 2
     (line,) = capsys.readouterr().err.splitlines()
     assert line.startswith(f"ikplan: file-error: cannot listen on 127.0.0.1 port {port}: ")
 
 
-def test_an_interrupt_stops_the_service_cleanly(served, address):
-    process, _ = served
-    process.send_signal(signal.SIGINT)
-    assert process.wait(timeout=30) == 0
-    with Client(address) as client, pytest.raises(ServiceUnavailable, match="cannot reach"):
-        client.version()
+def test_an_interrupt_stops_the_service_cleanly():
+    with service() as (process, address):
+        assert httpx.get(f"{address}/livez", timeout=WAIT_S).status_code == 200
+        process.send_signal(signal.SIGINT)
+        assert process.wait(timeout=30) == 0
+        with Client(address) as client, pytest.raises(ServiceUnavailable, match="cannot reach"):
+            client.version()
 
 
 def test_short_answers_do_not_wait_for_more_to_send():

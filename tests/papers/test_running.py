@@ -20,11 +20,11 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return tmp_path_factory.mktemp("papers")
 
 
-def test_rows_are_kept_and_not_made_again(folder: Path) -> None:
-    results = run_experiment("E7", 1, 1, 50, folder)
-    files = {p: p.stat().st_mtime_ns for p in folder.rglob("*.csv")}
+def test_rows_are_kept_and_not_made_again(tmp_path: Path) -> None:
+    results = run_experiment("E7", 1, 1, 50, tmp_path)
+    files = {p: p.stat().st_mtime_ns for p in tmp_path.rglob("*.csv")}
     assert len(files) == len(results.tables)
-    more = run_experiment("E7", 2, 1, 50, folder)
+    more = run_experiment("E7", 2, 1, 50, tmp_path)
     kept = {p: p.stat().st_mtime_ns for p in files}
     assert kept == files
     for key, table in results.tables.items():

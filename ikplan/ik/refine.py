@@ -161,6 +161,46 @@ def _damped_step(q: Array, lower: Array, upper: Array, damping: float, w: Worksp
             return
 
 
+# At an edge of what is free a row does not count, and a step for the others leads over the edge;
+# the step after leads back over theirs. Rows that counted just now are held where they are.
+
+
+@leaf_kernel
+def _count_those_before(w: Workspace) -> None:
+    """Count the rows too that counted at the configuration before."""
+    for i in range(6):
+        counts = w.counts[i]
+        w.counts[i] = counts or w.held[i]
+        w.held[i] = counts
+
+
+@leaf_kernel
+def _count_again(chain: Chain, target: Target, q: Array, beyond: bool, w: Workspace) -> bool:
+    """After a step that was refused: count the rows that count at q, and those at the step's end.
+
+    Args:
+        chain: The chain from base to tool.
+        target: The tool pose wanted.
+        q: Where the step began, shape (dof,) [rad or m].
+        beyond: Whether those at its end count; without them what is held may hold up all.
+        w: Buffers, as the step left them.
+
+    Returns:
+        Whether other rows count than did.
+    """
+    for i in range(6):
+        w.held[i] = w.counts[i]
+    residual(chain, target, q, w.e, w)
+    other = not beyond
+    for i in range(6):
+        counts = w.counts[i]
+        other = other or (w.held[i] and not counts)
+        w.counts[i] = counts or (beyond and w.held[i])
+        w.held[i] = counts
+    differentiate(chain, target, w)
+    return other
+
+
 @leaf_kernel
 def refine(
     chain: Chain,
@@ -187,6 +227,8 @@ def refine(
     """
     distance, angle, error = residual(chain, target, q, w.e, w)
     evaluations = 1
+    edges = target.freedom.boxed or target.freedom.cone > 0.0
+    w.held[:] = False
     factor = 1.0
     rejected = 0
     checkpoint = error
@@ -199,6 +241,8 @@ def refine(
                 break
             checkpoint = error
         if rejected == 0:
+            if edges:
+                _count_those_before(w)
             differentiate(chain, target, w)
         _damped_step(q, lower, upper, factor * error + 1e-12, w)
         for j in range(q.shape[0]):
@@ -220,5 +264,9 @@ def refine(
             rejected += 1
             if rejected > 6 or error < 1e-22:
                 break
+            if edges and (rejected == 1 or rejected == 3):
+                evaluations += 1
+                if _count_again(chain, target, q, rejected == 1, w):
+                    continue
             factor = 10.0 * max(factor, 1e-3)
     return distance, angle, evaluations

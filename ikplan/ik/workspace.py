@@ -35,6 +35,7 @@ class Workspace(NamedTuple):
         free: Which joints move, shape (dof,).
         trial: Trial configuration, shape (dof,).
         counts: Which rows of the error count at the last residual, shape (6,).
+        held: Which rows counted at another configuration, shape (6,).
         turned: Whether its rows are along the box's axes instead of the tool's, shape (1,).
     """
 
@@ -54,6 +55,7 @@ class Workspace(NamedTuple):
     free: NDArray[np.bool_]
     trial: Array
     counts: NDArray[np.bool_]
+    held: NDArray[np.bool_]
     turned: NDArray[np.bool_]
 
 
@@ -77,6 +79,7 @@ def new_workspace(chain: Chain) -> Workspace:
         np.empty(dof),
         np.empty(dof, dtype=np.bool_),
         np.empty(dof),
+        np.ones(6, dtype=np.bool_),
         np.ones(6, dtype=np.bool_),
         np.zeros(1, dtype=np.bool_),
     )

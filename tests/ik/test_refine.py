@@ -10,7 +10,7 @@ from scipy.stats import qmc
 from ikplan.ik.lm import restart_into
 from ikplan.ik.refine import Effort, differentiate, new_workspace, refine, residual
 from ikplan.kinematics.arm import arm_of
-from ikplan.kinematics.target import pose_target
+from ikplan.kinematics.target import no_freedom, pose_target
 from ikplan.robots import load_robot, robot_names
 
 
@@ -38,6 +38,32 @@ def test_a_seed_nearby_converges_to_machine_precision(name: str) -> None:
         assert (q <= robot.upper).all()
         good += distance < 1e-11 and angle < 1e-11
     assert good >= 36
+
+
+@pytest.mark.parametrize("name", ["ur5", "iiwa14", "panda", "dobot_magician"])
+def test_a_seed_nearby_comes_to_where_edges_of_a_box_meet(name: str) -> None:
+    robot = load_robot(name)
+    arm = arm_of(robot)
+    w = new_workspace(arm.chain)
+    rng = np.random.default_rng(54)
+    missed, draws = 0, 500
+    for _ in range(draws):
+        goal = robot.random_configuration(rng)
+        pose = robot.fk(goal)
+        box = rng.choice([0.0, 1e-3, 1e-2], 6)
+        if robot.dof < 6:
+            box[3:] = 4.0  # any orientation
+        freedom = no_freedom()._replace(boxed=True, box=box, in_tool=bool(rng.integers(2)))
+        target = pose_target(pose.translation, pose.rotation, freedom=freedom)
+        q = robot.clip(goal + rng.choice([1e-4, 1e-2, 0.1]) * rng.normal(size=robot.dof))
+        distance, angle, _ = refine(arm.chain, target, q, arm.lower, arm.upper, Effort(15, 8), w)
+        axes = pose.rotation if freedom.in_tool else np.eye(3)
+        have = robot.fk(q)
+        along = axes.T @ (have.translation - pose.translation)
+        outside = np.maximum(np.abs(along) - box[:3], 0.0)
+        assert distance == pytest.approx(np.linalg.norm(outside), abs=1e-13)
+        missed += max(distance, angle) > 1e-9
+    assert missed <= 0.01 * draws
 
 
 def test_convergence_is_quadratic() -> None:

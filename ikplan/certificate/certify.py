@@ -15,7 +15,8 @@ from numpy.typing import NDArray
 
 from ikplan.certificate.elongation import elongation_lower_bound
 from ikplan.certificate.limits import RATIO_SLACK, further_limits
-from ikplan.certificate.paths import Followed, TimedSpan, follow_checks, offset
+from ikplan.certificate.offsets import offset
+from ikplan.certificate.paths import Followed, TimedSpan, follow_checks
 from ikplan.certificate.stretches import LimitWindow, stretch_checks
 from ikplan.documents.limits import LimitOptions
 from ikplan.errors import CertificateViolated

@@ -29,7 +29,7 @@ def path_deviation(
     R: Array,
     s_hint: Array,
     *,
-    window: float = 0.01,
+    window: float | Array = 0.01,
     rotation_weight: float = 0.1,
 ) -> tuple[Array, Array, Array]:
     """Measure tool poses against the nearest pose of the path near given path lengths.
@@ -45,7 +45,7 @@ def path_deviation(
         p: Tool positions in the base, shape (m, 3) [m].
         R: Tool rotations in the base, shape (m, 3, 3).
         s_hint: Path length that each pose is about at, shape (m,) [m].
-        window: How far from the hint to look on either side [m].
+        window: How far from the hint to look on either side, one for all or shape (m,) [m].
         rotation_weight: What a radian weighs against a metre [m/rad]; the ratio of the position
             and the orientation tolerance is a good choice. 0: the nearest point; on a turn on the
             spot, the pose nearest to the hint.
@@ -56,9 +56,11 @@ def path_deviation(
     """
     p, R = np.asarray(p, dtype=np.float64), np.asarray(R, dtype=np.float64)
     hints = np.clip(np.asarray(s_hint, dtype=np.float64), 0.0, tool_path.length)
+    windows = np.broadcast_to(np.asarray(window, dtype=np.float64), hints.shape)
     batches = [slice(k, k + _BATCH) for k in range(0, len(p), _BATCH)]
     found = [
-        _Search(tool_path, p[b], R[b], hints[b], rotation_weight).nearest(window) for b in batches
+        _Search(tool_path, p[b], R[b], hints[b], rotation_weight).nearest(windows[b])
+        for b in batches
     ]
     if not found:
         return np.zeros(0), np.zeros(0), np.zeros(0)
@@ -75,7 +77,7 @@ class _Search:
         self._oriented = np.array([piece.oriented for piece in path.pieces])
         self._turns = np.array([piece.turns for piece in path.pieces])
 
-    def nearest(self, window: float) -> tuple[Array, Array, Array]:
+    def nearest(self, window: Array) -> tuple[Array, Array, Array]:
         hints, begins, count = self._hints, self._path.begins, len(self._p)
         low, high = hints - window, hints + window
         last = len(begins) - 2
@@ -93,7 +95,7 @@ class _Search:
         upper = np.minimum(high[pose], begins[piece + 1]) - begins[piece]
         upper = np.maximum(upper, lower)
         # Stations on each pair, its ends included.
-        gap = window / _SPACINGS if window > 0.0 else 1.0
+        gap = (np.where(window > 0.0, window, np.inf) / _SPACINGS)[pose]
         stations = np.ceil((upper - lower) / gap).astype(np.int64) + 1
         pair = np.repeat(np.arange(len(pose)), stations)
         step = (upper - lower) / np.maximum(stations - 1, 1)

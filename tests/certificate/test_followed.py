@@ -28,3 +28,27 @@ def test_a_sample_beside_the_joint_is_measured_on_the_span_it_belongs_to(after, 
     followed = follow_checks(robot, request, [span], path.begins[1:2] + after, q)
     assert followed.angle == pytest.approx(angle, abs=1e-9)
     assert followed.distance == pytest.approx(max(after, 0.0), abs=1e-9)
+
+
+@pytest.mark.parametrize("freedom", [{"about": "tool_z"}, {"about": "tool_x", "cone": 1e-4}, None])
+@pytest.mark.parametrize(("off", "kept"), [(5e-6, True), (9e-5, True), (3e-4, False)])
+def test_a_tool_that_turns_faster_than_it_moves_is_measured_in_both_at_one_place(
+    freedom, off, kept
+):
+    robot = load_robot("ur5")
+    q = np.array([[0.4, -1.2, 1.5, -0.8, -1.2, 0.3]])
+    R, p = (part[0] for part in robot.poses(q))
+    along, turn = R[:, 1] * 5e-4, np.array([1.4, 1.4, 0.0])
+    # Its middle is the pose of the arm, but beside it along the path, where it is turned.
+    middle = p + off * R[:, 1]
+    path = ToolPath((line(middle - along, middle + along, R @ exp(-0.5 * turn), turn),))
+    request = PathRequest.model_validate(
+        {"waypoints": [{"position": list(p)}], "orientation_free": freedom}
+    )
+    span = TimedSpan(path, np.linspace(0.0, 1.0, 5), path.length * np.linspace(0.0, 1.0, 5))
+    followed = follow_checks(robot, request, [span], np.array([0.5]), q)
+    assert followed.distance is not None
+    assert followed.angle is not None
+    held = followed.distance <= request.tolerance.position
+    assert (held and followed.angle <= request.tolerance.orientation) == kept
+    assert followed.distance <= off + 1e-9

@@ -54,13 +54,13 @@ def main() -> int:
     parser.add_argument("--seconds", type=float, default=60.0, help="how long to ask")
     parser.add_argument("--first", type=int, default=0, help="number of the first request")
     parser.add_argument("--only", type=int, help="number of the one request to ask")
-    parser.add_argument("--kind", choices=(*KINDS, "both"), default="both")
+    parser.add_argument("--kind", choices=(*KINDS, "all"), default="all")
     parser.add_argument("--slow", type=float, default=5.0, help="processor seconds that are long")
     parser.add_argument("--budget", type=float, default=40.0, help="budget_s of each request")
     parser.add_argument("--tell", nargs="*", default=[], help="refusals to print, by class")
     parser.add_argument("--out", type=Path, default=Path("out/requests"))
     options = parser.parse_args()
-    kinds = KINDS if options.kind == "both" else (options.kind,)
+    kinds = KINDS if options.kind == "all" else (options.kind,)
     numbers = itertools.count(options.first) if options.only is None else [options.only]
     counts: collections.Counter[str] = collections.Counter()
     seconds, timing_seconds, faults = [], [], 0

@@ -7,13 +7,14 @@ from typing import Any
 
 import numpy as np
 
+from benchmarks.requests.curves import random_curves
 from benchmarks.requests.limits import random_limits, random_sampling
 from benchmarks.requests.paths import random_joint_path, random_path
 from ikplan.robots import Robot, load_robot, robot_names
 
 __all__ = ["KINDS", "draw"]
 
-KINDS = ("plan", "timing")
+KINDS = ("plan", "timing", "curve")
 
 
 @functools.cache
@@ -25,7 +26,7 @@ def draw(kind: str, seed: int, number: int, budget_s: float) -> dict[str, Any]:
     """Draw a request.
 
     Args:
-        kind: "plan", or "timing" for that of a joint path.
+        kind: "plan", "timing" for that of a joint path, or "curve" for a plan along named curves.
         seed: Which series.
         number: Which of it.
         budget_s: Its time budget [s].
@@ -44,7 +45,11 @@ def draw(kind: str, seed: int, number: int, budget_s: float) -> dict[str, Any]:
         q = robot.random_configuration(rng)
         free = bool(rng.random() < 0.25)
         request["start"] = "free" if free else q.tolist()
-        request["path"] = random_path(rng, robot, q, free)
+        request["path"] = (
+            random_path(rng, robot, q, free)
+            if kind == "plan"
+            else random_curves(rng, robot, robot.fk(q), free)
+        )
         ik: dict[str, Any] = {"method": "lm"} if rng.random() < 0.5 else {}
         if rng.random() < 0.2:
             ik["elongation"] = "greedy"

@@ -71,7 +71,9 @@ class ToleranceBox(Document):
         "tool's, about x, y and z of the frame [rad].",
     )
     frame: Literal["tool", "path"] = Field(
-        "tool", description='Whose axes: "tool": of the tool at the target; "path": of the path.'
+        "tool",
+        description='Whose axes: "tool": of the tool at the target, of the base where no '
+        'orientation is asked for; "path": of the path.',
     )
 
 

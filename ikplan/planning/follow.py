@@ -9,26 +9,30 @@ leaves the path, and nowhere else.
 from __future__ import annotations
 
 import functools
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ikplan.errors import InvalidRequest
 from ikplan.kinematics.arm import Arm
 from ikplan.kinematics.target import ORIENTATION_WEIGHT, Freedom, constraint_rows
 from ikplan.planning.candidates import Targets, target_at
 from ikplan.planning.clock import Clock
+from ikplan.planning.followed import Followed, Lost
 from ikplan.planning.guide import Guide, first_stations, rest_stations
 from ikplan.planning.length import motion_length
 from ikplan.planning.polish import polish
 from ikplan.planning.stray import measured_shares, strayed_shares
-from ikplan.planning.track import first_break, onto_targets, track
+from ikplan.planning.track import NO_SLACK, first_break, onto_targets, track
 from ikplan.request import Tolerance
 from ikplan.timing import JointLimits, JointPath
 
-__all__ = ["Followed", "Follower", "Lost"]
+__all__ = ["Follower"]
 
 Array = NDArray[np.float64]
+Index = NDArray[np.int64]
 _Way = tuple[float, Array, Array]
 """Joint motion, stations, shape (m,), and configurations, shape (m, dof)."""
 
@@ -38,53 +42,16 @@ _FIRST_STEPS = (0.04, 0.005)
 turns out to have gone over a jump."""
 _TRIED = 3
 """Ways that are tried to their end, shortest first."""
-_JUMP = 2.0**-20
-"""A joint motion on less than this share of the path, and not on the path, is a jump."""
-_FINEST = 2.0**-13
-"""Smallest step, as a share of the path's length."""
+_JUMP, _JUMP_STEP = 2.0**-20, 1e-6
+"""A joint motion on less than this share of the path, and this length [m], that is not on the path
+is a jump."""
+_FINEST, _FINEST_STEP = 2.0**-13, 1e-4
+"""Smallest step: as a share of the path's length, and at most in all [m]."""
+_BEND = 0.01
+"""How far joints may turn back within the smallest step [rad or m]."""
 _DEVIATION_SHARE = 0.5
 """Share of the tolerance that the joint spline may use up."""
 _MOST_STATIONS = 20_000
-
-
-@dataclass(frozen=True)
-class Followed:
-    """Stations of a path that was followed to its end.
-
-    Attributes:
-        s: Path positions, shape (m,).
-        q: Configurations, shape (m, dof) [rad or m].
-        rest: Indices of the stations where the motion stops.
-        waypoint: Indices of the stations of the waypoints, shape (n,).
-        length: Sum of the joint distances, the move to the first station included.
-        evaluations: Forward-kinematics evaluations spent.
-    """
-
-    s: Array
-    q: Array
-    rest: list[int]
-    waypoint: NDArray[np.int64]
-    length: float
-    evaluations: int
-
-
-class Lost(Exception):
-    """The arm could not be led farther along the path.
-
-    Attributes:
-        s: Path position of the last station reached.
-        q: Its configuration, shape (dof,) [rad or m].
-        evaluations: Forward-kinematics evaluations spent.
-        beyond: The configuration next on the path, which it cannot move on to, shape (dof,); None:
-            none was found.
-    """
-
-    def __init__(self, s: float, q: Array, evaluations: int, beyond: Array | None = None) -> None:
-        super().__init__(f"lost the path at {s:.6g}")
-        self.s = s
-        self.q = q
-        self.evaluations = evaluations
-        self.beyond = beyond
 
 
 @dataclass(frozen=True)
@@ -120,6 +87,7 @@ class Follower:
 
         Raises:
             Lost: From no start can the path be followed to its end; of the one that got farthest.
+            InvalidRequest: The path takes more stations than there may be.
             BudgetExceeded: The time budget ran out.
         """
         evaluations = 0
@@ -197,15 +165,25 @@ class Follower:
         reached, evaluations = 0, 0
         while True:
             reached, spent = track(
-                self.arm.chain, targets, s, q, reached, lower, upper, _EXACT, redundant
+                self.arm.chain, targets, s, q, reached, lower, upper, _EXACT, redundant, NO_SLACK
             )
             evaluations += spent
             if reached == len(s) - 1:
                 return s, q, evaluations
-            gap = s[reached + 2] - s[reached]
-            if gap < _FINEST * guide.length or len(s) > _MOST_STATIONS:
-                raise Lost(float(s[reached]), q[reached].copy(), evaluations)
             self.clock.check()
+            gap = s[reached + 2] - s[reached]
+            if gap < min(_FINEST * guide.length, _FINEST_STEP) or len(s) > _MOST_STATIONS:
+                # Over a sharp bend, or a jump: whether the arm can move so, densifying shows.
+                these = slice(reached, reached + 3)
+                over, spent = track(
+                    self.arm.chain, self.targets_at(guide, s[these]), s[these], q[these], 0,
+                    lower, upper, _EXACT, redundant, _BEND,
+                )  # fmt: skip
+                evaluations += spent
+                if over == 0:
+                    raise Lost(float(s[reached]), q[reached].copy(), evaluations)
+                reached += over
+                continue
             halves = 0.5 * (s[reached : reached + 2] + s[reached + 1 : reached + 3])
             s = np.sort(np.concatenate([s, halves]))
             q = np.vstack([q[: reached + 1], np.empty((len(s) - reached - 1, q.shape[1]))])
@@ -245,43 +223,68 @@ class Follower:
 
     def _densify(self, guide: Guide, s: Array, q: Array) -> tuple[Array, Array, list[int], int]:
         """Add stations until the joint spline through them stays on the path."""
-        lower, upper = self.arm.lower, self.arm.upper
+        targets_at = functools.partial(self.targets_at, guide)
         evaluations = 0
         while True:
             self.clock.check()
             rest = rest_stations(guide, s)
             path = JointPath.through(q, self.limits, rest_at=rest)
-            off = strayed_shares(
-                self.arm.chain,
-                guide,
-                functools.partial(self.targets_at, guide),
-                s,
-                path,
-                self.tolerance,
-            )
-            evaluations += len(measured_shares(self.freedom)) * (len(s) - 1)
-            wide = np.flatnonzero(off > _DEVIATION_SHARE)
-            if len(wide) == 0 or len(s) > _MOST_STATIONS:
+            for close in (False, True):
+                off = strayed_shares(
+                    self.arm.chain, guide, targets_at, s, path, self.tolerance, close,
+                    _DEVIATION_SHARE,
+                )  # fmt: skip
+                evaluations += len(measured_shares(self.freedom, close)) * (len(s) - 1)
+                wide = np.flatnonzero(off > _DEVIATION_SHARE)
+                if len(wide):
+                    break
+            if len(wide) == 0:
                 return s, q, rest, evaluations
+            if len(s) > _MOST_STATIONS:
+                raise InvalidRequest(
+                    f"path: more than {_MOST_STATIONS} joint stations are needed to keep the tool "
+                    f"within {self.tolerance.position:.6g} m and "
+                    f"{self.tolerance.orientation:.6g} rad of it; allow more, or send the path in "
+                    "parts",
+                    field="path.tolerance",
+                )
             steps = s[wide + 1] - s[wide]
-            if steps.min() < _JUMP * guide.length:
+            if steps.min() < min(_JUMP * guide.length, _JUMP_STEP):
                 # The joints move, the tool does not: a jump that the first steps went over.
                 at = int(wide[np.argmin(steps)])
                 raise Lost(float(s[at]), q[at].copy(), evaluations, q[at + 1].copy())
-            middle = 0.5 * (s[wide] + s[wide + 1])
-            knots = path.s_waypoints
-            q_middle = np.clip(path(0.5 * (knots[wide] + knots[wide + 1])), lower, upper)
-            left, spent = onto_targets(
-                self.arm.chain, self.targets_at(guide, middle), q_middle, lower, upper
-            )
+            middle, q_middle, bad, spent = self._between(targets_at, s, path, wide)
             evaluations += spent
-            bad = np.flatnonzero(left > _EXACT)
             if len(bad):
-                at = int(wide[bad[0]])
+                at = int(bad[0])
                 raise Lost(float(s[at]), q[at].copy(), evaluations, q[at + 1].copy())
             order = np.argsort(np.concatenate([s, middle]), kind="stable")
             s = np.concatenate([s, middle])[order]
             q = np.ascontiguousarray(np.vstack([q, q_middle])[order])
+
+    def _between(
+        self, targets_at: Callable[[Array], Targets], s: Array, path: JointPath, steps: Index
+    ) -> tuple[Array, Array, Index, int]:
+        """Find a station within each of some steps, about its middle.
+
+        Returns:
+            Path positions, configurations, the steps without one, and evaluations spent.
+        """
+        knots, lower, upper = path.s_waypoints, self.arm.lower, self.arm.upper
+        middle, q = np.empty(len(steps)), np.empty((len(steps), self.arm.dof))
+        evaluations, left = 0, np.arange(len(steps))
+        # Where there is none in the very middle, as when just there the arm is singular: beside it.
+        for share in (0.5, 0.4, 0.6):
+            k = steps[left]
+            middle[left] = s[k] + share * (s[k + 1] - s[k])
+            tried = np.clip(path(knots[k] + share * (knots[k + 1] - knots[k])), lower, upper)
+            off, spent = onto_targets(self.arm.chain, targets_at(middle[left]), tried, lower, upper)
+            q[left] = tried
+            evaluations += spent
+            left = left[off > _EXACT]
+            if len(left) == 0:
+                break
+        return middle, q, steps[left], evaluations
 
 
 def _length(q: Array) -> float:

@@ -66,7 +66,7 @@ def nearest_places(guide: Guide, near: Array, p: Array, low: Array, high: Array)
         low: Smallest path position of each, shape (m,).
         high: Largest path position of each, shape (m,).
     """
-    h = 1e-4 * guide.length
+    h = np.minimum(1e-4 * guide.length, 0.05 * (high - low))
     ahead, behind = np.minimum(near + h, guide.length), np.maximum(near - h, 0.0)
     tangent = (guide.poses(ahead)[1] - guide.poses(behind)[1]) / (ahead - behind)[:, None]
     speed = np.linalg.norm(tangent, axis=1)

@@ -7,12 +7,14 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from ikplan.errors import InvalidRequest
 from ikplan.ik.arguments import check_start
 from ikplan.kinematics.target import Freedom, Target, pose_target
 from ikplan.path import JointLeg, JointTarget, Leg, Pose, ToolLeg, ToolPath, legs_of
 from ikplan.planning.branches import branches
 from ikplan.planning.choose import choose
-from ikplan.planning.follow import Followed, Follower, Lost
+from ikplan.planning.follow import Follower
+from ikplan.planning.followed import Followed, Lost
 from ikplan.planning.freedom import counts_orientation, freedom_of
 from ikplan.planning.lost import lost_path
 from ikplan.planning.problem import WaypointProblem
@@ -179,6 +181,7 @@ class _Layer:
     def tool_leg(self, leg: ToolLeg) -> None:
         """Lay a tool path."""
         path = leg.path
+        self._check_box(path)
         starts, costs = self._starts(path)
         try:
             followed = self.follower.follow(path, starts, costs)
@@ -189,6 +192,19 @@ class _Layer:
                 self.problem.robot, self.problem.solver, self.follower, path, lost
             ) from lost
         self._append(path, followed)
+
+    def _check_box(self, path: ToolPath) -> None:
+        """Refuse a box whose axes are told for some of a path and not for all of it."""
+        if not (self.freedom.boxed and self.freedom.in_tool and self.freedom.box[:3].any()):
+            return
+        told = [piece.oriented for piece in path.pieces] + [w.R is not None for w in path.waypoints]
+        if any(told) and not all(told):
+            raise InvalidRequest(
+                "path.tolerance.box.frame: part of the path asks for no orientation, and with it "
+                'the axes of the tool are not told for the box: choose "path"',
+                field="path.tolerance.box.frame",
+                allowed=["path"],
+            )
 
     def _starts(self, path: ToolPath) -> tuple[Array, Array]:
         """Configurations that the tool path may begin at, and the joint motion to each."""

@@ -9,7 +9,8 @@ from ikplan.errors import Disconnected, Unreachable
 from ikplan.ik.solve import NoSolution, PoseSolver, unreachable
 from ikplan.path import ToolPath
 from ikplan.planning.candidates import target_at
-from ikplan.planning.follow import Follower, Lost
+from ikplan.planning.follow import Follower
+from ikplan.planning.followed import Lost
 from ikplan.robots import Robot
 
 __all__ = ["lost_path"]

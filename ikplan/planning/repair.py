@@ -15,7 +15,7 @@ from ikplan.kinematics.forward import forward
 from ikplan.kinematics.target import Target, pose_target
 from ikplan.path import JointLeg, Pose, ToolLeg, legs_of
 from ikplan.planning.candidates import grow_candidates
-from ikplan.planning.follow import Lost
+from ikplan.planning.followed import Lost
 from ikplan.planning.freedom import counts_orientation, freedom_of
 from ikplan.planning.lay import lay_route
 from ikplan.planning.least_motion import stack_targets

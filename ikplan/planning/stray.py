@@ -22,14 +22,14 @@ __all__ = ["measured_shares", "strayed_shares"]
 Array = NDArray[np.float64]
 
 _INSIDE = np.array([0.2, 0.5, 0.8])
-_THROUGHOUT = np.array([0.0, 0.1, 0.2, 0.35, 0.5, 0.65, 0.8, 0.9, 1.0])
-"""The same where the tool may cross an edge of what is free: it does so in a small part of a step,
-and begins anywhere."""
+_THROUGHOUT = np.array([0.0, 0.03, 0.1, 0.2, 0.35, 0.5, 0.65, 0.8, 0.9, 0.97, 1.0])
+"""The same looked at closely: about a sharp bend, and where the tool may cross an edge of what is
+free, it strays in a small part of a step, and begins anywhere."""
 
 
-def measured_shares(freedom: Freedom) -> Array:
+def measured_shares(freedom: Freedom, close: bool) -> Array:
     """Where in each step the tool is measured, shape (k,), as shares of the step."""
-    return _THROUGHOUT if has_edges(freedom) else _INSIDE
+    return _THROUGHOUT if close or has_edges(freedom) else _INSIDE
 
 
 def strayed_shares(
@@ -39,6 +39,8 @@ def strayed_shares(
     s: Array,
     path: JointPath,
     tolerance: Tolerance,
+    close: bool,
+    enough: float,
 ) -> Array:
     """Return the largest share of the tolerance used between each two stations, shape (m - 1,).
 
@@ -49,22 +51,33 @@ def strayed_shares(
         s: Path positions of the stations, shape (m,).
         path: The joint spline through the stations.
         tolerance: How far from the path the tool may be.
+        close: Look closely, as is worth the while where a quick look finds nothing.
+        enough: Share of the tolerance up to which it does not matter how much.
     """
     freedom = targets_at(s[:1]).freedom
-    shares = measured_shares(freedom)
+    shares = measured_shares(freedom, close)
     count = len(shares)
     knots = path.s_waypoints
     sigma = (knots[:-1, None] + np.diff(knots)[:, None] * shares).ravel()
-    near = (s[:-1, None] + np.diff(s)[:, None] * shares).ravel()
+    abreast = (s[:-1, None] + np.diff(s)[:, None] * shares).ravel()
     q = np.ascontiguousarray(path(sigma))
     R, p = forward_batch(chain, q)
+
+    def used(places: Array) -> Array:
+        targets = targets_at(places)
+        off = _share(tolerance, *errors_at(chain, targets, q)).reshape(-1, count).max(axis=1)
+        if has_edges(freedom):
+            off = np.maximum(off, _share(tolerance, *excess_between(targets, R, p, shares)))
+        return np.asarray(off)
+
     low, high = np.repeat(s[:-1], count), np.repeat(s[1:], count)
-    targets = targets_at(nearest_places(guide, near, p, low, high))
-    distance, angle = errors_at(chain, targets, q)
-    off = np.maximum(distance / tolerance.position, angle / tolerance.orientation)
-    worst = off.reshape(-1, count).max(axis=1)
-    if has_edges(freedom):
-        distance, angle = excess_between(targets, R, p, shares)
-        off = np.maximum(distance / tolerance.position, angle / tolerance.orientation)
-        worst = np.maximum(worst, off)
-    return np.asarray(worst)
+    worst = used(nearest_places(guide, abreast, p, low, high))
+    if worst.max(initial=0.0) > enough:
+        # Nearest says little where the tool turns on the way, or is free to be beside the path.
+        worst = np.minimum(worst, used(abreast))
+    return worst
+
+
+def _share(tolerance: Tolerance, distance: Array, angle: Array) -> Array:
+    """Share of the tolerance that distances [m] and angles [rad] use up."""
+    return np.maximum(distance / tolerance.position, angle / tolerance.orientation)

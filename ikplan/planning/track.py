@@ -20,7 +20,7 @@ from ikplan.kinematics.chain import Chain
 from ikplan.planning.candidates import Targets, target_at
 from ikplan.planning.tangent import tangent_basis
 
-__all__ = ["errors_at", "first_break", "onto_targets", "track"]
+__all__ = ["NO_SLACK", "errors_at", "first_break", "onto_targets", "track"]
 
 Array = NDArray[np.float64]
 
@@ -28,6 +28,8 @@ _ASIDE = 0.02
 """How far to step aside from a singular configuration [rad or m]."""
 HALF_WAY = 0.25
 """Share of a step by which the half-way configuration may be off the middle."""
+NO_SLACK = 1e-7
+"""As little besides as counts as none [rad or m]."""
 
 
 @kernel
@@ -40,6 +42,7 @@ def _half_way_holds(
     lower: Array,
     upper: Array,
     tolerance: float,
+    slack: float,
     middle: Array,
     w: Workspace,
 ) -> tuple[bool, int]:
@@ -57,7 +60,7 @@ def _half_way_holds(
     off = 0.0
     for d in range(dof):
         off += (middle[d] - 0.5 * (before[d] + after[d])) ** 2
-    return math.sqrt(off) <= HALF_WAY * math.sqrt(step) + 1e-7, spent
+    return math.sqrt(off) <= HALF_WAY * math.sqrt(step) + slack, spent
 
 
 @kernel
@@ -92,6 +95,44 @@ def _lean_from_limits(
 
 
 @kernel
+def _step_of_two(
+    chain: Chain,
+    targets: Targets,
+    s: Array,
+    q: Array,
+    k: int,
+    lower: Array,
+    upper: Array,
+    tolerance: float,
+    lean: bool,
+    trial: Array,
+    w: Workspace,
+) -> tuple[bool, int]:
+    """Write a configuration of station k + 2, from that of k; return whether it is, evaluations."""
+    for d in range(trial.shape[0]):
+        trial[d] = q[k, d]
+        if k >= 2 and s[k] > s[k - 2]:
+            # Straight on from the step before.
+            ahead = (s[k + 2] - s[k]) / (s[k] - s[k - 2])
+            trial[d] += min(ahead, 2.0) * (q[k, d] - q[k - 2, d])
+        trial[d] = min(max(trial[d], lower[d]), upper[d])
+    if lean:
+        _lean_from_limits(chain, targets, k + 2, trial, lower, upper, w)
+    target = target_at(targets, k + 2)
+    distance, angle, evaluations = refine(chain, target, trial, lower, upper, Effort(15, 8), w)
+    for side in range(2):
+        if distance <= tolerance and angle <= tolerance:
+            break
+        # A singular configuration has no slope towards the target: step aside from it.
+        for d in range(trial.shape[0]):
+            aside = _ASIDE if (d + side) % 2 == 0 else -_ASIDE
+            trial[d] = min(max(q[k, d] + aside, lower[d]), upper[d])
+        distance, angle, spent = refine(chain, target, trial, lower, upper, Effort(25, 8), w)
+        evaluations += spent
+    return distance <= tolerance and angle <= tolerance, evaluations
+
+
+@kernel
 def track(
     chain: Chain,
     targets: Targets,
@@ -102,6 +143,7 @@ def track(
     upper: Array,
     tolerance: float,
     redundant: bool,
+    slack: float,
 ) -> tuple[int, int]:
     """Follow stations from station ``first``, whose configuration is given, in steps of two.
 
@@ -115,6 +157,8 @@ def track(
         upper: Upper bounds, shape (dof,) [rad or m].
         tolerance: Error that counts as on the target [m and rad].
         redundant: Whether the arm has self-motion to lean away from its limits with.
+        slack: How far off the middle a half-way configuration may be besides its share of the step
+            [rad or m]: in a bend sharper than the stations are dense it is off by all of a step.
 
     Returns:
         Index of the last station reached (even; the last one: all), and evaluations.
@@ -125,34 +169,20 @@ def track(
     evaluations = 0
     k = first
     while k + 2 < m:
-        for d in range(dof):
-            trial[d] = q[k, d]
-            if k >= 2 and s[k] > s[k - 2]:
-                # Straight on from the step before.
-                ahead = (s[k + 2] - s[k]) / (s[k] - s[k - 2])
-                trial[d] += min(ahead, 2.0) * (q[k, d] - q[k - 2, d])
-            trial[d] = min(max(trial[d], lower[d]), upper[d])
-        if redundant:
-            _lean_from_limits(chain, targets, k + 2, trial, lower, upper, w)
-        target = target_at(targets, k + 2)
-        distance, angle, spent = refine(chain, target, trial, lower, upper, Effort(15, 8), w)
-        evaluations += spent
-        for side in range(2):
-            if distance <= tolerance and angle <= tolerance:
-                break
-            # A singular configuration has no slope towards the target: step aside from it.
-            for d in range(dof):
-                aside = _ASIDE if (d + side) % 2 == 0 else -_ASIDE
-                trial[d] = min(max(q[k, d] + aside, lower[d]), upper[d])
-            distance, angle, spent = refine(chain, target, trial, lower, upper, Effort(25, 8), w)
+        # Where leaning away from limits leads astray, as by a singular configuration: without.
+        for lean in range(2 if redundant else 1):
+            reached, spent = _step_of_two(
+                chain, targets, s, q, k, lower, upper, tolerance, redundant and lean == 0, trial, w
+            )
             evaluations += spent
-        if distance > tolerance or angle > tolerance:
-            return k, evaluations
-        holds, spent = _half_way_holds(
-            chain, targets, k + 1, q[k], trial, lower, upper, tolerance, middle, w
-        )
-        evaluations += spent
-        if not holds:
+            if reached:
+                reached, spent = _half_way_holds(
+                    chain, targets, k + 1, q[k], trial, lower, upper, tolerance, slack, middle, w
+                )
+                evaluations += spent
+            if reached:
+                break
+        if not reached:
             return k, evaluations
         q[k + 1] = middle
         q[k + 2] = trial
@@ -185,7 +215,7 @@ def first_break(
     evaluations = 0
     for k in range(0, m - 2, 2):
         holds, spent = _half_way_holds(
-            chain, targets, k + 1, q[k], q[k + 2], lower, upper, tolerance, middle, w
+            chain, targets, k + 1, q[k], q[k + 2], lower, upper, tolerance, NO_SLACK, middle, w
         )
         evaluations += spent
         if not holds:

@@ -11,7 +11,7 @@ import pinocchio as pin
 import pytest
 
 import ikplan
-from ikplan import Plan, load_robot
+from ikplan import InvalidRequest, Plan, load_robot
 
 UR5_START = [0.4, -1.2, 1.5, -0.8, -1.2, 0.3]
 
@@ -57,6 +57,30 @@ def test_the_tool_stays_on_its_line_on_every_sample() -> None:
         assert np.linalg.norm(pin.log3(T.rotation.T @ begin.rotation)) < 1e-3
     assert worst <= 1e-4
     assert plan.certificate.max_path_deviation == pytest.approx(worst, abs=1e-7)
+
+
+def sinusoid(length: float, tolerance: float, **wave: float) -> Plan:
+    path = {
+        "frame": {"position": [0.4, 0.1, 0.3], "quaternion_xyzw": [1, 0, 0, 0]},
+        "begin": {"position": [0, 0, 0], "quaternion_xyzw": [0, 0, 0, 1]},
+        "segments": [{"type": "sinusoid", "length": length, **wave}],
+        "tolerance": {"position": tolerance},
+    }
+    return planned("ur5", "free", path)
+
+
+@pytest.mark.parametrize("wavelength", [1e-3, 7e-4, 3e-4])
+@pytest.mark.parametrize("tolerance", [1e-4, 2e-5])
+def test_bends_sharper_than_the_tolerance_are_kept_to_with_a_margin(wavelength, tolerance) -> None:
+    plan = sinusoid(10 * wavelength, tolerance, amplitude=0.01, wavelength=wavelength)
+    assert plan.certificate.max_path_deviation is not None
+    assert 0.1 * tolerance < plan.certificate.max_path_deviation < 0.6 * tolerance
+
+
+def test_a_path_too_intricate_to_keep_to_is_refused_with_what_would_help() -> None:
+    with pytest.raises(InvalidRequest, match="allow more, or send the path in parts") as caught:
+        sinusoid(0.2, 1e-7, amplitude=0.005, wavelength=1e-3)
+    assert caught.value.field == "path.tolerance"
 
 
 def test_all_segments_in_one_path() -> None:

@@ -21,7 +21,7 @@ from ikplan.kinematics.target import ORIENTATION_WEIGHT, Freedom, constraint_row
 from ikplan.planning.candidates import Targets, target_at
 from ikplan.planning.clock import Clock
 from ikplan.planning.followed import Followed, Lost
-from ikplan.planning.guide import Guide, first_stations, rest_stations
+from ikplan.planning.guide import Guide, first_stations, rest_stations, turn_between
 from ikplan.planning.length import motion_length
 from ikplan.planning.polish import polish
 from ikplan.planning.stray import measured_shares, strayed_shares
@@ -42,11 +42,11 @@ _FIRST_STEPS = (0.04, 0.005)
 turns out to have gone over a jump."""
 _TRIED = 3
 """Ways that are tried to their end, shortest first."""
-_JUMP, _JUMP_STEP = 2.0**-20, 1e-6
-"""A joint motion on less than this share of the path, and this length [m], that is not on the path
-is a jump."""
-_FINEST, _FINEST_STEP = 2.0**-13, 1e-4
-"""Smallest step: as a share of the path's length, and at most in all [m]."""
+_JUMP, _JUMP_STEP, _JUMP_TURN = 2.0**-20, 1e-6, 1e-4
+"""A joint motion on less than this share of the path, this length [m] and this turn [rad], that is
+not on the path is a jump."""
+_FINEST, _FINEST_STEP, _FINEST_TURN = 2.0**-13, 1e-4, 1e-2
+"""Smallest step: as a share of the path's length, at most in all [m], and the turn in it [rad]."""
 _BEND = 0.01
 """How far joints may turn back within the smallest step [rad or m]."""
 _DEVIATION_SHARE = 0.5
@@ -172,7 +172,10 @@ class Follower:
                 return s, q, evaluations
             self.clock.check()
             gap = s[reached + 2] - s[reached]
-            if gap < min(_FINEST * guide.length, _FINEST_STEP) or len(s) > _MOST_STATIONS:
+            finest = gap < min(_FINEST * guide.length, _FINEST_STEP)
+            if finest and self.oriented:
+                finest = turn_between(guide, s[reached], s[reached + 2]) < _FINEST_TURN
+            if finest or len(s) > _MOST_STATIONS:
                 # Over a sharp bend, or a jump: whether the arm can move so, densifying shows.
                 these = slice(reached, reached + 3)
                 over, spent = track(
@@ -249,9 +252,12 @@ class Follower:
                     field="path.tolerance",
                 )
             steps = s[wide + 1] - s[wide]
-            if steps.min() < min(_JUMP * guide.length, _JUMP_STEP):
+            at = int(wide[np.argmin(steps)])
+            still = steps.min() < min(_JUMP * guide.length, _JUMP_STEP)
+            if still and self.oriented:
+                still = turn_between(guide, s[at], s[at + 1]) < _JUMP_TURN
+            if still:
                 # The joints move, the tool does not: a jump that the first steps went over.
-                at = int(wide[np.argmin(steps)])
                 raise Lost(float(s[at]), q[at].copy(), evaluations, q[at + 1].copy())
             middle, q_middle, bad, spent = self._between(targets_at, s, path, wide)
             evaluations += spent

@@ -8,7 +8,9 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["Guide", "first_stations", "nearest_places", "rest_stations"]
+from ikplan.path.rotation import angle_between
+
+__all__ = ["Guide", "first_stations", "nearest_places", "rest_stations", "turn_between"]
 
 Array = NDArray[np.float64]
 
@@ -73,3 +75,10 @@ def nearest_places(guide: Guide, near: Array, p: Array, low: Array, high: Array)
     along = np.einsum("ij,ij->i", p - guide.poses(near)[1], tangent)
     step = np.where(speed > 1e-6, along / np.maximum(speed**2, 1e-12), 0.0)
     return np.clip(near + step, low, high)
+
+
+def turn_between(guide: Guide, a: float, b: float) -> float:
+    """Return the angle between the orientations asked for at two path positions [rad]."""
+    ends = np.array([a, b])
+    R, _ = guide.poses(ends)
+    return float(angle_between(R[:1], R[1:])[0]) if guide.orientation_mask(ends).all() else 0.0

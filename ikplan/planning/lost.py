@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from ikplan.errors import Disconnected, Unreachable
 from ikplan.ik.solve import NoSolution, PoseSolver, unreachable
 from ikplan.path import ToolPath
+from ikplan.path.rotation import log
 from ikplan.planning.candidates import target_at
 from ikplan.planning.follow import Follower
 from ikplan.planning.followed import Lost
@@ -17,6 +18,12 @@ __all__ = ["lost_path"]
 
 Array = NDArray[np.float64]
 
+_NEXT = 2e-4
+"""How far along the path the next motion is told, at most [m]."""
+_AT_LIMIT = 1e-4
+"""How near to its limit a joint is at it [rad or m]."""
+_SINGULAR = 0.02
+"""Smallest singular value below which a configuration is near a singular one."""
 _PROBES = (2e-4, 1e-3, 5e-3, 2e-2)
 """Where past the last station another solution is looked for, as shares of the path."""
 
@@ -60,7 +67,7 @@ def lost_path(
     # The nearest solutions ahead may still be of this branch, which ends a little later.
     gap = max((other - lost.q for other in others), key=lambda gap: float(np.abs(gap).max()))
     joint = int(np.argmax(np.abs(gap)))
-    reason = _cause(robot, lost.q)
+    reason = _cause(robot, lost.q, _next_motion(robot, follower, path, lost))
     return Disconnected(
         f"no continuous motion leads from waypoint {before} to waypoint {after}: the arm gets to "
         f"{where}, where {reason}; going on takes another branch, {robot.joint_names[joint]} "
@@ -80,16 +87,32 @@ def _neighbours(path: ToolPath, s: float) -> tuple[int, int]:
     return before, ahead[0] if ahead else before
 
 
-def _cause(robot: Robot, q: Array) -> str:
-    """What holds the arm: a joint limit or a singularity."""
-    margin = 1e-4
-    held = [
-        name
-        for name, value, lower, upper in zip(
-            robot.joint_names, q, robot.lower, robot.upper, strict=True
-        )
-        if value <= lower + margin or value >= upper - margin
-    ]
+def _next_motion(robot: Robot, follower: Follower, path: ToolPath, lost: Lost) -> Array:
+    """How the joints would have to move for the next bit of the path, shape (dof,) [rad or m]."""
+    s = min(lost.s + min(_NEXT, 2.0**-12 * path.length), path.length)
+    target = target_at(follower.targets_at(path, np.array([s])), 0)
+    T = robot.fk(lost.q)
+    R = target.R if target.oriented else T.rotation
+    rows = 6 if target.oriented else 3
+    twist = np.concatenate([T.rotation.T @ (target.p - T.translation), log(T.rotation.T @ R)])
+    return np.asarray(np.linalg.pinv(robot.jacobian(lost.q)[:rows], rcond=1e-6) @ twist[:rows])
+
+
+def _cause(robot: Robot, q: Array, dq: Array) -> str:
+    """What holds the arm: a joint limit, in reach of the motion dq, or a singularity."""
     smallest = float(np.linalg.svd(robot.jacobian(q), compute_uv=False)[-1])
     near = f"the smallest singular value is {smallest:.2g}"
-    return f"{', '.join(held)} is at its limit ({near})" if held else f"it is singular: {near}"
+    singular = smallest < _SINGULAR
+    ahead = np.zeros(robot.dof) if singular else dq  # by a singularity it is without bounds
+    held = [
+        name
+        for name, value, step, lower, upper in zip(
+            robot.joint_names, q, ahead, robot.lower, robot.upper, strict=True
+        )
+        if min(value, value + step) <= lower + _AT_LIMIT
+        or max(value, value + step) >= upper - _AT_LIMIT
+    ]
+    if held:
+        is_at = "is at its" if len(held) == 1 else "are at their"
+        return f"{', '.join(held)} {is_at} limit ({near})"
+    return f"it is singular: {near}" if singular else f"its branch ends ({near})"

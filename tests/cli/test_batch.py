@@ -69,9 +69,9 @@ def test_every_line_is_answered_in_its_place_and_none_spoils_another():
     for request, answer in zip(GOOD, (told[k] for k in (0, 3, 4, 5)), strict=True):
         alone = ikplan.plan(request).model_dump(mode="json")
         assert {**answer["plan"], "stats": None} == {**alone, "stats": None}
-    assert done.stderr.decode().splitlines() == [
-        "ikplan: 3 of 7 requests have no plan: 2 invalid-request, 1 unreachable"
-    ]
+    said = done.stderr.decode().splitlines()
+    said = [line for line in said if not line.startswith("compiling kernels")]  # a first use
+    assert said == ["ikplan: 3 of 7 requests have no plan: 2 invalid-request, 1 unreachable"]
 
 
 def test_a_batch_for_the_robot_of_a_file(tmp_path):

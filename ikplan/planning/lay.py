@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ikplan.errors import InvalidRequest
+from ikplan.errors import Disconnected, InvalidRequest
 from ikplan.ik.arguments import check_start
 from ikplan.kinematics.target import Freedom, Target, pose_target
 from ikplan.path import JointLeg, JointTarget, Leg, Pose, ToolLeg, ToolPath, legs_of
@@ -188,9 +188,13 @@ class _Layer:
         except Lost as lost:
             if self.problem.brief:
                 raise
-            raise lost_path(
-                self.problem.robot, self.problem.solver, self.follower, path, lost
-            ) from lost
+            verdict = lost_path(self.problem.robot, self.problem.solver, self.follower, path, lost)
+            found = None
+            if isinstance(verdict, Disconnected):
+                found = self.follower.follow_chosen(path, starts, costs)
+            if found is None:
+                raise verdict from lost
+            followed = replace(found, evaluations=found.evaluations + lost.evaluations)
         self._append(path, followed)
 
     def _check_box(self, path: ToolPath) -> None:

@@ -1,0 +1,58 @@
+"""An arm to be led along tool paths, and what it has to keep there."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ikplan.kinematics.arm import Arm
+from ikplan.kinematics.target import ORIENTATION_WEIGHT, Freedom, constraint_rows
+from ikplan.planning.candidates import Targets, target_at
+from ikplan.planning.clock import Clock
+from ikplan.planning.guide import Guide
+from ikplan.request import Tolerance
+from ikplan.timing import JointLimits
+
+__all__ = ["LedArm"]
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class LedArm:
+    """An arm to be led along tool paths.
+
+    Attributes:
+        arm: The arm.
+        limits: Its position limits.
+        freedom: What need not hold along the path.
+        oriented: Whether orientations count at all.
+        tolerance: How far from the path the tool may be.
+        clock: The time budget.
+    """
+
+    arm: Arm
+    limits: JointLimits
+    freedom: Freedom
+    oriented: bool
+    tolerance: Tolerance
+    clock: Clock
+
+    def targets_at(self, guide: Guide, s: Array) -> Targets:
+        """Return the targets of path positions, shape (m,)."""
+        R, p = guide.poses(s)
+        mask = guide.orientation_mask(s) & self.oriented
+        return Targets(
+            np.ascontiguousarray(R),
+            np.ascontiguousarray(p),
+            mask,
+            np.where(mask, ORIENTATION_WEIGHT, 0.0),
+            self.freedom,
+        )
+
+    def redundant(self, guide: Guide) -> bool:
+        """Return whether the arm has self-motion along a path."""
+        targets = self.targets_at(guide, np.array([0.5 * guide.length]))
+        return self.arm.dof > constraint_rows(target_at(targets, 0))

@@ -23,10 +23,11 @@ __all__ = ["measure_load", "measure_overload"]
 _HEADERS = {"content-type": "application/json", "accept-encoding": "identity"}
 
 
-def _rate_here(seconds: float) -> tuple[float, float]:
-    """Plans of one process that does nothing else: per second, and processor time of each [s]."""
-    with multiprocessing.get_context("spawn").Pool(1) as pool:
-        return pool.apply(_plan_for, (seconds,))
+def _rate_here(seconds: float, processes: int = 1) -> tuple[float, float]:
+    """Plans of processes that do nothing else: per second in all, processor time of each [s]."""
+    with multiprocessing.get_context("spawn").Pool(processes) as pool:
+        rates, costs = zip(*pool.map(_plan_for, [seconds] * processes, 1), strict=True)
+    return sum(rates), statistics.mean(costs)
 
 
 def _plan_for(seconds: float) -> tuple[float, float]:
@@ -74,6 +75,7 @@ def measure_load(seconds: float = 60.0) -> list[str]:
         own_s, spent_s = time.process_time() - own_s, server.processor_s() - spent_s
         memory = server.memory_bytes()
     after, cost_after = _rate_here(min(10.0, seconds))
+    both, _ = _rate_here(min(10.0, seconds), 2)
     cost, each = 0.5 * (cost_before + cost_after), 1.0 / len(seen)
     single = statistics.mean([before, after])
     times = sorted(t for _, t in seen)
@@ -83,6 +85,8 @@ def measure_load(seconds: float = 60.0) -> list[str]:
         f"{len(seen)} answers in {took:.0f} s, {failed} failed; {rate:.1f} per second",
         f"one process alone: {before:.1f} before, {after:.1f} after; "
         f"{100 * rate / (2 * single):.0f} % of twice that",
+        f"two processes at once, without a service: {both:.1f}, which is "
+        f"{100 * both / (2 * single):.0f} % of twice one",
         f"latency: median {1e3 * statistics.median(times):.0f} ms, "
         f"p99 {1e3 * times[int(0.99 * len(times))]:.0f} ms",
         f"processor time of an answer: {1e3 * spent_s * each:.0f} ms of the service and "

@@ -25,7 +25,6 @@ from ikplan.planning.track import NO_SLACK, first_break, track
 __all__ = ["Follower"]
 
 Array = NDArray[np.float64]
-Index = NDArray[np.int64]
 _Way = tuple[float, Array, Array]
 """Joint motion, stations, shape (m,), and configurations, shape (m, dof)."""
 
@@ -70,22 +69,25 @@ class Follower(LedArm):
         for step in _FIRST_STEPS:
             ways, lost, spent = self._ways(guide, starts, costs, step)
             evaluations += spent
+            broken = _farther(broken, lost)
+            if not ways:
+                break  # smaller steps were tried where it was lost
             if redundant:
                 ways, spent = self._shortened(guide, ways[:_TRIED])
                 evaluations += spent
-            followed, lost_later = self._first_whole(guide, ways)
-            if followed is not None:
-                return replace(followed, evaluations=followed.evaluations + evaluations)
-            broken = _farther(_farther(broken, lost), lost_later)
-            evaluations += lost_later.evaluations if lost_later else 0
-            if not ways:
-                break  # smaller steps were tried where it was lost
+            try:
+                followed = self._first_whole(guide, ways[:_TRIED])
+            except Lost as later:
+                evaluations += later.evaluations
+                broken = _farther(broken, later)
+                continue
+            return replace(followed, evaluations=followed.evaluations + evaluations)
         if broken is None:
             raise ValueError("no start was given")
         broken.evaluations = evaluations
         raise broken
 
-    def follow_chosen(self, guide: Guide, starts: Array, costs: Array) -> Followed | None:
+    def follow_chosen(self, guide: Guide, starts: Array, costs: Array) -> Followed:
         """Lead a redundant arm along a tool path on a way chosen over the whole of it at once.
 
         Args:
@@ -94,36 +96,43 @@ class Follower(LedArm):
             costs: Joint motion already spent to get to each, shape (c,).
 
         Returns:
-            The stations of the first way found; None: there is none.
+            The stations of the first way found.
 
         Raises:
+            Lost: None was found, or the arm has no self-motion to choose from.
             InvalidRequest: The path takes more stations than there may be.
             BudgetExceeded: The time budget ran out.
         """
-        if self.redundant(guide):
-            for step, share in _CHOSEN_STEPS:
-                ways, spent = self._chosen(guide, starts, costs, max(step, share * guide.length))
-                followed, _ = self._first_whole(guide, ways)
-                if followed is not None:
-                    return replace(followed, evaluations=followed.evaluations + spent)
-        return None
-
-    def _first_whole(self, guide: Guide, ways: list[_Way]) -> tuple[Followed | None, Lost | None]:
-        """The first of the shortest ways that holds between its stations; the farthest lost."""
-        broken: Lost | None = None
         evaluations = 0
-        for length, s_way, q_way in ways[:_TRIED]:
+        for step, share in _CHOSEN_STEPS if self.redundant(guide) else ():
+            ways, spent = self._chosen(guide, starts, costs, max(step, share * guide.length))
+            evaluations += spent
+            if not ways:
+                continue
+            try:
+                followed = self._first_whole(guide, ways[:_TRIED])
+            except Lost as lost:
+                evaluations += lost.evaluations
+                continue
+            return replace(followed, evaluations=followed.evaluations + evaluations)
+        raise Lost(0.0, starts[0].copy(), evaluations)
+
+    def _first_whole(self, guide: Guide, ways: list[_Way]) -> Followed:
+        """The first of some ways that holds between its stations, else the farthest lost."""
+        broken: list[Lost] = []
+        evaluations = 0
+        for length, s_way, q_way in ways:
             try:
                 s, q, rest, spent = densify(self, guide, s_way, q_way)
             except Lost as lost:
                 evaluations += lost.evaluations
-                broken = _farther(broken, lost)
+                broken.append(lost)
                 continue
             waypoint = np.searchsorted(s, guide.waypoint_s - 1e-12 * max(guide.length, 1.0))
-            return Followed(s, q, rest, waypoint, length, evaluations + spent), broken
-        if broken is not None:
-            broken.evaluations = evaluations
-        return None, broken
+            return Followed(s, q, rest, waypoint, length, evaluations + spent)
+        farthest = max(broken, key=lambda lost: lost.s)
+        farthest.evaluations = evaluations
+        raise farthest
 
     def _ways(
         self, guide: Guide, starts: Array, costs: Array, step: float

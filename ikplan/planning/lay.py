@@ -189,12 +189,13 @@ class _Layer:
             if self.problem.brief:
                 raise
             verdict = lost_path(self.problem.robot, self.problem.solver, self.follower, path, lost)
-            found = None
-            if isinstance(verdict, Disconnected):
-                found = self.follower.follow_chosen(path, starts, costs)
-            if found is None:
+            if not isinstance(verdict, Disconnected):
                 raise verdict from lost
-            followed = replace(found, evaluations=found.evaluations + lost.evaluations)
+            try:
+                followed = self.follower.follow_chosen(path, starts, costs)
+            except Lost:
+                raise verdict from lost
+            followed = replace(followed, evaluations=followed.evaluations + lost.evaluations)
         self._append(path, followed)
 
     def _check_box(self, path: ToolPath) -> None:

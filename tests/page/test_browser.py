@@ -341,7 +341,7 @@ def test_where_a_curve_cannot_be_followed_is_drawn(visit: Open, kind: str) -> No
 
 
 def test_an_arm_that_gets_no_further_is_shown_where_it_stands(visit: Open) -> None:
-    vector = json.loads((VECTORS / "baxter_jump_between_stations.json").read_text())
+    vector = json.loads((VECTORS / "ur5_wrist_turns_to_its_limit.json").read_text())
     with pytest.raises(ikplan.Disconnected) as caught:
         ikplan.plan(vector["request"])
     page = visit("helix_iiwa14")

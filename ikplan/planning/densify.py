@@ -12,8 +12,8 @@ from ikplan.errors import InvalidRequest
 from ikplan.planning.candidates import Targets
 from ikplan.planning.followed import Lost
 from ikplan.planning.guide import Guide, rest_stations, turn_between
-from ikplan.planning.led_arm import LedArm
-from ikplan.planning.stray import measured_shares, strayed_shares
+from ikplan.planning.led_arm import EXACT, MOST_STATIONS, LedArm
+from ikplan.planning.stray import strayed_shares
 from ikplan.planning.track import onto_targets
 from ikplan.timing import JointPath
 
@@ -22,13 +22,11 @@ __all__ = ["densify"]
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
 
-_EXACT = 1e-9
 _JUMP, _JUMP_STEP, _JUMP_TURN = 2.0**-20, 1e-6, 1e-4
 """A joint motion on less than this share of the path, this length [m] and this turn [rad], that is
 not on the path is a jump."""
 _DEVIATION_SHARE = 0.5
 """Share of the tolerance that the joint spline may use up."""
-_MOST_STATIONS = 20_000
 
 
 def densify(led: LedArm, guide: Guide, s: Array, q: Array) -> tuple[Array, Array, list[int], int]:
@@ -55,20 +53,16 @@ def densify(led: LedArm, guide: Guide, s: Array, q: Array) -> tuple[Array, Array
         led.clock.check()
         rest = rest_stations(guide, s)
         path = JointPath.through(q, led.limits, rest_at=rest)
-        for close in (False, True):
-            off = strayed_shares(
-                led.arm.chain, guide, targets_at, s, path, led.tolerance, close,
-                _DEVIATION_SHARE,
-            )  # fmt: skip
-            evaluations += len(measured_shares(led.freedom, close)) * (len(s) - 1)
-            wide = np.flatnonzero(off > _DEVIATION_SHARE)
-            if len(wide):
-                break
+        off, spent = strayed_shares(
+            led.arm.chain, guide, targets_at, s, path, led.tolerance, _DEVIATION_SHARE
+        )
+        evaluations += spent
+        wide = np.flatnonzero(off > _DEVIATION_SHARE)
         if len(wide) == 0:
             return s, q, rest, evaluations
-        if len(s) > _MOST_STATIONS:
+        if len(s) > MOST_STATIONS:
             raise InvalidRequest(
-                f"path: more than {_MOST_STATIONS} joint stations are needed to keep the tool "
+                f"path: more than {MOST_STATIONS} joint stations are needed to keep the tool "
                 f"within {led.tolerance.position:.6g} m and "
                 f"{led.tolerance.orientation:.6g} rad of it; allow more, or send the path in "
                 "parts",
@@ -111,7 +105,7 @@ def _between(
         off, spent = onto_targets(led.arm.chain, targets_at(middle[left]), tried, lower, upper)
         q[left] = tried
         evaluations += spent
-        left = left[off > _EXACT]
+        left = left[off > EXACT]
         if len(left) == 0:
             break
     return middle, q, steps[left], evaluations

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from ikplan.planning.densify import densify
 from ikplan.planning.followed import Followed, Lost
 from ikplan.planning.guide import Guide, first_stations, turn_between
-from ikplan.planning.led_arm import LedArm
+from ikplan.planning.led_arm import EXACT, MOST_STATIONS, LedArm
 from ikplan.planning.length import motion_length
 from ikplan.planning.over_all import chosen_over_all
 from ikplan.planning.polish import polish
@@ -28,7 +28,6 @@ Array = NDArray[np.float64]
 _Way = tuple[float, Array, Array]
 """Joint motion, stations, shape (m,), and configurations, shape (m, dof)."""
 
-_EXACT = 1e-9
 _FIRST_STEPS = (0.04, 0.005)
 """Spacing of the first stations [m, or m-equivalent of a rotation]: the second where the first
 turns out to have gone over a jump."""
@@ -40,8 +39,6 @@ _FINEST, _FINEST_STEP, _FINEST_TURN = 2.0**-13, 1e-4, 1e-2
 """Smallest step: as a share of the path's length, at most in all [m], and the turn in it [rad]."""
 _BEND = 0.01
 """How far joints may turn back within the smallest step [rad or m]."""
-_MOST_STATIONS = 20_000
-"""Stations at which leading on by ever smaller steps is given up."""
 
 
 class Follower(LedArm):
@@ -166,7 +163,7 @@ class Follower(LedArm):
             evaluations += spent
             for length, q in found:
                 broken, spent = first_break(
-                    self.arm.chain, targets, q, self.arm.lower, self.arm.upper, _EXACT
+                    self.arm.chain, targets, q, self.arm.lower, self.arm.upper, EXACT
                 )
                 evaluations += spent
                 if broken == len(s) - 1:
@@ -184,7 +181,7 @@ class Follower(LedArm):
         reached, evaluations = 0, 0
         while True:
             reached, spent = track(
-                self.arm.chain, targets, s, q, reached, lower, upper, _EXACT, redundant, NO_SLACK
+                self.arm.chain, targets, s, q, reached, lower, upper, EXACT, redundant, NO_SLACK
             )
             evaluations += spent
             if reached == len(s) - 1:
@@ -194,12 +191,12 @@ class Follower(LedArm):
             finest = gap < min(_FINEST * guide.length, _FINEST_STEP)
             if finest and self.oriented:
                 finest = turn_between(guide, s[reached], s[reached + 2]) < _FINEST_TURN
-            if finest or len(s) > _MOST_STATIONS:
+            if finest or len(s) > MOST_STATIONS:
                 # Over a sharp bend, or a jump: whether the arm can move so, densifying shows.
                 these = slice(reached, reached + 3)
                 over, spent = track(
                     self.arm.chain, self.targets_at(guide, s[these]), s[these], q[these], 0,
-                    lower, upper, _EXACT, redundant, _BEND,
+                    lower, upper, EXACT, redundant, _BEND,
                 )  # fmt: skip
                 evaluations += spent
                 if over == 0:
@@ -239,7 +236,7 @@ class Follower(LedArm):
         )
         shorter = np.vstack([q[:1], shorter])
         targets = self.targets_at(guide, s)
-        broken, spent = first_break(self.arm.chain, targets, shorter, lower, upper, _EXACT)
+        broken, spent = first_break(self.arm.chain, targets, shorter, lower, upper, EXACT)
         whole = broken == len(s) - 1
         return (shorter if whole else q), evaluations + spent
 

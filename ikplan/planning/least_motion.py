@@ -5,24 +5,12 @@ from __future__ import annotations
 import numpy as np
 
 from ikplan.kinematics.target import Target
-from ikplan.planning.candidates import Candidates, Targets, grow_candidates
-from ikplan.planning.ladder import distinct_paths
-from ikplan.planning.polish import polish
+from ikplan.planning.candidates import Candidates, Targets
 from ikplan.planning.problem import Array, Chosen, WaypointProblem
 from ikplan.planning.single import solve_waypoint
+from ikplan.planning.ways import candidates_of, polished_ways
 
 __all__ = ["choose_least_motion", "stack_targets"]
-
-_CAP = 40
-"""Candidates kept of a waypoint."""
-_FIRST = 100
-"""Evenly spread seeds of the first waypoint, and of one far from the one before."""
-_FRESH = 4
-"""Evenly spread seeds of every further waypoint."""
-_PATHS = 6
-"""Paths over the ladder that are polished."""
-_EXACT = 1e-9
-"""Error that counts as none [m and rad]."""
 
 
 def choose_least_motion(problem: WaypointProblem) -> Chosen:
@@ -45,49 +33,17 @@ def choose_least_motion(problem: WaypointProblem) -> Chosen:
     lower, upper = arm.search_bounds(problem.q_start)
     targets = stack_targets(problem.targets)
     seeds, evaluations = _metaheuristic_seeds(problem, lower, upper)
-    candidates = grow_candidates(
-        arm.chain,
-        targets,
-        seeds,
-        problem.q_start,
-        arm.lower,
-        arm.upper,
-        _CAP,
-        _FIRST,
-        _FRESH,
-        (0.5 + problem.solver.seed * 0.6180339887498949) % 1.0,
-        _EXACT,
-    )
+    candidates = candidates_of(arm, targets, problem.q_start, seeds, problem.solver.seed)
     problem.clock.check()
     evaluations += int(candidates.evaluations[0]) + _rescue(problem, candidates)
-    paths = distinct_paths(
-        arm.chain,
-        candidates,
-        problem.q_start,
-        problem.start_free,
-        arm.lower,
-        arm.upper,
-        _PATHS,
-        0.6,
-        0.1,
-    )
-    best, best_length = paths[0], np.inf
-    for q in paths:
-        problem.clock.check({"q": best.tolist()})
-        length, spent = polish(
-            arm.chain,
-            targets,
-            q,
-            problem.q_start,
-            problem.start_free,
-            arm.lower,
-            arm.upper,
-            60,
-            1e-5,
-        )
+    best, best_length = candidates.q[:, 0], np.inf
+    for length, q, spent in polished_ways(
+        arm, targets, candidates, problem.q_start, problem.start_free
+    ):
         evaluations += spent
         if length < best_length:
             best, best_length = q, length
+        problem.clock.check({"q": best.tolist()})
     return Chosen(best, evaluations)
 
 

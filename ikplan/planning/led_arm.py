@@ -15,9 +15,14 @@ from ikplan.planning.guide import Guide
 from ikplan.request import Tolerance
 from ikplan.timing import JointLimits
 
-__all__ = ["LedArm"]
+__all__ = ["EXACT", "MOST_STATIONS", "LedArm"]
 
 Array = NDArray[np.float64]
+
+EXACT = 1e-9
+"""Error of a station that counts as none [m and rad]."""
+MOST_STATIONS = 20_000
+"""Stations of a path at which more are no longer added."""
 
 
 @dataclass(frozen=True)

@@ -10,21 +10,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ikplan.kinematics.arm import Arm
-from ikplan.planning.candidates import Targets, grow_candidates
+from ikplan.planning.candidates import Targets
 from ikplan.planning.clock import Clock
-from ikplan.planning.ladder import distinct_paths
-from ikplan.planning.polish import polish
+from ikplan.planning.ways import candidates_of, polished_ways
 
 __all__ = ["chosen_over_all"]
 
 Array = NDArray[np.float64]
-
-_CAP, _FIRST, _FRESH = 40, 100, 4
-"""Candidates kept of a station; seeds of the first station, and of every further one."""
-_PATHS = 6
-"""Paths over the ladder that are polished."""
-_EXACT = 1e-9
-"""Error that counts as none [m and rad]."""
 
 
 def chosen_over_all(
@@ -48,21 +40,13 @@ def chosen_over_all(
     after = Targets(
         targets.R[1:], targets.p[1:], targets.oriented[1:], targets.weight[1:], targets.freedom
     )
-    candidates = grow_candidates(
-        arm.chain, after, np.empty((len(after.p), 0, arm.dof)), q_start, arm.lower, arm.upper,
-        _CAP, _FIRST, _FRESH, 0.5, _EXACT,
-    )  # fmt: skip
+    candidates = candidates_of(arm, after, q_start)
     evaluations = int(candidates.evaluations[0])
+    ways: list[tuple[float, Array]] = []
     if (candidates.counts == 0).any():
-        return [], evaluations
-    ways = []
-    for q in distinct_paths(
-        arm.chain, candidates, q_start, False, arm.lower, arm.upper, _PATHS, 0.6, 0.1
-    ):
+        return ways, evaluations
+    for length, q, spent in polished_ways(arm, after, candidates, q_start, False):
         clock.check()
-        length, spent = polish(
-            arm.chain, after, q, q_start, False, arm.lower, arm.upper, 60, 1e-5
-        )  # fmt: skip
         evaluations += spent
         ways.append((length, np.ascontiguousarray(np.vstack([q_start, q]))))
     return sorted(ways, key=lambda way: way[0]), evaluations

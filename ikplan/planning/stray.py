@@ -9,7 +9,6 @@ from numpy.typing import NDArray
 
 from ikplan.kinematics.chain import Chain
 from ikplan.kinematics.forward import forward_batch
-from ikplan.kinematics.target import Freedom
 from ikplan.planning.candidates import Targets
 from ikplan.planning.edges import excess_between, has_edges
 from ikplan.planning.guide import Guide, nearest_places
@@ -17,19 +16,15 @@ from ikplan.planning.track import errors_at
 from ikplan.request import Tolerance
 from ikplan.timing import JointPath
 
-__all__ = ["measured_shares", "strayed_shares"]
+__all__ = ["strayed_shares"]
 
 Array = NDArray[np.float64]
 
 _INSIDE = np.array([0.2, 0.5, 0.8])
 _THROUGHOUT = np.array([0.0, 0.03, 0.1, 0.2, 0.35, 0.5, 0.65, 0.8, 0.9, 0.97, 1.0])
-"""The same looked at closely: about a sharp bend, and where the tool may cross an edge of what is
-free, it strays in a small part of a step, and begins anywhere."""
-
-
-def measured_shares(freedom: Freedom, close: bool) -> Array:
-    """Where in each step the tool is measured, shape (k,), as shares of the step."""
-    return _THROUGHOUT if close or has_edges(freedom) else _INSIDE
+"""Where in each step the tool is looked at, quickly and closely, as shares of the step. About a
+sharp bend, and where it may cross an edge of what is free, the tool strays in a small part of a
+step, and begins anywhere."""
 
 
 def strayed_shares(
@@ -39,10 +34,9 @@ def strayed_shares(
     s: Array,
     path: JointPath,
     tolerance: Tolerance,
-    close: bool,
     enough: float,
-) -> Array:
-    """Return the largest share of the tolerance used between each two stations, shape (m - 1,).
+) -> tuple[Array, int]:
+    """Measure how much of the tolerance is used up between each two stations.
 
     Args:
         chain: The arm's chain.
@@ -51,11 +45,34 @@ def strayed_shares(
         s: Path positions of the stations, shape (m,).
         path: The joint spline through the stations.
         tolerance: How far from the path the tool may be.
-        close: Look closely, as is worth the while where a quick look finds nothing.
-        enough: Share of the tolerance up to which it does not matter how much.
+        enough: Share of the tolerance up to which it does not matter how much; where a quick look
+            finds no more, a close one follows.
+
+    Returns:
+        Largest share of the tolerance used between each two stations, shape (m - 1,), and
+        evaluations spent.
     """
     freedom = targets_at(s[:1]).freedom
-    shares = measured_shares(freedom, close)
+    worst, evaluations = np.zeros(len(s) - 1), 0
+    for shares in (_THROUGHOUT,) if has_edges(freedom) else (_INSIDE, _THROUGHOUT):
+        worst = _look(chain, guide, targets_at, s, path, tolerance, enough, shares)
+        evaluations += len(shares) * (len(s) - 1)
+        if worst.max(initial=0.0) > enough:
+            break
+    return worst, evaluations
+
+
+def _look(
+    chain: Chain,
+    guide: Guide,
+    targets_at: Callable[[Array], Targets],
+    s: Array,
+    path: JointPath,
+    tolerance: Tolerance,
+    enough: float,
+    shares: Array,
+) -> Array:
+    """Largest share of the tolerance used at some shares, shape (k,), of each step: (m - 1,)."""
     count = len(shares)
     knots = path.s_waypoints
     sigma = (knots[:-1, None] + np.diff(knots)[:, None] * shares).ravel()
@@ -66,7 +83,7 @@ def strayed_shares(
     def used(places: Array) -> Array:
         targets = targets_at(places)
         off = _share(tolerance, *errors_at(chain, targets, q)).reshape(-1, count).max(axis=1)
-        if has_edges(freedom):
+        if has_edges(targets.freedom):
             off = np.maximum(off, _share(tolerance, *excess_between(targets, R, p, shares)))
         return np.asarray(off)
 

@@ -1,0 +1,91 @@
+"""Digests of trajectories: ``python -m benchmarks.golden check`` or ``write``.
+
+``write`` plans every case and writes ``benchmarks/golden/list.json``; ``check`` plans them again
+and names each whose outcome is another. Compiled kernels may round differently on another
+processor family: the list holds for the one that it names.
+"""
+
+from __future__ import annotations
+
+import argparse
+import hashlib
+import json
+import platform
+import sys
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+import ikplan
+from benchmarks.golden.cases import BUDGET_S, golden_cases
+from ikplan.errors import IkplanError
+from ikplan.limits import JointLimits
+from ikplan.pipeline.retime import time_request
+from ikplan.timing import retime
+
+LIST = Path(__file__).with_name("list.json")
+
+
+def _digest(*arrays: Any) -> str:
+    found = hashlib.sha256()
+    for array in arrays:
+        values = np.ascontiguousarray(array, dtype=np.float64)
+        found.update(repr(values.shape).encode())
+        found.update(values.tobytes())
+    return found.hexdigest()[:32]
+
+
+def _retimed(vector: dict[str, Any]) -> str:
+    fields = vector["limits"]
+    names = tuple(f"joint{i}" for i in range(len(fields["lower"])))
+    done = retime(
+        [[float(value) for value in row] for row in vector["waypoints"]],
+        JointLimits(joint_names=names, **fields),
+        rate_hz=vector.get("rate_hz", 1000.0),
+        rest_at=vector.get("rest_at", ()),
+    )
+    samples = done.samples
+    return _digest(samples.time, samples.q, samples.dq, samples.ddq)
+
+
+def outcome(kind: str, document: dict[str, Any]) -> str:
+    """Return the digest of the trajectory of a case, or the name of its refusal."""
+    try:
+        if kind == "retime":
+            return _retimed(document)
+        request = {**document, "budget_s": BUDGET_S}
+        plan = time_request(request) if kind == "timing" else ikplan.plan(request)
+    except IkplanError as error:
+        return type(error).__name__
+    except Exception as error:  # a fault is an outcome too: the list says what there was
+        return f"fault: {type(error).__name__}"
+    t = plan.trajectory
+    return _digest(t.time, t.q, t.dq, t.ddq, plan.waypoints.time)
+
+
+def main() -> int:
+    """Write the list, or hold today's outcomes to it."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("action", choices=("check", "write"))
+    parser.add_argument("--only", default="", help="cases whose name contains this")
+    options = parser.parse_args()
+    found = {}
+    known = json.loads(LIST.read_text())["cases"] if options.action == "check" else {}
+    changed = 0
+    for name, kind, document in golden_cases():
+        if options.only not in name:
+            continue
+        found[name] = outcome(kind, document)
+        if options.action == "check" and known.get(name) != found[name]:
+            changed += 1
+            print(f"{name}: {known.get(name)} is now {found[name]}", flush=True)
+    if options.action == "write":
+        head = {"command": "python -m benchmarks.golden write", "processor": platform.machine()}
+        LIST.write_text(json.dumps({**head, "cases": found}, indent=1) + "\n")
+    print(f"{len(found)} cases, {changed} changed")
+    return 1 if changed else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

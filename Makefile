@@ -3,8 +3,9 @@ PYTHON ?= python3
 VENV   := .venv
 BIN    := $(VENV)/bin
 STAMP  := $(VENV)/.ready
+DOCS   := $(VENV)/.docs-ready
 
-.PHONY: help setup demo page picture test check ci serve bench papers clean
+.PHONY: help setup demo page picture test coverage check docs serve bench papers mutants clean
 help:            ## list the targets
 	@grep -E '^[a-z]+: .*##|^[a-z]+:  *##' $(MAKEFILE_LIST) | sed 's/:.*##/\t/'
 
@@ -28,11 +29,21 @@ picture: page    ## renew docs/page.png; needs chromium
 test: $(STAMP)   ## run the tests
 	$(BIN)/python -m pytest
 
+coverage: $(STAMP)  ## run the tests and print which lines and branches of Python they miss
+	$(BIN)/python -m pytest --cov --cov-report=term
+
 check: $(STAMP)  ## lint and type-check
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
 	$(BIN)/hadolint docker/Dockerfile
+
+$(DOCS): $(STAMP)
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt --editable '.[dev,docs]'
+	@touch $@
+
+docs: $(DOCS)    ## build the site of the documentation into out/site
+	$(BIN)/python docs/build_site.py out/site
 
 serve: $(STAMP)  ## start the service on 127.0.0.1:8000
 	$(BIN)/ikplan serve
@@ -42,6 +53,9 @@ bench: $(STAMP)  ## print the speed ratios
 
 papers: $(STAMP) ## run a reduced version of the papers' experiments into out/papers
 	$(BIN)/python -m benchmarks.papers --runs 3 --thin 10 --jobs 2
+
+mutants: $(STAMP) ## plant faults and print those that no test finds; up to 30 minutes
+	$(BIN)/python -m benchmarks.mutants
 
 clean:           ## remove the environment and every output
 	rm -rf $(VENV) out build dist web/dist web/node_modules

@@ -49,7 +49,7 @@ def remove(folders: Iterator[Path]) -> int:
 
 
 def slim_robots() -> int:
-    """Keep of example-robot-data the catalogue's URDF files and the meshes that are drawn."""
+    """Keep of example-robot-data the catalogue's URDFs, the meshes that are drawn, and licences."""
     keep = set()
     for name in robot_names():
         document = yaml.safe_load((robot_folder(name) / "robot.yaml").read_text())
@@ -59,6 +59,9 @@ def slim_robots() -> int:
         meshes = catalogue_visual(name, address=str).meshes
         keep |= {(file, path) for path, file in meshes.items()}
     (root,) = {file.parents[len(Path(path).parts) - 1] for file, path in keep}
+    for folder in {Path(path).parts[0] for _, path in keep}:
+        licences = (root / folder / name for name in ("LICENSE", "README.md"))
+        keep |= {(file, f"{folder}/{file.name}") for file in licences if file.is_file()}
     kept = {path: file.read_bytes() for file, path in keep}
     removed = remove(iter([root]))
     for path, content in sorted(kept.items()):

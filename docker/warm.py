@@ -7,7 +7,7 @@ from pathlib import Path
 from ikplan._jit import cache_folder
 from ikplan.errors import Unreachable
 from ikplan.ik.registry import solvers
-from ikplan_api.tasks import Work, run_task, warm_up
+from ikplan_api.workers.tasks import TaskInput, run_task, warm_up
 
 EXAMPLES = Path(__file__).resolve().parents[1] / "examples"
 
@@ -18,6 +18,6 @@ if __name__ == "__main__":
         if "path" in request:
             # One of them asks for too much; repairs have kernels of their own.
             with contextlib.suppress(Unreachable):
-                run_task("plan", Work(json.dumps({**request, "budget_s": 3600}).encode()))
+                run_task("plan", TaskInput(json.dumps({**request, "budget_s": 3600}).encode()))
     kernels = len(list(cache_folder().rglob("*.nbc")))
     print(f"{kernels} kernels in {cache_folder()}")

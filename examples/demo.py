@@ -11,7 +11,7 @@ import time
 from pathlib import Path
 
 import ikplan
-from ikplan.summary import certificate_rows
+from ikplan.plans.summary import certificate_rows
 
 HERE = Path(__file__).parent
 OUT = Path.cwd() / "out"

@@ -8,32 +8,40 @@ from __future__ import annotations
 import importlib
 from typing import TYPE_CHECKING, Any
 
+from ikplan._version import __version__
+
 if TYPE_CHECKING:
     from ikplan.client import AsyncClient, AsyncPlanJob, Client, PlanJob
+    from ikplan.documents.certificate import Certificate
+    from ikplan.documents.plan_request import FkRequest, IkRequest, PlanRequest
+    from ikplan.documents.pose_results import FkResult, IkSolution
     from ikplan.documents.status import PlanStatus
-    from ikplan.documents.timing import TimingRequest
+    from ikplan.documents.timing_request import TimingRequest
     from ikplan.errors import (
         AccessDenied,
         BudgetExceeded,
         CertificateViolated,
         Disconnected,
         IkplanError,
+        InvalidInput,
         InvalidRequest,
         InvalidRobot,
         MemoryExceeded,
+        NoPlan,
         PlanNotFound,
         RateLimited,
         RobotNotFound,
+        ServiceError,
         ServiceUnavailable,
         TimingFailed,
         Unreachable,
         WorkerLost,
     )
     from ikplan.ik import solve_ik
-    from ikplan.pipeline import plan
-    from ikplan.request import FkRequest, IkRequest, PlanRequest
-    from ikplan.result import Certificate, FkResult, IkSolution, Plan
-    from ikplan.retiming import time_path, time_request
+    from ikplan.pipeline.plan import plan
+    from ikplan.pipeline.retime import time_path, time_request
+    from ikplan.plans.plan import Plan
+    from ikplan.points import read_waypoints
     from ikplan.robots import Robot, load_robot, robot_names
 
 _HOMES = {
@@ -41,37 +49,41 @@ _HOMES = {
     "AsyncClient": "client",
     "AsyncPlanJob": "client",
     "BudgetExceeded": "errors",
-    "Certificate": "result",
+    "Certificate": "documents.certificate",
     "CertificateViolated": "errors",
     "Client": "client",
     "Disconnected": "errors",
-    "FkRequest": "request",
-    "FkResult": "result",
-    "IkRequest": "request",
-    "IkSolution": "result",
+    "FkRequest": "documents.plan_request",
+    "FkResult": "documents.pose_results",
+    "IkRequest": "documents.plan_request",
+    "IkSolution": "documents.pose_results",
     "IkplanError": "errors",
+    "InvalidInput": "errors",
     "InvalidRequest": "errors",
     "InvalidRobot": "errors",
     "MemoryExceeded": "errors",
-    "Plan": "result",
+    "NoPlan": "errors",
+    "Plan": "plans.plan",
     "PlanJob": "client",
     "PlanNotFound": "errors",
-    "PlanRequest": "request",
+    "PlanRequest": "documents.plan_request",
     "PlanStatus": "documents.status",
     "RateLimited": "errors",
     "Robot": "robots",
     "RobotNotFound": "errors",
+    "ServiceError": "errors",
     "ServiceUnavailable": "errors",
     "TimingFailed": "errors",
-    "TimingRequest": "documents.timing",
+    "TimingRequest": "documents.timing_request",
     "Unreachable": "errors",
     "WorkerLost": "errors",
     "load_robot": "robots",
-    "plan": "pipeline",
+    "plan": "pipeline.plan",
+    "read_waypoints": "points",
     "robot_names": "robots",
     "solve_ik": "ik",
-    "time_path": "retiming",
-    "time_request": "retiming",
+    "time_path": "pipeline.retime",
+    "time_request": "pipeline.retime",
 }
 
 __all__ = [
@@ -88,9 +100,11 @@ __all__ = [
     "IkRequest",
     "IkSolution",
     "IkplanError",
+    "InvalidInput",
     "InvalidRequest",
     "InvalidRobot",
     "MemoryExceeded",
+    "NoPlan",
     "Plan",
     "PlanJob",
     "PlanNotFound",
@@ -99,6 +113,7 @@ __all__ = [
     "RateLimited",
     "Robot",
     "RobotNotFound",
+    "ServiceError",
     "ServiceUnavailable",
     "TimingFailed",
     "TimingRequest",
@@ -107,13 +122,12 @@ __all__ = [
     "__version__",
     "load_robot",
     "plan",
+    "read_waypoints",
     "robot_names",
     "solve_ik",
     "time_path",
     "time_request",
 ]
-
-__version__ = "0.1.0"
 
 
 def __getattr__(name: str) -> Any:

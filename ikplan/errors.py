@@ -3,23 +3,27 @@
 ::
 
     IkplanError
-    ├── InvalidRequest        a field is wrong, unknown, not finite, of the wrong length
-    ├── RobotNotFound         no robot of that name
-    ├── PlanNotFound          no plan of that id
-    ├── InvalidRobot          a description that makes no sense
-    ├── Unreachable           a waypoint has no solution within limits and tolerance
-    ├── Disconnected          waypoints have solutions, but no continuous motion joins them
-    ├── TimingFailed          no timing under the limits
-    ├── BudgetExceeded        the time budget ran out
-    ├── MemoryExceeded        the request needed more memory than the service gives one
-    ├── WorkerLost            the process that did the work ended in the middle of it
-    ├── CertificateViolated   a finished plan broke a promise: a bug of ours
-    ├── AccessDenied          the service wants a key that it knows
-    ├── RateLimited           the key asks more often than it may
-    └── ServiceUnavailable    the client cannot reach the service, or it answers no document of ours
+    ├── NoPlan                    the request makes sense, and there is no plan for it
+    │   ├── Unreachable           a waypoint has no solution within limits and tolerance
+    │   ├── Disconnected          waypoints have solutions, but no continuous motion joins them
+    │   ├── TimingFailed          no timing under the limits
+    │   └── BudgetExceeded        the time budget ran out
+    ├── InvalidInput              what the caller gave is wrong, or names what does not exist
+    │   ├── InvalidRequest        a field is wrong, unknown, not finite, of the wrong length
+    │   ├── RobotNotFound         no robot of that name
+    │   ├── InvalidRobot          a description that makes no sense
+    │   └── PlanNotFound          no plan of that id
+    ├── ServiceError              a service refuses the request, or fails at it
+    │   ├── AccessDenied          an API key is required, or the key is unknown
+    │   ├── RateLimited           the key asks more often than it may
+    │   ├── ServiceUnavailable    the service cannot be reached, or its answer is none of ours
+    │   ├── MemoryExceeded        the request needed more memory than the service gives one
+    │   └── WorkerLost            the process that did the work ended in the middle of it
+    └── CertificateViolated       a finished plan broke a promise: a bug of ours
 
-Every class has one problem ``type`` (RFC 9457), so that an error raised by the service is raised
-again, as the same class with the same data, by the client.
+``NoPlan``, ``InvalidInput`` and ``ServiceError`` are groups, to be caught: what is raised is a
+class below them. Each of those has one problem ``type`` (RFC 9457), so that an error raised by the
+service is raised again, as the same class with the same data, by the client.
 """
 
 from __future__ import annotations
@@ -34,12 +38,15 @@ __all__ = [
     "CertificateViolated",
     "Disconnected",
     "IkplanError",
+    "InvalidInput",
     "InvalidRequest",
     "InvalidRobot",
     "MemoryExceeded",
+    "NoPlan",
     "PlanNotFound",
     "RateLimited",
     "RobotNotFound",
+    "ServiceError",
     "ServiceUnavailable",
     "TimingFailed",
     "Unreachable",
@@ -111,7 +118,19 @@ def _rebuild(cls: type[IkplanError], detail: str, data: Mapping[str, Any]) -> Ik
     return cls(detail, **data)
 
 
-class InvalidRequest(IkplanError):
+class NoPlan(IkplanError):
+    """The request makes sense, and there is no plan for it: a group, to be caught."""
+
+
+class InvalidInput(IkplanError):
+    """What the caller gave is wrong, or names what does not exist: a group, to be caught."""
+
+
+class ServiceError(IkplanError):
+    """A service refuses the request, or fails at it: a group, to be caught."""
+
+
+class InvalidRequest(InvalidInput):
     """A field is wrong, unknown, not finite or of the wrong length.
 
     Attributes:
@@ -139,7 +158,7 @@ class InvalidRequest(IkplanError):
         self.errors = list(errors) if errors else [{"field": field, "detail": detail}]
 
 
-class RobotNotFound(IkplanError):
+class RobotNotFound(InvalidInput):
     """No robot of that name.
 
     Attributes:
@@ -170,7 +189,7 @@ class RobotNotFound(IkplanError):
         super().__init__(detail)
 
 
-class PlanNotFound(IkplanError):
+class PlanNotFound(InvalidInput):
     """No plan of that id.
 
     Attributes:
@@ -187,7 +206,7 @@ class PlanNotFound(IkplanError):
         self.id = id
 
 
-class InvalidRobot(IkplanError):
+class InvalidRobot(InvalidInput):
     """A robot description that makes no sense.
 
     Attributes:
@@ -219,7 +238,7 @@ class InvalidRobot(IkplanError):
         self.valid = list(valid)
 
 
-class Unreachable(IkplanError):
+class Unreachable(NoPlan):
     """A waypoint has no solution within limits and tolerance.
 
     Attributes:
@@ -278,7 +297,7 @@ class Unreachable(IkplanError):
         self.repairs = [dict(r) for r in repairs]
 
 
-class Disconnected(IkplanError):
+class Disconnected(NoPlan):
     """Each waypoint has solutions, but no continuous motion joins two neighbours.
 
     Attributes:
@@ -313,7 +332,7 @@ class Disconnected(IkplanError):
         self.repairs = [dict(r) for r in repairs]
 
 
-class TimingFailed(IkplanError):
+class TimingFailed(NoPlan):
     """No timing exists, or none was found, under the limits.
 
     Attributes:
@@ -341,7 +360,7 @@ class TimingFailed(IkplanError):
         self.limit = limit
 
 
-class BudgetExceeded(IkplanError):
+class BudgetExceeded(NoPlan):
     """The time budget of the request ran out.
 
     Attributes:
@@ -364,7 +383,7 @@ class BudgetExceeded(IkplanError):
         self.best = dict(best) if best is not None else None
 
 
-class MemoryExceeded(IkplanError):
+class MemoryExceeded(ServiceError):
     """The request needed more memory than the service gives one.
 
     Attributes:
@@ -383,7 +402,7 @@ class MemoryExceeded(IkplanError):
         self.limit_bytes = limit_bytes
 
 
-class WorkerLost(IkplanError):
+class WorkerLost(ServiceError):
     """The process that did the work ended in the middle of it.
 
     Attributes:
@@ -421,15 +440,15 @@ class CertificateViolated(IkplanError):
         self.violations = list(violations)
 
 
-class AccessDenied(IkplanError):
-    """The service wants a key that it knows."""
+class AccessDenied(ServiceError):
+    """An API key is required, or the key is unknown."""
 
     slug = "access-denied"
     title = "Access denied"
     status = 401
 
 
-class RateLimited(IkplanError):
+class RateLimited(ServiceError):
     """The key asks more often than it may.
 
     Attributes:
@@ -450,7 +469,7 @@ class RateLimited(IkplanError):
         self.retry_after_s = retry_after_s
 
 
-class ServiceUnavailable(IkplanError):
+class ServiceUnavailable(ServiceError):
     """The client cannot reach the service, or got an answer that is no document of ours.
 
     Attributes:

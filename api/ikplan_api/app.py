@@ -12,22 +12,22 @@ from typing import Any
 from fastapi import FastAPI
 
 import ikplan
-from ikplan_api import openapi, problems
-from ikplan_api.board import PlanBoard
-from ikplan_api.measured import MeasuredPlanner
-from ikplan_api.metrics import Metrics
-from ikplan_api.observing import is_probe
-from ikplan_api.planner import Planner
-from ikplan_api.pool import ProcessPlanner
-from ikplan_api.robot_builder import RobotBuilder
-from ikplan_api.robot_store import MemoryRobotStore, RobotStore
+from ikplan_api.http import openapi, problems
+from ikplan_api.jobs.plan_jobs import PlanJobs
+from ikplan_api.jobs.shutdown import Shutdown
+from ikplan_api.middleware.access_log import is_probe
+from ikplan_api.middleware.install import install_middleware
+from ikplan_api.robots.robot_builder import RobotBuilder
 from ikplan_api.routes import ROUTERS
 from ikplan_api.settings import Settings, load_settings, unknown_variables
-from ikplan_api.sqlite_robots import SqliteRobotStore
-from ikplan_api.sqlite_store import SqliteStore
-from ikplan_api.stopping import Stopping
-from ikplan_api.store import PlanStore
-from ikplan_api.wrapping import wrap
+from ikplan_api.store.plan_store import PlanStore
+from ikplan_api.store.robot_store import MemoryRobotStore, RobotStore
+from ikplan_api.store.sqlite_plans import SqlitePlanStore
+from ikplan_api.store.sqlite_robots import SqliteRobotStore
+from ikplan_api.telemetry.metrics import Metrics
+from ikplan_api.workers.instrumented_planner import InstrumentedPlanner
+from ikplan_api.workers.planner import Planner
+from ikplan_api.workers.process_planner import ProcessPlanner
 
 __all__ = ["create_app"]
 
@@ -41,21 +41,20 @@ def create_app(
     store: PlanStore | None = None,
     robots: RobotStore | None = None,
 ) -> FastAPI:
-    """Put the service together.
+    """Create the application.
 
     Args:
-        settings: What the operator set; None: read from the environment.
-        planner: Who plans; None: as many processes as the settings say.
-        store: Where plans and jobs are kept; None: where the settings say.
-        robots: Where uploaded robots are kept; None: where the plans are, else in memory.
+        settings: The settings; None: read from the environment.
+        planner: The planner; None: worker processes according to the settings.
+        store: The store of plans and jobs; None: according to the settings.
+        robots: The store of uploaded robots; None: in the file of the plans, else in memory.
 
     Returns:
-        The application. Its lifespan warms the planner up in the background, so that ``/livez``
-        answers at once and ``/readyz`` when the first request would not wait for a compiler.
+        The application. Its lifespan warms the planner up in the background: ``/livez`` answers
+        at once, ``/readyz`` once no request would wait for a compiler.
 
     Raises:
-        InvalidRequest: An environment variable has a value that is not allowed, or cannot be
-            used.
+        InvalidRequest: An environment variable has an invalid value, or the store cannot be used.
     """
     settings = settings if settings is not None else load_settings()
     app = FastAPI(
@@ -71,7 +70,7 @@ def create_app(
         redirect_slashes=False,
         generate_unique_id_function=openapi.operation_id,
         lifespan=_lifespan,
-        # Traces go where OTEL_EXPORTER_OTLP_ENDPOINT says; Prometheus has the figures already.
+        # OTEL_EXPORTER_OTLP_ENDPOINT sets the target of traces; Prometheus has the metrics.
         telemetry={"auto_configure": True, "metrics": False, "exclude": is_probe},
     )
     app.state.settings = settings
@@ -82,34 +81,34 @@ def create_app(
         grace_s=settings.grace_s,
     )
     app.state.metrics = Metrics(planner)
-    app.state.planner = MeasuredPlanner(planner, app.state.metrics)
+    app.state.planner = InstrumentedPlanner(planner, app.state.metrics)
     app.state.store = store or _store(settings)
-    app.state.board = PlanBoard(app.state.planner, app.state.store, settings.max_budget_s)
-    app.state.stopping = Stopping(app.state.board, settings.stop_s)
+    app.state.plan_jobs = PlanJobs(app.state.planner, app.state.store, settings.max_budget_s)
+    app.state.shutdown = Shutdown(app.state.plan_jobs, settings.stop_s)
     app.state.robots = robots or _robots(settings, app.state.store)
     app.state.robot_builder = RobotBuilder(settings.robot_memory_bytes, settings.robot_timeout_s)
     for router in ROUTERS:
         app.include_router(router)
     problems.install(app, ROUTERS)
     openapi.install(app)
-    wrap(app, settings, app.state.metrics)
+    install_middleware(app, settings, app.state.metrics)
     return app
 
 
-def _store(settings: Settings) -> SqliteStore:
-    store = SqliteStore(
+def _store(settings: Settings) -> SqlitePlanStore:
+    store = SqlitePlanStore(
         settings.store_path,
         settings.store_plans,
         settings.store_bytes,
         max_age_s=settings.store_days * 86400.0,
     )
-    store.check()  # now, where a wrong setting is told in one line
+    store.check()  # now, so that an invalid setting is reported in one line
     return store
 
 
 def _robots(settings: Settings, store: PlanStore) -> RobotStore:
     bounds = settings.store_robots, settings.store_robot_bytes
-    if isinstance(store, SqliteStore):
+    if isinstance(store, SqlitePlanStore):
         return SqliteRobotStore(store, *bounds)
     return MemoryRobotStore(*bounds)
 
@@ -117,27 +116,27 @@ def _robots(settings: Settings, store: PlanStore) -> RobotStore:
 @contextlib.asynccontextmanager
 async def _lifespan(app: FastAPI) -> AsyncIterator[dict[str, Any]]:
     for name, near in unknown_variables(os.environ).items():
-        meant = f"; is {near[0]} meant?" if near else ""
-        _log.warning("%s is set, but there is no such setting%s", name, meant)
-    stopping: Stopping = app.state.stopping
+        hint = f"; did you mean {near[0]}?" if near else ""
+        _log.warning("unknown setting %s%s", name, hint)
+    shutdown: Shutdown = app.state.shutdown
     planner: Planner = app.state.planner
     store: PlanStore = app.state.store
     await store.open()
-    await app.state.board.resume()
+    await app.state.plan_jobs.resume()
     warming = asyncio.create_task(planner.warm_up())
     warming.add_done_callback(_report)
     try:
-        # For whoever serves: to be called as soon as the service is to stop.
-        yield {"stop": stopping.begin}
+        # The server calls it as soon as a shutdown is requested.
+        yield {"stop": shutdown.begin}
     finally:
         warming.cancel()
-        await stopping.settle()
+        await shutdown.drain()
         await planner.close()
-        await app.state.board.close()
+        await app.state.plan_jobs.close()
         await store.close()
 
 
 def _report(warming: asyncio.Task[None]) -> None:
-    """A service that cannot warm up stays unready; the log has to say why."""
+    """Log why the service could not warm up; it stays unready."""
     if not warming.cancelled() and (error := warming.exception()) is not None:
         _log.error("warming up failed", exc_info=error)

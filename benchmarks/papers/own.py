@@ -11,15 +11,15 @@ from numpy.typing import NDArray
 from benchmarks.papers.case import Case
 from benchmarks.papers.closed_forms import closed_form
 from benchmarks.papers.series import OPTIMUM, PLANNER, Series, context_of
+from ikplan.documents.plan_request import IkOptions, Tolerance
 from ikplan.ik.objective import evaluate
 from ikplan.ik.solve import NoSolution, PoseSolver
 from ikplan.kinematics.target import Target, pose_target
-from ikplan.planning import Clock, WaypointProblem, choose
-from ikplan.planning.candidates import grow_candidates
-from ikplan.planning.ladder import distinct_paths
-from ikplan.planning.least_motion import stack_targets
-from ikplan.planning.polish import polish
-from ikplan.request import IkOptions, Tolerance
+from ikplan.planning import TimeBudget, WaypointProblem, choose
+from ikplan.planning.ladder.ik_candidates import sample_ik_solutions
+from ikplan.planning.ladder.ladder_graph import diverse_shortest_paths
+from ikplan.planning.ladder.path_shortening import polish
+from ikplan.planning.waypoints.least_motion import stack_targets
 
 __all__ = ["OWN", "Found"]
 
@@ -86,7 +86,7 @@ def _plan(case: Case, series: Series, run: int, count: int | None = None) -> lis
         case.q_start,
         False,
         Tolerance(),
-        Clock(float("inf")),
+        TimeBudget(float("inf")),
     )
     chosen = choose(problem, IkOptions(elongation=mode))
     spent = (chosen.evaluations, 0.0, time.perf_counter() - wall, time.thread_time() - cpu)
@@ -161,12 +161,12 @@ def least_motion(case: Case, n: int, restarts: int) -> tuple[list[Array], int]:
     for restart in range(restarts):
         shift = (0.5 + 0.618034 * restart) % 1.0
         q_start = np.array(case.q_start)
-        candidates = grow_candidates(
+        candidates = sample_ik_solutions(
             case.arm.chain, targets, no_seeds, q_start, lower, upper, 250, 600, 60, shift, 1e-9
         )
         evaluations += int(candidates.evaluations[0])
         polished = []
-        for q in distinct_paths(
+        for q in diverse_shortest_paths(
             case.arm.chain, candidates, q_start, False, lower, upper, 24, 0.6, 0.1
         ):
             length, spent = polish(

@@ -11,10 +11,11 @@ from numpy.typing import NDArray
 from benchmarks.papers.case import Case
 from benchmarks.papers.own import OWN
 from benchmarks.papers.series import Series, context_of
+from ikplan.ik.metaheuristic_seeds import WARM, generator
 from ikplan.ik.metaheuristics.bounds import BOUNDS
-from ikplan.ik.metaheuristics.search import Outcome, Problem
-from ikplan.ik.registry import Solver, find_solver
-from ikplan.ik.search import WARM, generator
+from ikplan.ik.metaheuristics.population import Outcome, Problem
+from ikplan.ik.registry import find_solver
+from ikplan.ik.solver import Solver
 from ikplan.kinematics.forward import forward
 
 __all__ = ["FLOOR", "run_series", "warm_up"]

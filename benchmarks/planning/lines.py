@@ -16,7 +16,7 @@ import ikplan
 from benchmarks.planning.measure import laid, pose_document
 from benchmarks.speed.measure import Figure
 from ikplan.errors import Disconnected, Unreachable
-from ikplan.ik.refine import Effort, refine
+from ikplan.ik.levenberg_marquardt import Effort, refine
 from ikplan.ik.workspace import new_workspace
 from ikplan.kinematics.arm import arm_of
 from ikplan.kinematics.chain import Chain

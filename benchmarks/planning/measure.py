@@ -12,12 +12,12 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from ikplan.documents import parse
+from ikplan.documents.plan_request import PlanRequest
 from ikplan.ik.solve import PoseSolver
 from ikplan.kinematics.arm import arm_of
-from ikplan.planning import Clock, Route, RouteProblem, lay_route
-from ikplan.request import PlanRequest
+from ikplan.limits import JointLimits
+from ikplan.planning import JointPathProblem, Route, TimeBudget, plan_joint_path
 from ikplan.robots import Robot
-from ikplan.timing import JointLimits
 
 __all__ = ["laid", "median_seconds", "pose_document", "route_problem"]
 
@@ -30,7 +30,7 @@ def pose_document(R: Array, p: Array) -> dict[str, Any]:
     return {"position": p.tolist(), "quaternion_xyzw": quaternion.tolist()}
 
 
-def route_problem(request: dict[str, Any], robot: Robot) -> RouteProblem:
+def route_problem(request: dict[str, Any], robot: Robot) -> JointPathProblem:
     """Return what the planner is asked by a request without a tool."""
     asked = parse(PlanRequest, request)
     ik = asked.ik
@@ -47,7 +47,7 @@ def route_problem(request: dict[str, Any], robot: Robot) -> RouteProblem:
     )
     free = asked.start == "free"
     q_start = np.array(robot.home if free or asked.start is None else asked.start, dtype=float)
-    return RouteProblem(
+    return JointPathProblem(
         robot,
         solver,
         asked.path,
@@ -55,13 +55,13 @@ def route_problem(request: dict[str, Any], robot: Robot) -> RouteProblem:
         q_start,
         free,
         JointLimits.from_robot(robot),
-        Clock(asked.budget_s),
+        TimeBudget(asked.budget_s),
     )
 
 
 def laid(request: dict[str, Any], robot: Robot) -> Route:
     """Return the route of a request: what is planned before it is timed."""
-    return lay_route(route_problem(request, robot))
+    return plan_joint_path(route_problem(request, robot))
 
 
 def median_seconds(call: Callable[[], object], repeats: int) -> float:

@@ -15,11 +15,11 @@ from benchmarks.planning.measure import laid, pose_document, route_problem
 from benchmarks.speed.measure import Figure
 from ikplan.kinematics.arm import arm_of
 from ikplan.kinematics.target import pose_target
-from ikplan.planning.candidates import grow_candidates
-from ikplan.planning.least_motion import stack_targets
-from ikplan.planning.length import motion_length
-from ikplan.planning.polish import polish
-from ikplan.planning.turns import with_copies
+from ikplan.planning.ladder.equivalent_configurations import with_equivalents
+from ikplan.planning.ladder.ik_candidates import sample_ik_solutions
+from ikplan.planning.ladder.joint_length import joint_path_length
+from ikplan.planning.ladder.path_shortening import polish
+from ikplan.planning.waypoints.least_motion import stack_targets
 from ikplan.robots import Robot, load_robot
 
 __all__ = ["ROBOTS", "figures"]
@@ -61,7 +61,7 @@ def figures(paths: int) -> Iterator[Figure]:
 
 def _length(request: dict[str, object], robot: Robot) -> float:
     q_start = route_problem(request, robot).q_start
-    return motion_length(laid(request, robot).waypoint_q, q_start, False)
+    return joint_path_length(laid(request, robot).waypoint_q, q_start, False)
 
 
 def _reference(robot: Robot, poses: list[pin.SE3]) -> float:
@@ -71,7 +71,7 @@ def _reference(robot: Robot, poses: list[pin.SE3]) -> float:
     targets = stack_targets([pose_target(T.translation, T.rotation) for T in poses])
     seeds = _SEEDS[robot.dof]
     no_seeds = np.empty((len(poses), 0, robot.dof))
-    found = grow_candidates(
+    found = sample_ik_solutions(
         arm.chain,
         targets,
         no_seeds,
@@ -84,7 +84,7 @@ def _reference(robot: Robot, poses: list[pin.SE3]) -> float:
         0.5,
         1e-9,
     )
-    rows = [with_copies(arm, found.q[k, : found.counts[k]]) for k in range(len(poses))]
+    rows = [with_equivalents(arm, found.q[k, : found.counts[k]]) for k in range(len(poses))]
     best = np.inf
     for q in _shortest(rows, q_start, 12):
         length, _ = polish(arm.chain, targets, q, q_start, False, arm.lower, arm.upper, 200, 1e-9)

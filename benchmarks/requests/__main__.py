@@ -19,10 +19,11 @@ from pathlib import Path
 from typing import Any
 
 import ikplan
+from benchmarks.requests.between import as_polynomial, share_between
 from benchmarks.requests.drawing import KINDS, draw
 from ikplan.errors import CertificateViolated, IkplanError
-from ikplan.result import Plan
-from ikplan.retiming import time_request
+from ikplan.pipeline.retime import time_request
+from ikplan.plans.plan import Plan
 
 
 def asked(kind: str, request: dict[str, Any]) -> Plan:
@@ -30,20 +31,28 @@ def asked(kind: str, request: dict[str, Any]) -> Plan:
     return time_request(request) if kind == "timing" else ikplan.plan(request)
 
 
-def outcome(kind: str, request: dict[str, Any]) -> tuple[str, str, float]:
+def outcome(kind: str, request: dict[str, Any], finer: int) -> tuple[str, str, float]:
     """Return how a request ended, what it says, and the seconds of the timing stage.
+
+    Args:
+        kind: The kind of the request.
+        request: The request.
+        finer: How many times denser than its samples a plan is looked at; 0: not at all.
 
     Returns:
         "plan", the class of a refusal, or "FAULT ..."; words; seconds.
     """
     try:
         plan = asked(kind, request)
+        share = share_between(request, plan, finer) if finer and kind != "timing" else 0.0
     except CertificateViolated as error:
         return "FAULT CertificateViolated", error.detail, 0.0
     except IkplanError as error:
         return type(error).__name__, str(error), 0.0
     except Exception as error:  # anything else is what is looked for
         return f"FAULT {type(error).__name__}", traceback.format_exc(), 0.0
+    if share > 1.0:
+        return "FAULT off its path", f"{share:.4g} of the tolerance between samples", 0.0
     return "plan", "", plan.stats.seconds.get("timing", 0.0)
 
 
@@ -58,6 +67,13 @@ def main() -> int:
     parser.add_argument("--slow", type=float, default=5.0, help="processor seconds that are long")
     parser.add_argument("--budget", type=float, default=40.0, help="budget_s of each request")
     parser.add_argument("--tell", nargs="*", default=[], help="refusals to print, by class")
+    parser.add_argument(
+        "--between",
+        type=int,
+        default=0,
+        metavar="N",
+        help="look at plans N times denser than their samples too",
+    )
     parser.add_argument("--out", type=Path, default=Path("out/requests"))
     options = parser.parse_args()
     kinds = KINDS if options.kind == "all" else (options.kind,)
@@ -69,8 +85,10 @@ def main() -> int:
         if time.monotonic() > end:
             break
         request = draw(kind, options.seed, number, options.budget)
+        if options.between and kind != "timing":
+            request = as_polynomial(request)
         begin = time.process_time()
-        found, words, timing = outcome(kind, request)
+        found, words, timing = outcome(kind, request, options.between)
         took = time.process_time() - begin
         counts[f"{kind}: {found}"] += 1
         seconds.append(took)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -22,7 +23,9 @@ def _robot(name: str) -> Robot:
     return load_robot(name)
 
 
-def draw(kind: str, seed: int, number: int, budget_s: float) -> dict[str, Any]:
+def draw(
+    kind: str, seed: int, number: int, budget_s: float, robots: Sequence[str] | None = None
+) -> dict[str, Any]:
     """Draw a request.
 
     Args:
@@ -30,12 +33,13 @@ def draw(kind: str, seed: int, number: int, budget_s: float) -> dict[str, Any]:
         seed: Which series.
         number: Which of it.
         budget_s: Its time budget [s].
+        robots: Names of the robots to draw from; None: all of the catalogue.
 
     Returns:
         The request document.
     """
     rng = np.random.default_rng([KINDS.index(kind), seed, number])
-    names = robot_names()
+    names = robot_names() if robots is None else list(robots)
     name = names[int(rng.integers(len(names)))]
     robot = _robot(name)
     request: dict[str, Any] = {"robot": name, "budget_s": budget_s}

@@ -19,8 +19,8 @@ from dataclasses import dataclass  # noqa: E402
 import numpy as np  # noqa: E402
 import pinocchio as pin  # noqa: E402
 
+from ikplan.ik.metaheuristic_seeds import Searcher  # noqa: E402
 from ikplan.ik.registry import solvers  # noqa: E402
-from ikplan.ik.search import Searcher  # noqa: E402
 from ikplan.kinematics.arm import arm_of  # noqa: E402
 from ikplan.kinematics.target import pose_target  # noqa: E402
 from ikplan.robots import load_robot  # noqa: E402

@@ -16,8 +16,10 @@ from benchmarks.timing.further import steady_study, tool_study, torque_study
 from benchmarks.timing.paths import KINDS, random_limits, random_waypoints
 from benchmarks.timing.reference import toppra_duration
 from ikplan.errors import TimingFailed
+from ikplan.joint_path import JointPath
+from ikplan.limits import JointLimits
 from ikplan.robots import load_robot
-from ikplan.timing import JointLimits, JointPath, TimedPath, sample, time_joint_path
+from ikplan.timing import TimedPath, sample, time_joint_path
 
 ROBOTS = ("iiwa14", "panda", "ur5", "xarm7", "z1", "kinova_j2s6s200")
 Case = tuple[str, NDArray[np.float64], JointLimits]

@@ -7,7 +7,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from ikplan.timing import JointLimits
+from ikplan.limits import JointLimits
 
 __all__ = ["KINDS", "random_limits", "random_waypoints"]
 

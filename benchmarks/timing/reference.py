@@ -8,7 +8,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ikplan.timing import JointLimits, JointPath
+from ikplan.joint_path import JointPath
+from ikplan.limits import JointLimits
 
 __all__ = ["toppra_duration"]
 

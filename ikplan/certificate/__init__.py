@@ -1,5 +1,6 @@
 """The independent check of a finished trajectory: it shares no code with the planner."""
 
-from ikplan.certificate.certify import Claim, certify
+from ikplan.certificate.certify import certify
+from ikplan.certificate.claim import Claim, LimitedWaypoints
 
-__all__ = ["Claim", "certify"]
+__all__ = ["Claim", "LimitedWaypoints", "certify"]

@@ -9,9 +9,12 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
+from ikplan.certificate.offsets import Allowance
+from ikplan.certificate.requested import RequestedWaypoint
+from ikplan.certificate.waypoints import Misses
 from ikplan.robots import Robot
 
-__all__ = ["elongation_lower_bound"]
+__all__ = ["elongation_lower_bound", "joint_reach"]
 
 Array = NDArray[np.float64]
 
@@ -19,41 +22,54 @@ Array = NDArray[np.float64]
 def elongation_lower_bound(
     robot: Robot,
     q_start: Array | None,
-    poses: Sequence[tuple[Array, Array | None]],
-    errors: Sequence[tuple[float, float | None]],
+    asked: Sequence[RequestedWaypoint],
+    allowance: Allowance,
+    misses: Misses,
 ) -> float:
     """Return a joint motion that no plan as exact as this one can undercut [rad or m].
 
     Joint i moves the tool by at most r_i per radian, r_i the length of the arm from its axis to
     the tool, and turns it by at most one radian. So by Cauchy-Schwarz a joint step of length e
-    moves the tool by at most sqrt(sum r_i^2) e and turns it by at most sqrt(n) e. What the plan
-    itself misses its waypoints by, it need not have moved.
+    moves the tool by at most sqrt(sum r_i^2) e and turns it by at most sqrt(n) e. What the request
+    leaves free, and what the plan itself misses its waypoints by, it need not have moved.
 
     Args:
         robot: The robot, with its tool.
         q_start: Joint values at the start, shape (dof,) [rad or m]; None: at the first waypoint.
-        poses: Tool position, shape (3,) [m], and rotation, shape (3, 3) (None: any), wanted at
-            each waypoint in the base.
-        errors: Distance [m] and rotation [rad] by which the plan misses each.
+        asked: The waypoints.
+        allowance: What is allowed at them.
+        misses: What the plan misses each by.
     """
-    linear = math.sqrt(float((_joint_reach(robot) ** 2).sum()))
+    linear = math.sqrt(float((joint_reach(robot) ** 2).sum()))
     turning = robot.coupling[~np.array([_slides(robot, k) for k in range(robot.model.nv)])]
     angular = float(np.linalg.norm(turning, 2)) * math.sqrt(len(turning)) if len(turning) else 0.0
-    begin = robot.fk(q_start) if q_start is not None else None
-    before = poses[0] if begin is None else (begin.translation, begin.rotation)
-    missed_before = errors[0] if begin is None else (0.0, 0.0)
+    p = np.array([w.p for w in asked])
+    R = [w.R for w in asked]
+    near = misses.distance + float(np.linalg.norm(allowance.box_position))
+    like = misses.angle + float(np.linalg.norm(allowance.box_orientation)) + allowance.cone
+    if q_start is not None:
+        begin = robot.fk(q_start)
+        p, R = np.vstack([begin.translation, p]), [begin.rotation, *R]
+        near, like = np.concatenate([[0.0], near]), np.concatenate([[0.0], like])
     total = 0.0
-    for pose, missed in zip(poses, errors, strict=True):
-        distance = float(np.linalg.norm(pose[0] - before[0])) - missed[0] - missed_before[0]
+    for k in range(1, len(p)):
+        distance = float(np.linalg.norm(p[k] - p[k - 1])) - near[k] - near[k - 1]
         step = max(distance, 0.0) / linear if linear else 0.0
-        if pose[1] is not None and before[1] is not None and angular:
-            angle = float(np.linalg.norm(pin.log3(before[1].T @ pose[1])))
-            angle -= (missed[1] or 0.0) + (missed_before[1] or 0.0)
+        before, after = R[k - 1], R[k]
+        if before is not None and after is not None and angular and not allowance.positions_only:
+            angle = _turn(before, after, allowance.free_axis) - like[k] - like[k - 1]
             step = max(step, angle / angular)
         total += step
-        before, missed_before = pose, missed
     # Rounding must not lift the bound over a motion that meets it.
     return total * (1.0 - 1e-12)
+
+
+def _turn(before: Array, after: Array, free_axis: int | None) -> float:
+    """Angle between two orientations, or between the directions of their free axes [rad]."""
+    if free_axis is None:
+        return float(np.linalg.norm(pin.log3(before.T @ after)))
+    a, b = before[:, free_axis], after[:, free_axis]
+    return math.atan2(float(np.linalg.norm(np.cross(a, b))), float(a @ b))
 
 
 def _slides(robot: Robot, joint: int) -> bool:
@@ -61,8 +77,8 @@ def _slides(robot: Robot, joint: int) -> bool:
     return "P" in robot.model.joints[joint + 1].shortname().removeprefix("JointModel")[:2]
 
 
-def _joint_reach(robot: Robot) -> Array:
-    """Largest tool motion per unit of each joint value, shape (dof,) [m/rad, or 1 for sliding]."""
+def joint_reach(robot: Robot) -> Array:
+    """Return the largest tool motion per unit of each joint value, shape (dof,) [m/rad, m/m]."""
     model = robot.model
     T_tip_tool = model.frames[robot.tip_frame_id].placement * robot.T_tip_tool
     links = [

@@ -1,4 +1,4 @@
-"""The certificate's measures of limits other than those of single joints, by Pinocchio.
+"""The certificate's measures of limits, by Pinocchio.
 
 No code of the planner or the timing is used: torques by ``pinocchio.rnea``, tool speeds and
 accelerations of a frame of Pinocchio's own, jerks by finite differences.
@@ -12,14 +12,15 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from ikplan.motion_limits import MotionLimits
-from ikplan.result import LimitPlace
+from ikplan.documents.certificate import LimitPlace
+from ikplan.limits.motion_limits import MotionLimits
 from ikplan.robots import Robot
 
 __all__ = [
     "RATIO_SLACK",
-    "further_limits",
     "jerk_ratios",
+    "measured_limits",
+    "measured_positions",
     "tool_acceleration_ratios",
     "tool_speed_ratios",
     "torque_ratios",
@@ -31,15 +32,15 @@ RATIO_SLACK = 1e-9
 """Rounding allowed in a ratio against a limit."""
 
 
-def further_limits(
+def measured_limits(
     robot: Robot, limits: MotionLimits, time: Array, q: Array, dq: Array, ddq: Array
 ) -> tuple[dict[str, Any], list[str]]:
-    """Measure what a motion uses of its limits on jerks, torques and the tool.
+    """Measure what a motion uses of its limits, those of joint positions left out.
 
     Args:
         robot: The robot, with its tool.
         limits: The limits.
-        time: Sample times, shape (m,) [s].
+        time: Sample times, shape (m,), m >= 1 [s].
         q: Joint values, shape (m, dof) [rad or m].
         dq: Joint velocities, shape (m, dof).
         ddq: Joint accelerations, shape (m, dof).
@@ -49,7 +50,10 @@ def further_limits(
     """
     found: dict[str, Any] = {"jerk_limited": limits.jerk is not None}
     exceeded = []
-    of_joints: dict[str, Array] = {}
+    of_joints = {
+        "velocity": np.maximum(dq / limits.velocity, dq / limits.velocity_lower),
+        "acceleration": np.maximum(ddq / limits.acceleration, ddq / limits.acceleration_lower),
+    }
     if limits.jerk is not None:
         of_joints["jerk"] = jerk_ratios(time, ddq, limits.jerk)
     if limits.torque is not None:
@@ -57,11 +61,9 @@ def further_limits(
             robot, q, dq, ddq, limits.torque, limits.payload_mass, limits.payload_position
         )
     for kind, ratios in of_joints.items():
-        row, joint = np.unravel_index(int(np.argmax(ratios)), ratios.shape)
-        place = LimitPlace(joint=robot.joint_names[joint], time=float(time[row]))
-        found[f"{kind}_limit_ratio"] = float(ratios[row, joint])
-        found[f"{kind}_limit_at"] = place
-        if not ratios[row, joint] <= 1.0 + RATIO_SLACK:
+        ratio, place = worst_joint(robot, time, ratios)
+        found[f"{kind}_limit_ratio"], found[f"{kind}_limit_at"] = ratio, place
+        if not ratio <= 1.0 + RATIO_SLACK:
             exceeded.append(f"the {kind} limit of {place.joint} is exceeded at {place.time:.4f} s")
     of_tool: dict[str, Array] = {}
     if np.isfinite(limits.tool_speed).any():
@@ -77,6 +79,34 @@ def further_limits(
         if not shares[at] <= 1.0 + RATIO_SLACK:
             exceeded.append(f"the tool {kind} limit is exceeded at {time[at]:.4f} s")
     return found, exceeded
+
+
+def measured_positions(robot: Robot, time: Array, q: Array) -> tuple[dict[str, Any], list[str]]:
+    """Measure how near the joints come to their position limits; the arguments are as above.
+
+    Returns:
+        Fields of the certificate, and which limit is exceeded, in words.
+    """
+    finite = np.isfinite(robot.lower) & np.isfinite(robot.upper)
+    lower, upper = np.where(finite, robot.lower, -np.inf), np.where(finite, robot.upper, np.inf)
+    middle = np.zeros_like(lower)
+    middle[finite] = 0.5 * (lower[finite] + upper[finite])
+    ratios = np.abs(q - middle) / (0.5 * (upper - lower))
+    ratio, place = worst_joint(robot, time, ratios)
+    found = {
+        "position_limit_ratio": ratio,
+        "position_limit_at": place if finite.any() else None,
+    }
+    if not ratio <= 1.0 + RATIO_SLACK:
+        return found, [f"the position limit of {place.joint} is exceeded at {place.time:.4f} s"]
+    return found, []
+
+
+def worst_joint(robot: Robot, time: Array, ratios: Array) -> tuple[float, LimitPlace]:
+    """Return the largest of ratios, shape (m, dof), with its joint and time."""
+    row, joint = np.unravel_index(int(np.argmax(ratios)), ratios.shape)
+    place = LimitPlace(joint=robot.joint_names[joint], time=float(time[row]))
+    return float(ratios[row, joint]), place
 
 
 def jerk_ratios(time: Array, ddq: Array, limit: Array) -> Array:

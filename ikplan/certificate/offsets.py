@@ -1,78 +1,167 @@
-"""How far outside what a target allows a tool pose is, by the words of the request."""
+"""How far outside what a target allows a tool pose is, by the words of the request.
+
+A box's axes are those of its ``frame``: "path": of the path frame; "tool": of the orientation asked
+for at that place, and of the base where none is asked for, as everywhere with
+``orientation_free: "all"``.
+"""
 
 from __future__ import annotations
 
-from typing import Any
+from dataclasses import dataclass
 
 import numpy as np
-import pinocchio as pin
 from numpy.typing import NDArray
 
-from ikplan.request import PathRequest
+from ikplan.certificate.requested.rotations import rotation_of
+from ikplan.documents.path import PathRequest
 
-__all__ = ["offset", "offsets"]
+__all__ = ["Allowance", "Offsets"]
 
 Array = NDArray[np.float64]
 
 _AXES = {"tool_x": 0, "tool_y": 1, "tool_z": 2}
 
 
-def offset(
-    path: PathRequest, p: Array, R: Array, p_wanted: Array, R_wanted: Any
-) -> tuple[float, float | None]:
-    """Return how far one tool pose is outside what a target allows.
+@dataclass(frozen=True, eq=False)
+class Offsets:
+    """What poses are off beyond what is allowed, as vectors in the base.
+
+    Attributes:
+        apart: From the nearest position allowed, shape (m, 3) [m].
+        turned: Rotation vector from the nearest orientation allowed, shape (m, 3) [rad]; 0 where
+            none is asked for.
+        axes: Axes of the box, shape (m, 3, 3); None: there is no box.
+        lever: From the target to the pose, shape (m, 3) [m], where the box turns with the target;
+            None: it does not.
+        about: Direction asked for of the axis about which the tool may turn, shape (m, 3); None:
+            there is none.
+    """
+
+    apart: Array
+    turned: Array
+    axes: Array | None = None
+    lever: Array | None = None
+    about: Array | None = None
+
+    def felt(self, v: Array, w: Array) -> tuple[Array, Array]:
+        """Return the parts of a target's twist that change what is off; all where there is no box.
+
+        Args:
+            v: Velocities of the targets, shape (m, 3).
+            w: Angular velocities of the targets, shape (m, 3).
+        """
+        if self.about is not None:
+            w = w - (w * self.about).sum(axis=1, keepdims=True) * self.about
+        if self.axes is None:
+            return v, w
+        if self.lever is not None:
+            v = v + np.cross(w, self.lever)
+        return _felt(v, self.apart, self.axes), _felt(w, self.turned, self.axes)
+
+    @property
+    def distance(self) -> Array:
+        """Distances, shape (m,) [m]."""
+        return np.asarray(np.sqrt((self.apart * self.apart).sum(axis=1)))
+
+    @property
+    def angle(self) -> Array:
+        """Angles, shape (m,) [rad]."""
+        return np.asarray(np.sqrt((self.turned * self.turned).sum(axis=1)))
+
+
+class Allowance:
+    """What the tolerances and freedoms of a path allow at a target.
 
     Args:
-        path: The path of the request: says what is free.
-        p: Position of the tool in the base, shape (3,) [m].
-        R: Rotation of the tool in the base, shape (3, 3).
-        p_wanted: Position asked for, shape (3,) [m].
-        R_wanted: Rotation asked for, shape (3, 3); None: any.
-
-    Returns:
-        Distance [m] and angle [rad]; None: no orientation is asked for.
+        path: The path.
     """
-    any_rotation = R_wanted is None or path.orientation_free == "all"
-    target = np.eye(3) if R_wanted is None else R_wanted
-    distance, angle = offsets(path, p[None], R[None], p_wanted[None], target[None])
-    return float(distance[0]), None if any_rotation else float(angle[0])
+
+    def __init__(self, path: PathRequest) -> None:
+        box, free = path.tolerance.box, path.orientation_free
+        self.position = path.tolerance.position
+        self.orientation = path.tolerance.orientation
+        self.positions_only = free == "all"
+        self.free_axis: int | None = None
+        self.cone = 0.0
+        if free is not None and free != "all":
+            self.free_axis, self.cone = _AXES[free.about], free.cone or 0.0
+        self.box_position: Array = np.zeros(3) if box is None else np.array(box.position)
+        self.box_orientation: Array = np.zeros(3) if box is None else np.array(box.orientation)
+        self._boxed = box is not None
+        self._axes: Array | None = None
+        if box is not None and box.frame == "path":
+            self._axes = rotation_of(path.frame.quaternion_xyzw)
+
+    def offsets(
+        self, p: Array, R: Array, p_asked: Array, R_asked: Array, oriented: NDArray[np.bool_]
+    ) -> Offsets:
+        """Return how far poses are outside what their targets allow.
+
+        Args:
+            p: Positions of the tool in the base, shape (m, 3) [m].
+            R: Rotations of the tool in the base, shape (m, 3, 3).
+            p_asked: Positions asked for, shape (m, 3) [m].
+            R_asked: Rotations asked for, shape (m, 3, 3).
+            oriented: Where an orientation is asked for, shape (m,); the others' is ignored.
+        """
+        counts = oriented & (not self.positions_only)
+        apart = p - p_asked
+        axes = lever = None
+        if self._boxed:
+            lever = apart if self._axes is None else None
+            own = np.where(counts[:, None, None], R_asked, np.eye(3))
+            axes = own if self._axes is None else np.broadcast_to(self._axes, R.shape)
+            apart = _outside(apart, axes, self.box_position)
+        if not counts.any():
+            return Offsets(apart, np.zeros_like(apart), axes, lever)
+        turned = self._turned(R, R_asked)
+        if axes is not None and self.free_axis is None:
+            turned = _outside(turned, axes, self.box_orientation)
+        about = None if self.free_axis is None else R_asked[:, :, self.free_axis]
+        return Offsets(apart, np.where(counts[:, None], turned, 0.0), axes, lever, about)
+
+    def _turned(self, R: Array, R_asked: Array) -> Array:
+        """Rotation vectors from the orientations asked for, or from the cone about their axis."""
+        if self.free_axis is None:
+            return _rotation_vectors(R @ np.swapaxes(R_asked, 1, 2))
+        asked, axis = R_asked[:, :, self.free_axis], R[:, :, self.free_axis]
+        about = np.cross(asked, axis)
+        sine = np.sqrt((about * about).sum(axis=1))
+        angle = np.arctan2(sine, (asked * axis).sum(axis=1))
+        beyond = np.maximum(angle - self.cone, 0.0)
+        return _along(about, sine, beyond)
 
 
-def offsets(
-    path: PathRequest, p: Array, R: Array, p_wanted: Array, R_wanted: Array
-) -> tuple[Array, Array]:
-    """Return how far tool poses are outside what their targets allow.
+def _outside(vectors: Array, axes: Array, half_widths: Array) -> Array:
+    """The part of vectors beyond a box of given axes, shape (m, 3, 3), in the base, (m, 3)."""
+    along = (np.swapaxes(axes, 1, 2) @ vectors[:, :, None])[:, :, 0]
+    beyond = np.sign(along) * np.maximum(np.abs(along) - half_widths, 0.0)
+    return np.asarray((axes @ beyond[:, :, None])[:, :, 0])
 
-    Args:
-        path: The path of the request: says what is free.
-        p: Positions of the tool in the base, shape (m, 3) [m].
-        R: Rotations of the tool in the base, shape (m, 3, 3).
-        p_wanted: Positions asked for, shape (m, 3) [m].
-        R_wanted: Rotations asked for, shape (m, 3, 3).
 
-    Returns:
-        Distances [m] and angles [rad], each of shape (m,).
-    """
-    box, free = path.tolerance.box, path.orientation_free
-    apart, axes = p - p_wanted, R_wanted
-    if box is not None:
-        if box.frame == "path":
-            frame = np.array([*path.frame.position, *path.frame.quaternion_xyzw])
-            axes = np.broadcast_to(pin.XYZQUATToSE3(frame).rotation, R.shape)
-        along = np.einsum("mji,mj->mi", axes, apart)
-        apart = np.maximum(np.abs(along) - np.array(box.position), 0.0)
-    distance = np.linalg.norm(apart, axis=1)
-    if free is not None and free != "all":
-        axis = _AXES[free.about]
-        a, b = R[:, :, axis], R_wanted[:, :, axis]
-        sine = np.linalg.norm(np.cross(a, b), axis=1)
-        angle = np.arctan2(sine, np.einsum("mi,mi->m", a, b))
-        return distance, np.maximum(angle - (free.cone or 0.0), 0.0)
-    if box is not None:
-        turn = np.array([A @ pin.log3(A.T @ B) for A, B in zip(R, R_wanted, strict=True)])
-        along = np.einsum("mji,mj->mi", axes, turn)
-        excess = np.maximum(np.abs(along) - np.array(box.orientation), 0.0)
-        return distance, np.asarray(np.linalg.norm(excess, axis=1))
-    # ||A - B||_F = 2 sqrt(2) sin(angle / 2)
-    chord = np.linalg.norm(R - R_wanted, axis=(1, 2)) / np.sqrt(8.0)
-    return distance, 2.0 * np.arcsin(np.minimum(chord, 1.0))
+def _felt(rates: Array, beyond: Array, axes: Array) -> Array:
+    """The part of rates along those axes of a box beyond whose faces something is."""
+    inverse = np.swapaxes(axes, 1, 2)
+    faces = np.abs(inverse @ beyond[:, :, None]) > 1e-15
+    return np.asarray((axes @ (faces * (inverse @ rates[:, :, None])))[:, :, 0])
+
+
+def _rotation_vectors(R: Array) -> Array:
+    """Rotation vectors of rotations, shape (m, 3); exact but for the axis of half turns."""
+    skew = np.empty((len(R), 3))
+    skew[:, 0] = R[:, 2, 1] - R[:, 1, 2]
+    skew[:, 1] = R[:, 0, 2] - R[:, 2, 0]
+    skew[:, 2] = R[:, 1, 0] - R[:, 0, 1]
+    sine = np.sqrt((skew * skew).sum(axis=1))
+    angle = np.arctan2(sine, R[:, 0, 0] + R[:, 1, 1] + R[:, 2, 2] - 1.0)
+    return _along(skew, sine, angle)
+
+
+def _along(vectors: Array, norms: Array, lengths: Array) -> Array:
+    """Vectors scaled to lengths; where one has none, along x."""
+    some = norms > 1e-300
+    scaled = vectors * (lengths / np.where(some, norms, 1.0))[:, None]
+    if not some.all():
+        scaled[~some] = 0.0
+        scaled[~some, 0] = lengths[~some]
+    return np.asarray(scaled)

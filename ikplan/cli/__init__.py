@@ -8,6 +8,7 @@ import sys
 from collections.abc import Sequence
 
 from ikplan.cli.parser import make_parser, numbers_as_values
+from ikplan.cli.terminal.failing import fail, fail_of_fault, fail_of_file
 from ikplan.errors import IkplanError
 
 __all__ = ["main"]
@@ -20,33 +21,26 @@ def main(argv: Sequence[str] | None = None) -> int:
         argv: The arguments; None: those of the process.
 
     Returns:
-        The exit code: 0, or 2 with one line on stderr saying what is wrong and what to do; 1 for a
-        batch of which not every request has a plan.
+        The exit code: 0; 1: there is no plan, or not for every request of a batch; 2: wrong usage
+        or input; 3: the service cannot be reached or refuses, or a fault of ours. What is wrong and
+        what to do is one line on stderr; with ``--json``, the problem document on stdout too.
     """
     arguments = numbers_as_values(sys.argv[1:] if argv is None else argv)
+    as_json = "--json" in arguments
     try:
         options = make_parser().parse_args(arguments)
         code = options.run(options)
         sys.stdout.flush()
     except IkplanError as error:
-        return _fail(error.slug, error.detail)
+        return fail(error, as_json=as_json)
     except BrokenPipeError:
         # Whoever read the output has seen enough; nothing may be flushed there at exit.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 128 + signal.SIGPIPE
     except OSError as error:
-        reason = error.strerror or str(error)
-        where = f"{error.filename}: " if error.filename is not None else ""
-        return _fail("file-error", f"{where}{reason}")
+        return fail_of_file(error, as_json=as_json)
     except KeyboardInterrupt:
         return 128 + signal.SIGINT
+    except Exception as error:  # the outermost frame: told in full, with its own exit code
+        return fail_of_fault(error, as_json=as_json)
     return code or 0
-
-
-def _fail(slug: str, detail: str) -> int:
-    words = " ".join(detail.split())
-    plain = "".join(c if c.isprintable() else "?" for c in words)
-    line = f"ikplan: {slug}: {plain}\n"
-    encoding = sys.stderr.encoding or "utf-8"
-    sys.stderr.write(line.encode(encoding, "backslashreplace").decode(encoding))
-    return 2

@@ -11,19 +11,19 @@ from collections.abc import Callable, Generator, Iterable, Iterator
 from pathlib import Path
 from typing import Any, BinaryIO
 
-from ikplan.cli.output import say
-from ikplan.cli.planning import robot_of_file
-from ikplan.cli.progress import progress_bar
+from ikplan.cli.requests.robot import name_robot
+from ikplan.cli.terminal.failing import NO_PLAN
+from ikplan.cli.terminal.output import say
+from ikplan.cli.terminal.progress import progress_bar
+from ikplan.cli.terminal.telling import tell_start
 from ikplan.documents import load_json
+from ikplan.documents.json_ready import plain
 from ikplan.errors import IkplanError, InvalidRequest
-from ikplan.plain_json import plain
 
-__all__ = ["SOME_FAILED", "batch"]
+__all__ = ["batch"]
 
 Answers = Generator[bytes | IkplanError, None, None]
 """For each line the plan, JSON, or why there is none."""
-SOME_FAILED = 1
-"""Exit code of a batch that was done, but not every request of it has a plan."""
 
 
 def batch(options: argparse.Namespace) -> int:
@@ -41,12 +41,15 @@ def batch(options: argparse.Namespace) -> int:
         raise InvalidRequest("--workers: 0 or more is allowed", field="--workers")
     lines = _read(options.requests)
     named: dict[str, Any] = {}
-    robot = robot_of_file(options.robot, options, named)
+    tell_start(options, "loading")
+    robot = name_robot(options, named)
     answers: Answers
+    if robot is None or options.server:
+        lines = [_for_robot(line, named) for line in lines]
     if options.server:
-        answers = _by_service(options.server, [_for_robot(line, named) for line in lines])
+        answers = _by_service(options.server, lines)
     else:
-        from ikplan.batch import plan_lines
+        from ikplan.workers import plan_lines
 
         answers = plan_lines(lines, workers=options.workers, robot=robot)
     verdicts: Counter[str] = Counter()
@@ -56,7 +59,7 @@ def batch(options: argparse.Namespace) -> int:
             if isinstance(answer, IkplanError):
                 verdicts[answer.slug] += 1
             tell(index + 1, len(lines))
-    return _report(len(lines), verdicts, options.output)
+    return _report(len(lines), verdicts, options)
 
 
 def _read(name: str) -> list[bytes]:
@@ -117,19 +120,19 @@ def _written(file: str | None) -> Iterator[Callable[[bytes], None]]:
 @contextlib.contextmanager
 def _bar(options: argparse.Namespace) -> Iterator[Callable[[int, int], None]]:
     """What tells how many lines are done; nothing where the lines themselves are seen."""
-    if options.output is None and sys.stdout.isatty():
+    if options.quiet or (options.output is None and sys.stdout.isatty()):
         yield lambda _done, _total: None
         return
     with progress_bar() as progress:
         yield lambda done, total: progress("batch", done, total) if progress else None
 
 
-def _report(count: int, verdicts: Counter[str], output: str | None) -> int:
+def _report(count: int, verdicts: Counter[str], options: argparse.Namespace) -> int:
     failed = verdicts.total()
-    if output is not None:
-        say(f"{count - failed} of {count} requests planned", f"wrote {output}")
+    if options.output is not None and not options.quiet:
+        say(f"{count - failed} of {count} requests planned", f"wrote {options.output}")
     if failed:
         reasons = ", ".join(f"{n} {slug}" for slug, n in sorted(verdicts.items()))
         sys.stderr.write(f"ikplan: {failed} of {count} requests have no plan: {reasons}\n")
-        return SOME_FAILED
+        return NO_PLAN
     return 0

@@ -5,7 +5,8 @@ from __future__ import annotations
 import argparse
 import math
 
-from ikplan.cli.output import number, say, say_json, table
+from ikplan.cli.controllers import controller_lines
+from ikplan.cli.terminal.output import number, say, say_json, table
 
 __all__ = ["robots", "schema", "solvers"]
 
@@ -45,6 +46,8 @@ def _robot(options: argparse.Namespace) -> None:
         rows.append((joint.name, joint.type, *shown, effort, "deg" if turning else "m"))
     titles = ("joint", "type", "lower", "upper", "home", "speed", "accel.", "effort", "unit")
     say(*table(titles, rows, left=2))
+    if info.controller is not None:
+        say("", *controller_lines(info.controller))
     if info.notes:
         say("", *(f"- {note}" for note in info.notes))
     if info.sources:
@@ -82,6 +85,6 @@ def solvers(options: argparse.Namespace) -> None:
 
 def schema(options: argparse.Namespace) -> None:  # noqa: ARG001 - every command takes them
     """Print the JSON schema of the plan request."""
-    from ikplan.request import json_schema
+    from ikplan.documents.plan_request import json_schema
 
     say_json(json_schema())

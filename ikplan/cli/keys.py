@@ -5,8 +5,8 @@ from __future__ import annotations
 import argparse
 import re
 
-from ikplan.api_keys import key_hash, new_key
-from ikplan.cli.output import say
+from ikplan.cli.terminal.output import say
+from ikplan.client.api_keys import key_hash, new_key
 from ikplan.errors import InvalidRequest
 
 __all__ = ["new"]

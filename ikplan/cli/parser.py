@@ -9,7 +9,18 @@ from collections.abc import Sequence
 from typing import Any, NoReturn
 
 import ikplan
-from ikplan.cli import batch, catalogue, keys, planning, poses, serving, timing
+from ikplan.cli import batch, catalogue, completion, keys, planning, poses, serving, timing
+from ikplan.cli.options import (
+    add_changes,
+    add_json,
+    add_outputs,
+    add_path,
+    add_robot,
+    add_robot_frames,
+    add_server,
+    add_talk,
+)
+from ikplan.cli.terminal.failing import NO_PLAN
 from ikplan.errors import InvalidRequest
 
 __all__ = ["make_parser", "numbers_as_values"]
@@ -45,19 +56,21 @@ def make_parser() -> argparse.ArgumentParser:
 
     robots = commands.add_parser("robots", help="list the robots, or describe one")
     robots.add_argument("robot", nargs="?", metavar="ROBOT", help="a name, or a URDF file")
-    _robot_frames(robots)
-    _json(robots)
+    add_robot_frames(robots)
+    add_json(robots)
     robots.set_defaults(run=catalogue.robots)
 
     solvers = commands.add_parser("solvers", help="list the solvers of joint values")
     solvers.add_argument("solver", nargs="?", metavar="SOLVER", help="a name: its parameters")
-    _json(solvers)
+    add_json(solvers)
     solvers.set_defaults(run=catalogue.solvers)
 
     fk = commands.add_parser("fk", help="place the tool: joint values to tool pose")
     fk.add_argument("robot", metavar="ROBOT")
     fk.add_argument("q", nargs="+", type=float, metavar="Q", help="joint values [rad or m]")
-    _json(fk)
+    fk.add_argument("--angles", metavar="UNIT", help="unit of the angles: rad (if absent), deg")
+    add_json(fk)
+    add_talk(fk)
     fk.set_defaults(run=poses.fk)
 
     ik = commands.add_parser("ik", help="find joint values: tool pose to joint values")
@@ -86,15 +99,28 @@ def make_parser() -> argparse.ArgumentParser:
     )
     ik.add_argument("--method", help="a solver (see ikplan solvers)")
     ik.add_argument("--seed", type=int, help="seed of every random choice")
-    _json(ik)
+    add_json(ik)
+    add_talk(ik)
     ik.set_defaults(run=poses.ik)
 
-    plan = commands.add_parser("plan", help="make a plan from a request document")
-    plan.add_argument("request", metavar="REQUEST", help="a JSON file, or - for standard input")
-    _outputs(plan)
-    plan.add_argument("--robot", metavar="FILE", help="plan for the robot of this URDF file")
-    _robot_frames(plan)
-    _json(plan)
+    plan = commands.add_parser("plan", help="make a plan from a request or a file of points")
+    plan.add_argument(
+        "request",
+        metavar="FILE",
+        help="a request in JSON, or points in CSV; - for standard input",
+    )
+    add_outputs(plan)
+    add_robot(plan)
+    add_changes(plan)
+    plan.add_argument(
+        "--repair",
+        type=int,
+        metavar="N",
+        help="where there is no plan: apply the repair of that number, and plan again",
+    )
+    add_path(plan)
+    add_json(plan)
+    add_talk(plan)
     plan.set_defaults(run=planning.plan)
 
     many = commands.add_parser(
@@ -102,15 +128,14 @@ def make_parser() -> argparse.ArgumentParser:
         help="make many plans: JSON lines in, JSON lines out",
         description="Every line is a request as for ikplan plan, and answered by a line: "
         '{"index": 0, "status": 200, "plan": ...} or {..., "problem": ...}, in their order. '
-        f"Exit code {batch.SOME_FAILED}: done, but not every request has a plan.",
+        f"Exit code {NO_PLAN}: done, but not every request has a plan.",
     )
     many.add_argument("requests", metavar="FILE", help="JSON lines, or - for standard input")
     many.add_argument(
         "-o", "--output", metavar="FILE", help="write the lines there, not to standard output"
     )
-    _server(many)
-    many.add_argument("--robot", metavar="FILE", help="plan for the robot of this URDF file")
-    _robot_frames(many)
+    add_server(many)
+    add_robot(many)
     many.add_argument(
         "--workers",
         type=int,
@@ -118,6 +143,7 @@ def make_parser() -> argparse.ArgumentParser:
         metavar="N",
         help="without a service: plans made at the same time; 0: one a processor",
     )
+    add_talk(many)
     many.set_defaults(run=batch.batch, plot=None, plot_timing=None)
 
     time = commands.add_parser("time", help="time a joint path: no planning")
@@ -127,15 +153,15 @@ def make_parser() -> argparse.ArgumentParser:
         metavar="FILE",
         help="a request document, or with a robot: joint values as a JSON list of rows, or CSV",
     )
-    time.add_argument(
-        "--robot", dest="urdf", metavar="FILE", help="time for the robot of this URDF file"
-    )
-    _robot_frames(time)
-    time.add_argument("--rate", type=float, metavar="HZ", help="samples per second")
+    add_robot(time)
+    add_changes(time)
+    time.add_argument("--angles", metavar="UNIT", help="unit of angles in a CSV file: rad, deg")
+    time.add_argument("--units", metavar="UNIT", help="unit of lengths in a CSV file: m, mm, ...")
     time.add_argument("--scale", type=float, help="share of the robot's limits")
     time.add_argument("--jerk", type=float, help="highest joint jerk [rad/s^3 or m/s^3]")
-    _outputs(time)
-    _json(time)
+    add_outputs(time)
+    add_json(time)
+    add_talk(time)
     time.set_defaults(run=timing.time)
 
     serve = commands.add_parser(
@@ -158,34 +184,13 @@ def make_parser() -> argparse.ArgumentParser:
 
     schema = commands.add_parser("schema", help="print the JSON schema of the plan request")
     schema.set_defaults(run=catalogue.schema)
+
+    complete = commands.add_parser(
+        "completion",
+        help="print the script by which a shell completes this command",
+        description="For bash: ikplan completion bash > "
+        "~/.local/share/bash-completion/completions/ikplan",
+    )
+    complete.add_argument("shell", metavar="SHELL", help=", ".join(completion.SHELLS))
+    complete.set_defaults(run=lambda options: completion.completion(options, parser))
     return parser
-
-
-def _json(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("--json", action="store_true", help="print the JSON document instead")
-
-
-def _outputs(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument(
-        "-o",
-        "--output",
-        action="append",
-        default=[],
-        metavar="FILE",
-        help="write the plan there; the suffix names the format (.json, .csv, .npz, .ros.json, "
-        ".script)",
-    )
-    parser.add_argument("--plot", metavar="FILE", help="draw the plan there (.png, .svg, .pdf)")
-    parser.add_argument(
-        "--plot-timing", metavar="FILE", help="draw what it uses of its limits there"
-    )
-    _server(parser)
-
-
-def _server(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("--server", metavar="URL", help="let the service at that address plan")
-
-
-def _robot_frames(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("--base", metavar="LINK", help="base link of a URDF file")
-    parser.add_argument("--tip", metavar="LINK", help="tip link of a URDF file")

@@ -4,18 +4,41 @@ from __future__ import annotations
 
 import argparse
 import math
-from typing import Any
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
 
-from ikplan.cli.output import number, say, say_json, table
+import numpy as np
+from numpy.typing import NDArray
 
-__all__ = ["fk", "ik"]
+from ikplan.cli.terminal.output import number, say, say_json, table
+from ikplan.cli.terminal.telling import tell, tell_start
+from ikplan.errors import InvalidRequest
+from ikplan.points.units import ANGLES
+
+if TYPE_CHECKING:
+    from ikplan.robots import Robot
+
+__all__ = ["fk", "ik", "outside_limits"]
+
+_SLACK = 1e-6
+"""How far over a limit counts as rounding [rad or m]: limits are copied with few digits."""
 
 
 def fk(options: argparse.Namespace) -> None:
-    """Place the tool."""
-    from ikplan.pipeline import fk_request
+    """Place the tool.
 
-    pose = fk_request({"robot": options.robot, "q": options.q})
+    Raises:
+        InvalidRequest: A unit or a joint value is wrong.
+        RobotNotFound: No robot of that name.
+    """
+    from ikplan.pipeline.forward_kinematics import fk_request
+    from ikplan.robots import load_robot
+
+    robot = load_robot(options.robot)
+    q = _in_radians(options, robot)
+    pose = fk_request({"robot": robot.name, "q": q}, robot=robot)
+    for warning in outside_limits(robot, q):
+        tell(options, f"warning: {warning}")
     if options.json:
         say_json(pose.model_dump(mode="json"))
         return
@@ -27,9 +50,58 @@ def fk(options: argparse.Namespace) -> None:
     say(*table((), rows))
 
 
+def _in_radians(options: argparse.Namespace, robot: Robot) -> list[float]:
+    """The joint values, those of turning joints from the unit of the options."""
+    unit = options.angles or "rad"
+    if unit not in ANGLES:
+        raise InvalidRequest(
+            f"--angles: {', '.join(ANGLES)} are allowed, not {unit!r}",
+            field="--angles",
+            allowed=list(ANGLES),
+        )
+    q: list[float] = list(options.q)
+    if len(q) != robot.dof:  # for the request's own check
+        return q
+    slides = robot.prismatic.tolist()
+    return [v if slide else v * ANGLES[unit] for v, slide in zip(q, slides, strict=True)]
+
+
+def outside_limits(robot: Robot, q: Sequence[float]) -> list[str]:
+    """Return what to say of joint values beyond the limits, in words; nothing of those within.
+
+    Args:
+        robot: The robot.
+        q: Joint values, shape (dof,) [rad or m].
+    """
+    said = []
+    rows = zip(
+        robot.joint_names,
+        q,
+        robot.lower.tolist(),
+        robot.upper.tolist(),
+        robot.prismatic.tolist(),
+        strict=True,
+    )
+    beyond = [row for row in rows if not row[2] - _SLACK <= row[1] <= row[3] + _SLACK]
+    for name, value, lower, upper, slides in beyond:
+        unit = "m" if slides else "rad"
+        said.append(
+            f"{name} = {value:g} {unit} is outside its limits {lower:g} .. {upper:g} {unit}"
+        )
+    turned = np.where(robot.prismatic, q, np.radians(q))
+    if any(not row[4] for row in beyond) and _all_within(robot, turned):
+        said.append("in degrees all values would be within the limits: --angles deg")
+    return said
+
+
+def _all_within(robot: Robot, q: NDArray[np.float64]) -> bool:
+    return bool(np.all((robot.lower - _SLACK <= q) & (q <= robot.upper + _SLACK)))
+
+
 def ik(options: argparse.Namespace) -> None:
     """Find joint values."""
-    from ikplan.pipeline import solve_ik_request
+    tell_start(options, "loading")
+    from ikplan.pipeline.plan import solve_ik_request
     from ikplan.robots import load_robot
 
     settings = {"method": options.method, "seed": options.seed}

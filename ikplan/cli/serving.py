@@ -62,8 +62,8 @@ def _logging() -> dict[str, Any]:
     return {
         "version": 1,
         "disable_existing_loggers": False,
-        "filters": {"request": {"()": "ikplan_api.logs.RequestFilter"}},
-        "formatters": {"chosen": {"()": "ikplan_api.logs.formatter"}},
+        "filters": {"request": {"()": "ikplan_api.telemetry.logs.RequestFilter"}},
+        "formatters": {"chosen": {"()": "ikplan_api.telemetry.logs.formatter"}},
         "handlers": {
             "stderr": {
                 "class": "logging.StreamHandler",
@@ -72,7 +72,11 @@ def _logging() -> dict[str, Any]:
             }
         },
         "root": {"handlers": ["stderr"], "level": "WARNING"},
-        "loggers": {name: {"level": level if known else "INFO"} for name in ("ikplan", "uvicorn")},
+        "loggers": {
+            **{name: {"level": level if known else "INFO"} for name in ("ikplan", "uvicorn")},
+            # Named, or its parent above would let it speak again: a second line a request.
+            "uvicorn.access": {"level": "WARNING"},
+        },
     }
 
 
@@ -82,7 +86,7 @@ def _address(listening: socket.socket) -> str:
 
 
 def _listen(host: str, port: int) -> socket.socket:
-    """Take the address before anything else, so that a wrong one is told at once."""
+    """Take the address before anything else, so that a wrong one is reported at once."""
     family = socket.AF_INET6 if ":" in host else socket.AF_INET
     try:
         listening = socket.create_server((host, port), family=family)

@@ -8,11 +8,12 @@ from typing import Any
 from urllib.parse import quote
 
 from ikplan.client.wire import Call, encode
+from ikplan.documents.plan_request import FkRequest, IkRequest, PlanRequest
+from ikplan.documents.pose_results import FkResult, IkSolution
 from ikplan.documents.status import PlanStatus
-from ikplan.documents.timing import TimingRequest
+from ikplan.documents.timing_request import TimingRequest
 from ikplan.errors import InvalidRobot, ServiceUnavailable
-from ikplan.request import FkRequest, IkRequest, PlanRequest
-from ikplan.result import FkResult, IkSolution, Plan
+from ikplan.plans.plan import Plan
 
 __all__ = [
     "delete_plan",

@@ -5,16 +5,12 @@ from __future__ import annotations
 import asyncio
 import time
 from collections.abc import Callable
-from typing import TYPE_CHECKING
 
 from ikplan.client import calls
+from ikplan.client.connection import AsyncConnection, Connection
 from ikplan.documents.status import PlanStatus
 from ikplan.errors import IkplanError, PlanNotFound, ServiceUnavailable
-from ikplan.result import Plan
-
-if TYPE_CHECKING:
-    from ikplan.client.asynchronous import AsyncClient
-    from ikplan.client.synchronous import Client
+from ikplan.plans.plan import Plan
 
 __all__ = ["AsyncPlanJob", "OnProgress", "PlanJob"]
 
@@ -50,7 +46,7 @@ class PlanJob(_Job):
         id: Id of the plan.
     """
 
-    def __init__(self, client: Client, plan_id: str, plan: Plan | None = None) -> None:
+    def __init__(self, client: Connection, plan_id: str, plan: Plan | None = None) -> None:
         super().__init__(plan_id, plan)
         self._client = client
 
@@ -110,7 +106,7 @@ class AsyncPlanJob(_Job):
         id: Id of the plan.
     """
 
-    def __init__(self, client: AsyncClient, plan_id: str, plan: Plan | None = None) -> None:
+    def __init__(self, client: AsyncConnection, plan_id: str, plan: Plan | None = None) -> None:
         super().__init__(plan_id, plan)
         self._client = client
 

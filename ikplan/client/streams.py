@@ -12,7 +12,7 @@ from pydantic import BaseModel, ValidationError
 from ikplan.client.wire import encode
 from ikplan.documents.status import PlanStatus
 from ikplan.errors import IkplanError, InvalidRequest, ServiceUnavailable, error_from_problem
-from ikplan.result import Plan
+from ikplan.plans.plan import Plan
 
 __all__ = ["BATCH", "batch_body", "read_event", "read_line"]
 

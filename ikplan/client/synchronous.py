@@ -15,11 +15,12 @@ from ikplan.client.jobs import PlanJob
 from ikplan.client.retrying import Patience
 from ikplan.client.streams import BATCH, batch_body, read_event, read_line
 from ikplan.client.wire import EVENTS, PROBLEM, Call, client_headers, read, unreachable
+from ikplan.documents.plan_request import FkRequest, IkRequest, PlanRequest
+from ikplan.documents.pose_results import FkResult, IkSolution
 from ikplan.documents.status import PlanStatus
-from ikplan.documents.timing import TimingRequest
+from ikplan.documents.timing_request import TimingRequest
 from ikplan.errors import IkplanError
-from ikplan.request import FkRequest, IkRequest, PlanRequest
-from ikplan.result import FkResult, IkSolution, Plan
+from ikplan.plans.plan import Plan
 
 __all__ = ["Client"]
 

@@ -13,7 +13,7 @@ import httpx
 import numpy as np
 from pydantic import BaseModel, ValidationError
 
-import ikplan
+from ikplan._version import __version__
 from ikplan.errors import IkplanError, InvalidRequest, ServiceUnavailable, error_from_problem
 
 __all__ = [
@@ -45,7 +45,7 @@ def client_headers(base_url: str, key: str | None) -> dict[str, str]:
     Raises:
         InvalidRequest: The key cannot be sent in a header.
     """
-    headers = {"user-agent": f"ikplan/{ikplan.__version__}"}
+    headers = {"user-agent": f"ikplan/{__version__}"}
     if httpx.URL(base_url).host in ("127.0.0.1", "::1", "localhost"):
         headers["accept-encoding"] = "identity"  # compressing takes longer than this wire
     key = os.environ.get(KEY_VARIABLE, "") if key is None else key

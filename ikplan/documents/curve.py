@@ -161,8 +161,5 @@ class TrapezoidSegment(CurveSegment):
 
 def _not_zero(value: float) -> float:
     if abs(value) < _LEAST:
-        raise ValueError(
-            "a curve that does not turn is no curve: other than 0 is wanted, by at least "
-            f"{_LEAST:g}"
-        )
+        raise ValueError(f"a curve must turn: the value must differ from 0 by at least {_LEAST:g}")
     return value

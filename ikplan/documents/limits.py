@@ -40,6 +40,11 @@ PerJointBelow = Annotated[
     Discriminator(lambda v: "[values]" if isinstance(v, list) else "[number]"),
     BeforeValidator(plain),
 ]
+WholeJerk = Annotated[
+    Annotated[Positive, Tag("[number]")] | _PositiveList | Annotated[Literal[False], Tag("[flag]")],
+    Discriminator(lambda v: tag if (tag := _tag(v)) in ("[values]", "[flag]") else "[number]"),
+    BeforeValidator(plain),
+]
 Torque = Annotated[
     Annotated[bool, Tag("[flag]")] | _PositiveList,
     Discriminator(lambda v: "[values]" if isinstance(v, list) else "[flag]"),
@@ -69,8 +74,8 @@ class Payload(Document):
     position: Vec3 = Field([0.0, 0.0, 0.0], description="Its centre, in the tool frame [m].")
 
 
-class StretchLimits(Document):
-    """Limits of a stretch of the motion, on top of those of the whole: the strictest holds."""
+class _Limits(Document):
+    """What limits of the whole motion and of a stretch have in common."""
 
     velocity_scale: float = Field(1.0, ge=1e-4, le=1, description="Share of the velocity limits.")
     acceleration_scale: float = Field(
@@ -102,11 +107,6 @@ class StretchLimits(Document):
         description="What the tool carries, counted towards the torques; null: nothing, or on a "
         "stretch, what it carries on the whole.",
     )
-    jerk: PerJoint | None = Field(
-        None,
-        description="Highest joint jerks, both ways, one each or one for all [rad/s^3 or m/s^3]; "
-        "null: no limit, accelerations may jump.",
-    )
     tool_speed: ToolLimit | None = Field(
         None, description="Highest speed of the tool frame; a number is the linear one [m/s]."
     )
@@ -116,15 +116,37 @@ class StretchLimits(Document):
     )
 
 
-class LimitOptions(StretchLimits):
+class StretchLimits(_Limits):
+    """Limits of a stretch of the motion, on top of those of the whole: the strictest holds."""
+
+    jerk: PerJoint | None = Field(
+        None,
+        description="Highest joint jerks, both ways, one each or one for all [rad/s^3 or m/s^3]; "
+        "null: none but those of the whole.",
+    )
+
+
+class LimitOptions(_Limits):
     """Limits of the motion, on top of the robot's own: the strictest of all holds."""
+
+    jerk: WholeJerk | None = Field(
+        None,
+        description="Highest joint jerks, both ways, one each or one for all [rad/s^3 or m/s^3], "
+        "on top of those that the maker publishes; null: the maker's, where published; false: no "
+        "limit, accelerations may jump.",
+    )
 
 
 class SamplingOptions(Document):
     """The samples of the trajectory."""
 
-    rate_hz: float = Field(
-        250.0, ge=1, le=MAX_RATE_HZ, description="Samples per second [Hz]; the end is exact."
+    rate_hz: float | None = Field(
+        None,
+        ge=1,
+        le=MAX_RATE_HZ,
+        description="Samples per second [Hz]; null: one a cycle of the robot's controller, or 250 "
+        "where none is known. The motion ends at a sample: it is slowed until its duration is a "
+        "whole number of periods.",
     )
     form: Literal["samples", "knots", "polynomial"] = Field(
         "samples",

@@ -72,8 +72,8 @@ class ToleranceBox(Document):
     )
     frame: Literal["tool", "path"] = Field(
         "tool",
-        description='Whose axes: "tool": of the tool at the target, of the base where no '
-        'orientation is asked for; "path": of the path.',
+        description='Whose axes: "tool": of the orientation asked for at the target, of the base '
+        'where none is asked for, as with orientation_free "all"; "path": of the path frame.',
     )
 
 
@@ -166,11 +166,11 @@ class PathRequest(Document):
     def _one_form(self) -> PathRequest:
         if bool(self.waypoints) == bool(self.segments):
             given = "both" if self.waypoints else "neither"
-            raise ValueError(f"exactly one of waypoints and segments is wanted; got {given}")
+            raise ValueError(f"give exactly one of waypoints and segments; got {given}")
         if self.segments and self.interpolation != "joint":
             raise ValueError("interpolation is for waypoints; segments say what they are")
         if self.waypoints and self.begin is not None:
             raise ValueError("begin is for segments; waypoints begin at the first of them")
         if self.waypoints and self.blend > 0.0 and self.interpolation != "line":
-            raise ValueError('blend is for lines; the waypoints have no corners: "line" is wanted')
+            raise ValueError('blend is for lines only: set interpolation to "line"')
         return self

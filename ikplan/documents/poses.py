@@ -27,7 +27,7 @@ def unit_quaternion(quaternion: list[float] | None) -> list[float] | None:
         return None
     norm = math.sqrt(sum(c * c for c in quaternion))
     if not abs(norm - 1.0) <= 1e-3:
-        raise ValueError(f"a unit quaternion (x, y, z, w) is wanted; this one has norm {norm:.6g}")
+        raise ValueError(f"must be a unit quaternion (x, y, z, w); this one has norm {norm:.6g}")
     # A quaternion that is unit to rounding is kept as it is, so that the id does not change.
     return quaternion if abs(norm - 1.0) < 1e-15 else [c / norm for c in quaternion]
 

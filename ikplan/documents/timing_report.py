@@ -44,6 +44,24 @@ class TimingReport(_Result):
     what_if: list[WiderLimit] = Field(
         description="The duration if one limit were 10 % wider, for those that bind for longest."
     )
+    rate_hz: float | None = Field(None, description="Samples per second [Hz]; null: unknown.")
+    rate_source: str | None = Field(
+        None,
+        description='Who gave the rate: "request", "controller" or "default"; null: unknown.',
+    )
+    grid_factor: float = Field(
+        1.0,
+        description="By what factor the motion was slowed at last, so that it ends at a multiple "
+        "of the sampling period; >= 1.",
+    )
+    jerk_source: str | None = Field(
+        None,
+        description='Who gave the jerk limits of the whole motion: "request" (the maker\'s hold '
+        'too) or "controller"; null: there are none.',
+    )
+    zero_end_acceleration: bool = Field(
+        False, description="Whether the motion begins and ends with zero joint accelerations."
+    )
 
 
 class PathMotion(_Result):

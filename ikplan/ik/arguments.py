@@ -69,7 +69,7 @@ def check_start(robot: Robot, start: ArrayLike, field: str = "start") -> Array:
         q = np.array(start, dtype=np.float64)
     except (TypeError, ValueError) as error:
         raise InvalidRequest(
-            f"{field}: {robot.dof} numbers are wanted", field=field, allowed=f"{robot.dof} numbers"
+            f"{field}: must be {robot.dof} numbers", field=field, allowed=f"{robot.dof} numbers"
         ) from error
     if q.shape != (robot.dof,):
         raise InvalidRequest(
@@ -124,13 +124,11 @@ def target_of(pose: Any) -> Target:
 
 def _no_pose() -> InvalidRequest:
     return InvalidRequest(
-        "pose: a pinocchio.SE3 with a proper rotation, or three finite numbers, are wanted",
+        "pose: must be a pinocchio.SE3 with a proper rotation, or three finite numbers",
         field="pose",
         allowed="pinocchio.SE3 or position of shape (3,)",
     )
 
 
 def _wrong(field: str, value: Any, wanted: str) -> InvalidRequest:
-    return InvalidRequest(
-        f"{field}: {wanted} is wanted, not {value!r}", field=field, allowed=wanted
-    )
+    return InvalidRequest(f"{field}: must be {wanted}, not {value!r}", field=field, allowed=wanted)

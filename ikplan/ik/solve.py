@@ -13,17 +13,19 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from pinocchio import Quaternion
 
+from ikplan.documents.pose_results import IkSolution
 from ikplan.errors import InvalidRequest, Unreachable
 from ikplan.ik.arguments import check_options, check_start, check_tolerances, target_of
-from ikplan.ik.lm import solve_lm
-from ikplan.ik.nearest import nearest_solutions
-from ikplan.ik.refine import target_error
-from ikplan.ik.registry import Solver, find_solver
-from ikplan.ik.search import Searcher
-from ikplan.ik.verdict import Miss, explain_miss
+from ikplan.ik.closest_approach import Miss, explain_unreachable
+from ikplan.ik.levenberg_marquardt import target_error
+from ikplan.ik.metaheuristic_seeds import Searcher
+from ikplan.ik.nearest_solutions import nearest_solutions
+from ikplan.ik.registry import find_solver
+from ikplan.ik.restarts import solve_lm
+from ikplan.ik.solver import Solver
 from ikplan.kinematics.arm import Arm, arm_of
 from ikplan.kinematics.target import Target
-from ikplan.result import IkSolution
+from ikplan.robots.reach import unit_hint, with_hint
 
 if TYPE_CHECKING:
     from ikplan.robots import Robot
@@ -118,7 +120,7 @@ class PoseSolver:
 
     @property
     def cut(self) -> NDArray[np.bool_]:
-        """Flag that ends searches early, shape (1,); see :class:`ikplan.ik.search.Searcher`."""
+        """Flag that ends searches early, shape (1,); see the Searcher of metaheuristic_seeds."""
         return np.zeros(1, dtype=np.bool_) if self.searcher is None else self.searcher.cut
 
     @property
@@ -196,7 +198,7 @@ class PoseSolver:
             q,
         )
         if distance > self.tolerance_position or angle > self.tolerance_orientation:
-            miss, spent = explain_miss(self.arm, target, q, q_start)
+            miss, spent = explain_unreachable(self.arm, target, q, q_start)
             evaluations += spent
             q, distance, angle = miss.q, miss.position_error, miss.orientation_error or 0.0
             # The verdict searches longer than the solver, and may find what that did not.
@@ -279,7 +281,8 @@ def solve_pose(
     try:
         solved = solver.solve(target, q_start)
     except NoSolution as verdict:
-        raise unreachable(robot, verdict.miss, 0, "the pose", target) from verdict
+        error = unreachable(robot, verdict.miss, 0, "the pose", target)
+        raise with_hint(error, unit_hint(robot, [target.p.tolist()])) from verdict
     q = solved.q[0]
     difference = q - q_start
     return IkSolution.model_construct(

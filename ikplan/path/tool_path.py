@@ -8,9 +8,9 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from ikplan.path.piece import Motion, Piece
-from ikplan.path.steady import SteadyPiece, stack_steady, steady_motion
-from ikplan.path.steady_kernels import SteadyStack
+from ikplan.path.pieces.piece import Motion, Piece
+from ikplan.path.pieces.steady import SteadyPiece, stack_steady, steady_motion
+from ikplan.path.pieces.steady_kernels import SteadyStack
 
 __all__ = ["Corner", "PathStretch", "PathWaypoint", "ToolPath"]
 

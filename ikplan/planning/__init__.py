@@ -1,22 +1,22 @@
 """From a tool path to the knots of a joint path."""
 
-from ikplan.planning.choose import choose
-from ikplan.planning.clock import Clock, Progress
-from ikplan.planning.lay import lay_route
-from ikplan.planning.problem import Chosen, WaypointProblem
-from ikplan.planning.repair import find_repairs
-from ikplan.planning.route import Route, RouteProblem, Span, Wanted
+from ikplan.planning.joint_planner import plan_joint_path
+from ikplan.planning.joint_route import JointPathProblem, Route, Span, WaypointKnot
+from ikplan.planning.repairs import find_repairs
+from ikplan.planning.waypoints.select import choose
+from ikplan.planning.waypoints.waypoint_problem import Chosen, WaypointProblem
+from ikplan.time_budget import Progress, TimeBudget
 
 __all__ = [
     "Chosen",
-    "Clock",
+    "JointPathProblem",
     "Progress",
     "Route",
-    "RouteProblem",
     "Span",
-    "Wanted",
+    "TimeBudget",
+    "WaypointKnot",
     "WaypointProblem",
     "choose",
     "find_repairs",
-    "lay_route",
+    "plan_joint_path",
 ]

@@ -9,7 +9,7 @@ from ikplan.robots.info import JointInfo, LimitSourceInfo, RobotInfo
 from ikplan.robots.load import catalogue_robot, load_robot, robot_from_urdf
 from ikplan.robots.robot import Robot
 from ikplan.robots.upload import JointLimits, RobotUpload, is_upload_id
-from ikplan.robots.visual import RobotVisual, catalogue_visual, robot_visual
+from ikplan.robots.urdf.visual import RobotVisual, catalogue_visual, robot_visual
 
 __all__ = [
     "JointInfo",

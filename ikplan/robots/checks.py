@@ -47,7 +47,7 @@ def finite_vector(
     if not np.isfinite(array).all():
         i = int(np.flatnonzero(~np.isfinite(array))[0])
         raise InvalidRequest(
-            f"{field}[{i}]: {array[i]} is not a finite number; {length} of them are wanted",
+            f"{field}[{i}]: {array[i]} is not a finite number; it must be {length} of them",
             field=field,
             allowed=f"{length} finite numbers",
         )
@@ -87,7 +87,7 @@ def unit_quaternion(values: ArrayLike, field: str) -> tuple[float, float, float,
     norm = float(np.sqrt(array @ array))
     if abs(norm - 1.0) > _QUATERNION_TOLERANCE:
         raise InvalidRequest(
-            f"{field}: the length is {norm:.6g}; a unit quaternion is wanted (normalised here "
+            f"{field}: the length is {norm:.6g}; it must be a unit quaternion (normalised here "
             f"within {_QUATERNION_TOLERANCE:g})",
             field=field,
             allowed="a unit quaternion (x, y, z, w)",

@@ -8,7 +8,8 @@ import math
 from dataclasses import dataclass
 from typing import Any
 
-from ikplan.robots.tree import Vector
+from ikplan.documents.controller import Controller
+from ikplan.robots.urdf.tree import Vector
 
 __all__ = ["Coupling", "JointSpec", "LimitSource", "RobotDescription", "Tool"]
 
@@ -96,6 +97,8 @@ class RobotDescription:
         sources: Where the other facts come from.
         notes: What a user should know.
         inertias_sourced: Whether the inertias come from a named source.
+        controller: The controller, None where none is known; jerks in rad/s^3 or m/s^3, one a
+            joint.
     """
 
     name: str
@@ -110,6 +113,7 @@ class RobotDescription:
     sources: tuple[str, ...] = ()
     notes: tuple[str, ...] = ()
     inertias_sourced: bool = False
+    controller: Controller | None = None
 
     def fingerprint(self) -> str:
         """SHA-256 over all that can change a plan; prose and file paths are left out.
@@ -141,8 +145,19 @@ class RobotDescription:
             "tool": [_number(v) for v in (*self.tool.position, *self.tool.quaternion_xyzw)],
             "inertias_sourced": self.inertias_sourced,
         }
+        if self.controller is not None:
+            content["controller"] = _tagged(self.controller.model_dump(exclude={"sources"}))
         text = json.dumps(content, sort_keys=True, separators=(",", ":"))
         return hashlib.sha256(text.encode()).hexdigest()
+
+
+def _tagged(value: Any) -> Any:
+    """Write every float of a document by its bits."""
+    if isinstance(value, dict):
+        return {key: _tagged(each) for key, each in value.items()}
+    if isinstance(value, list):
+        return [_tagged(each) for each in value]
+    return _number(value) if isinstance(value, float) else value
 
 
 def _number(value: float) -> str:

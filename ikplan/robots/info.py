@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from pydantic import BaseModel, ConfigDict, Field
 
+from ikplan.documents.controller import Controller
+
 __all__ = ["CouplingInfo", "JointInfo", "LimitSourceInfo", "RobotInfo"]
 
 
@@ -61,5 +63,8 @@ class RobotInfo(BaseModel):
     limit_sources: list[LimitSourceInfo]
     sources: list[str]
     notes: list[str]
+    controller: Controller | None = Field(
+        None, description="The controller: cycle, jerk limits, languages; null: none is known."
+    )
     inertias_sourced: bool = Field(description="whether dynamics may be computed from the model")
     fingerprint: str = Field(description="SHA-256 over all that can change a plan")

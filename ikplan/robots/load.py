@@ -8,15 +8,15 @@ import os
 from pathlib import Path
 
 from ikplan.errors import InvalidRobot
-from ikplan.robots.chains import axes_tree, dh_tree
-from ikplan.robots.describe import describe_file
-from ikplan.robots.describe_urdf import describe_urdf
+from ikplan.robots.definition.chains import axes_tree, dh_tree
+from ikplan.robots.definition.describe import describe_file
+from ikplan.robots.definition.schema import RobotFile, read_robot_file
 from ikplan.robots.folders import package_file, robot_folder
 from ikplan.robots.robot import Robot
-from ikplan.robots.safe_xml import MAX_BYTES
-from ikplan.robots.schema import RobotFile, read_robot_file
-from ikplan.robots.tree import KinematicTree
-from ikplan.robots.urdf import parse_urdf
+from ikplan.robots.urdf.describe_urdf import describe_urdf
+from ikplan.robots.urdf.safe_xml import MAX_BYTES
+from ikplan.robots.urdf.tree import KinematicTree
+from ikplan.robots.urdf.urdf import parse_urdf
 
 __all__ = ["catalogue_documents", "catalogue_robot", "load_robot", "robot_from_urdf"]
 

@@ -33,6 +33,8 @@ class Robot:
         velocity_limit: Velocity limits, shape (dof,) [rad/s or m/s], finite and positive.
         acceleration_limit: Acceleration limits, shape (dof,) [rad/s^2 or m/s^2], the same.
         effort_limit: Effort limits, shape (dof,) [N m or N], nan where no source gives one.
+        jerk_limit: Jerk limits that the maker publishes, shape (dof,) [rad/s^3 or m/s^3], or None.
+        controller: The controller, or None where none is known.
         home: Home configuration, shape (dof,) [rad or m].
         continuous: Which joints turn without end, shape (dof,).
         prismatic: Which joints slide, shape (dof,).
@@ -65,6 +67,9 @@ class Robot:
         self.velocity_limit = _frozen([j.velocity for j in joints])
         self.acceleration_limit = _frozen([j.acceleration for j in joints])
         self.effort_limit = _frozen([j.effort for j in joints])
+        self.controller = description.controller
+        jerk = None if self.controller is None else self.controller.jerk
+        self.jerk_limit = None if jerk is None else _frozen(jerk)
         self.home = _frozen([j.home for j in joints])
         self.continuous = _frozen_flags([j.kind == "continuous" for j in joints])
         self.prismatic = _frozen_flags([j.kind == "prismatic" for j in joints])
@@ -330,6 +335,7 @@ class Robot:
             sources=list(d.sources),
             notes=[*d.notes, *(f"{s.limit} limits: {s}" for s in d.limit_sources)],
             inertias_sourced=d.inertias_sourced,
+            controller=d.controller,
             fingerprint=self.fingerprint,
         )
 

@@ -9,19 +9,20 @@ from typing import Annotated
 from pydantic import Field
 
 from ikplan.documents import Document, Floats, Number
+from ikplan.documents.controller import Controller
 from ikplan.documents.poses import Frame
 from ikplan.errors import InvalidRobot
 from ikplan.robots.checks import unit_quaternion
-from ikplan.robots.describe import moving_chain
-from ikplan.robots.describe_urdf import describe_urdf
+from ikplan.robots.definition.describe import moving_chain
+from ikplan.robots.definition.schema import JointEntry
 from ikplan.robots.description import RobotDescription, Tool
-from ikplan.robots.mesh_uris import mesh_packages
 from ikplan.robots.robot import Robot
-from ikplan.robots.safe_xml import MAX_BYTES
-from ikplan.robots.schema import JointEntry
-from ikplan.robots.srdf import read_group
-from ikplan.robots.tree import KinematicTree
-from ikplan.robots.urdf import parse_urdf
+from ikplan.robots.urdf.describe_urdf import describe_urdf
+from ikplan.robots.urdf.mesh_uris import mesh_packages
+from ikplan.robots.urdf.safe_xml import MAX_BYTES
+from ikplan.robots.urdf.srdf import read_group
+from ikplan.robots.urdf.tree import KinematicTree
+from ikplan.robots.urdf.urdf import parse_urdf
 
 __all__ = ["JointLimits", "RobotUpload", "is_upload_id"]
 
@@ -75,10 +76,19 @@ class RobotUpload(Document):
         max_length=64,
         description="Home, shape (dof,) [rad or m]; null: the SRDF's, or near zero.",
     )
+    controller: Controller | None = Field(
+        None,
+        description="Its controller: cycle, jerk limits, languages; null: not known. Its base "
+        "frame is in the base link.",
+    )
 
     def canonical(self) -> bytes:
-        """Return the document in the one form that its id is taken from."""
-        return self.model_dump_json().encode()
+        """Return the document in the one form that its id is taken from.
+
+        A robot without a controller has the id that it had before there were controllers.
+        """
+        left_out = {"controller"} if self.controller is None else None
+        return self.model_dump_json(exclude=left_out).encode()
 
     def content_id(self) -> str:
         """Return the robot's name: the same content, the same name."""
@@ -119,6 +129,7 @@ class RobotUpload(Document):
                 unit_quaternion(self.tool.quaternion_xyzw, "tool.quaternion_xyzw"),
             ),
             notes=_mesh_notes(packages),
+            controller=self.controller,
         )
 
     def robot(self) -> Robot:

@@ -1,26 +1,21 @@
 """Timing: when the joints are where along a geometric path, under the limits of the robot."""
 
 from ikplan.timing.binding import Binding, BindingShare, WhatIf, binding, what_if
-from ikplan.timing.constraints import ConstraintRows, PathConstraint, PathPoints
-from ikplan.timing.joint_path import JointPath
-from ikplan.timing.kept import sampled_within_limits
-from ikplan.timing.limits import JointLimits, LimitedRobot
+from ikplan.timing.constraints.constraints import ConstraintRows, PathConstraint, PathPoints
+from ikplan.timing.constraints.tool_limits import ToolLimits, ToolMotion
+from ikplan.timing.constraints.torque_limits import InverseDynamics, TorqueLimits
 from ikplan.timing.profile import SegmentLimits
 from ikplan.timing.retime import Retimed, retime
-from ikplan.timing.sampling import Samples, knots, sample
-from ikplan.timing.time_path import time_joint_path
+from ikplan.timing.sampled_within_limits import sampled_within_limits
+from ikplan.timing.sampling import Samples, knots, on_grid, periods, sample
+from ikplan.timing.time_joint_path import time_joint_path
 from ikplan.timing.timed_path import TimedPath
-from ikplan.timing.tool_limits import ToolLimits, ToolMotion
-from ikplan.timing.torque_limits import InverseDynamics, TorqueLimits
 
 __all__ = [
     "Binding",
     "BindingShare",
     "ConstraintRows",
     "InverseDynamics",
-    "JointLimits",
-    "JointPath",
-    "LimitedRobot",
     "PathConstraint",
     "PathPoints",
     "Retimed",
@@ -33,6 +28,8 @@ __all__ = [
     "WhatIf",
     "binding",
     "knots",
+    "on_grid",
+    "periods",
     "retime",
     "sample",
     "sampled_within_limits",

@@ -9,9 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ikplan.errors import InvalidRequest, TimingFailed
-from ikplan.timing.constraints import Label, PathConstraint, PathPoints
-from ikplan.timing.engine import Check, EngineFailed, unlimited
-from ikplan.timing.jerk import smooth_span_alike
+from ikplan.timing.constraints.constraints import Label, PathConstraint, PathPoints
+from ikplan.timing.engines.engine import Check, EngineFailed, unlimited
+from ikplan.timing.jerk.jerk import smooth_span_alike
 from ikplan.timing.problem import SpanProblem
 from ikplan.timing.profile import LimitProfile
 from ikplan.timing.span import SpanTiming

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ikplan._jit import kernel
-from ikplan.timing.joint_path import JointPath
+from ikplan.joint_path.joint_path import JointPath
 
 __all__ = ["Grid", "curvature_grid", "regridded"]
 

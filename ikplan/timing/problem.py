@@ -9,17 +9,17 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from ikplan.timing.compiled_engine import CompiledEngine
-from ikplan.timing.constraints import PathConstraint
-from ikplan.timing.engine import Engine, EngineFailed
-from ikplan.timing.excess import usage, utilisation
+from ikplan.joint_path.joint_path import JointPath
+from ikplan.timing.constraints.constraints import PathConstraint
+from ikplan.timing.constraints.grid_constraints import GridConstraints
+from ikplan.timing.constraints.interval_points import COARSE, FINE, highest
+from ikplan.timing.engines.compiled_engine import CompiledEngine
+from ikplan.timing.engines.engine import Engine, EngineFailed
+from ikplan.timing.engines.rows import StageRows, acceleration_rows, natural_units, velocity_bounds
+from ikplan.timing.engines.toppra_engine import ToppraEngine
 from ikplan.timing.grid import Grid
-from ikplan.timing.grid_constraints import GridConstraints
-from ikplan.timing.interval_points import COARSE, FINE, highest
-from ikplan.timing.joint_path import JointPath
+from ikplan.timing.limit_ratios import usage, utilisation
 from ikplan.timing.profile import LimitProfile
-from ikplan.timing.rows import StageRows, acceleration_rows, natural_units, velocity_bounds
-from ikplan.timing.toppra_engine import ToppraEngine
 
 __all__ = ["SpanProblem"]
 

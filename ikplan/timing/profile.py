@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ikplan.errors import InvalidRequest
-from ikplan.timing.joint_path import JointPath
-from ikplan.timing.limits import JointLimits
+from ikplan.joint_path.joint_path import JointPath
+from ikplan.limits.joint_limits import JointLimits
 
 __all__ = ["LimitProfile", "SegmentLimits"]
 

@@ -9,12 +9,12 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ikplan.errors import InvalidRequest
-from ikplan.timing.constraints import PathConstraint
-from ikplan.timing.joint_path import JointPath
-from ikplan.timing.limits import JointLimits
+from ikplan.joint_path.joint_path import JointPath
+from ikplan.limits.joint_limits import JointLimits
+from ikplan.timing.constraints.constraints import PathConstraint
 from ikplan.timing.profile import SegmentLimits
-from ikplan.timing.sampling import Samples, check_rate, sample
-from ikplan.timing.time_path import time_joint_path
+from ikplan.timing.sampling import Samples, check_rate, on_grid, sample
+from ikplan.timing.time_joint_path import time_joint_path
 from ikplan.timing.timed_path import TimedPath
 
 __all__ = ["Retimed", "retime"]
@@ -94,4 +94,5 @@ def retime(
     limits.check_positions(q, "joint_waypoints")
     path = JointPath.through(q, limits, rest_at=rest_at)
     timed = time_joint_path(path, limits, segments=segments, constraints=constraints)
+    timed = on_grid(timed, rate_hz)
     return Retimed(timed, sample(timed, rate_hz))

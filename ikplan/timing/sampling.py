@@ -11,7 +11,17 @@ from numpy.typing import NDArray
 from ikplan.errors import InvalidRequest
 from ikplan.timing.timed_path import TimedPath
 
-__all__ = ["MAX_RATE_HZ", "MAX_SAMPLES", "Samples", "check_rate", "knots", "sample", "with_nodes"]
+__all__ = [
+    "MAX_RATE_HZ",
+    "MAX_SAMPLES",
+    "Samples",
+    "check_rate",
+    "knots",
+    "on_grid",
+    "periods",
+    "sample",
+    "with_nodes",
+]
 
 Array = NDArray[np.float64]
 
@@ -19,6 +29,8 @@ MAX_RATE_HZ = 10_000.0
 MAX_SAMPLES = 250_000
 # Times within this share of a period are one.
 _SAME = 1e-6
+# A duration this little above a whole number of periods, as a share of it, is that number.
+_ROUNDING = 1e-12
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,20 +67,23 @@ def check_rate(rate_hz: float) -> None:
         )
 
 
-def sample(timed: TimedPath, rate_hz: float) -> Samples:
-    """Sample a motion at multiples of the period, and at its end.
+def periods(duration: float, rate_hz: float) -> int:
+    """Return the least whole number of periods that a duration [s] fits into."""
+    return math.ceil(duration * rate_hz * (1.0 - _ROUNDING))
 
-    The last sample is at the duration exactly, with the exact last waypoint and zero velocity.
-    The one before it is dropped when it is nearer than half a period, so that the last step is
-    between a half and one and a half periods long, and all others one. A motion shorter than
-    half a period is slowed to take half a period. A motion of length zero is one sample.
+
+def on_grid(timed: TimedPath, rate_hz: float) -> TimedPath:
+    """Slow a motion by the least factor that lets it end at a multiple of the period.
+
+    Controllers take one sample a cycle: a motion that ends between two would end at a jump, or
+    late.
 
     Args:
         timed: The motion.
         rate_hz: Samples per second [Hz], > 0, at most 10,000.
 
     Returns:
-        The samples.
+        The motion, its duration a whole number of periods; one of length zero as it is.
 
     Raises:
         InvalidRequest: The rate is out of range, or the motion too long for it.
@@ -82,22 +97,36 @@ def sample(timed: TimedPath, rate_hz: float) -> Samples:
             field="sampling.rate_hz",
             allowed=f"at most {MAX_SAMPLES} samples",
         )
-    if 0.0 < timed.duration < 0.5 / rate_hz:
-        timed = timed.slowed(0.5 / rate_hz / timed.duration)
-    duration = timed.duration
-    # Multiples of the period, up to the last one at least half a period before the end.
-    count = max(math.floor(duration * rate_hz - 0.5 + 1e-9) + 1, 1)
-    time = np.arange(count) / rate_hz
-    if duration > 0.0:
-        time = np.append(time, duration)
-    return _samples(timed, time)
+    if timed.duration == 0.0:
+        return timed
+    return timed.lasting(periods(timed.duration, rate_hz) / rate_hz)
 
 
-def with_nodes(timed: TimedPath, rate_hz: float) -> Samples:
-    """Sample a motion at multiples of the period, at its nodes, and at its end.
+def sample(timed: TimedPath, rate_hz: float) -> Samples:
+    """Sample a motion at multiples of the period, its end among them.
+
+    The motion is slowed to end there, see :func:`on_grid`. The last sample has the exact last
+    waypoint and zero velocity. A motion of length zero is one sample.
 
     Args:
         timed: The motion.
+        rate_hz: Samples per second [Hz], > 0, at most 10,000.
+
+    Returns:
+        The samples.
+
+    Raises:
+        InvalidRequest: As by :func:`on_grid`.
+    """
+    timed = on_grid(timed, rate_hz)
+    return _samples(timed, np.arange(periods(timed.duration, rate_hz) + 1) / rate_hz)
+
+
+def with_nodes(timed: TimedPath, rate_hz: float) -> Samples:
+    """Sample a motion at multiples of the period, its end among them, and at its nodes.
+
+    Args:
+        timed: The motion; it is slowed as by :func:`sample`.
         rate_hz: Samples per second [Hz].
 
     Returns:
@@ -106,6 +135,7 @@ def with_nodes(timed: TimedPath, rate_hz: float) -> Samples:
     Raises:
         InvalidRequest: As by sample.
     """
+    timed = on_grid(timed, rate_hz)
     times = sample(timed, rate_hz).time
     times = np.union1d(times, timed.node_times[timed.node_times < times[-1]])
     end = times[-1]

@@ -10,14 +10,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ikplan.errors import TimingFailed
-from ikplan.timing.compiled_engine import CompiledEngine
-from ikplan.timing.constraints import PathConstraint
-from ikplan.timing.engine import Check, Engine, EngineFailed, unlimited
+from ikplan.joint_path.joint_path import JointPath
+from ikplan.timing.constraints.constraints import PathConstraint
+from ikplan.timing.engines.compiled_engine import CompiledEngine
+from ikplan.timing.engines.engine import Check, Engine, EngineFailed, unlimited
+from ikplan.timing.engines.toppra_engine import ToppraEngine
 from ikplan.timing.grid import curvature_grid, regridded
-from ikplan.timing.joint_path import JointPath
 from ikplan.timing.problem import SpanProblem
 from ikplan.timing.profile import LimitProfile
-from ikplan.timing.toppra_engine import ToppraEngine
 
 __all__ = ["SpanTiming", "time_span"]
 

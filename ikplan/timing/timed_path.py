@@ -7,10 +7,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ikplan.timing.cubic_kernels import evaluate_cubic, times_of
-from ikplan.timing.evaluation import evaluate_timed
-from ikplan.timing.jerk import Smoothed
-from ikplan.timing.joint_path import JointPath
+from ikplan.joint_path.evaluation import evaluate_timed
+from ikplan.joint_path.joint_path import JointPath
+from ikplan.timing.jerk.cubic_kernels import evaluate_cubic, times_of
+from ikplan.timing.jerk.jerk import Smoothed
 from ikplan.timing.span import SpanTiming
 
 __all__ = ["TimedPath"]
@@ -146,3 +146,14 @@ class TimedPath:
         return replace(
             self, sdot=self.sdot / factor, node_times=self.node_times * factor, sddot=sddot
         )
+
+    def lasting(self, duration: float) -> TimedPath:
+        """Return the same motion, slowed until it takes a given time exactly.
+
+        Args:
+            duration: The duration [s], > 0; less than that of this motion by rounding at most.
+        """
+        slower = self.slowed(max(duration / self.duration, 1.0))
+        node_times = slower.node_times * (duration / slower.duration)
+        node_times[-1] = duration
+        return replace(slower, node_times=node_times)

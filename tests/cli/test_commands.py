@@ -12,7 +12,7 @@ import pytest
 
 import ikplan
 from ikplan.cli import main
-from ikplan.request import json_schema
+from ikplan.documents.plan_request import json_schema
 from tests.two_joints import URDF
 
 REQUEST = {
@@ -40,9 +40,9 @@ def run(capsys):
 def fail(capsys):
     """Run a command that must fail; return its one line."""
 
-    def go(*arguments: object) -> str:
+    def go(*arguments: object, code: int = 2) -> str:
         capsys.readouterr()
-        assert main([str(a) for a in arguments]) == 2
+        assert main([str(a) for a in arguments]) == code
         output = capsys.readouterr()
         assert output.out == ""
         assert output.err.endswith("\n")
@@ -174,7 +174,7 @@ def test_a_joint_path_is_timed_for_the_robot_of_a_file(run, fail, urdf, tmp_path
         assert line.startswith("invalid-request: limits.torque: two has no sourced inertias")
     assert "a name, or --robot FILE" in fail("time", rows)
     assert "a name, or --robot FILE" in fail("time", "ur5", rows, *options)
-    unreachable = fail("time", rows, *options, "--server", "http://127.0.0.1:1")
+    unreachable = fail("time", rows, *options, "-q", "--server", "http://127.0.0.1:1", code=3)
     assert unreachable.startswith("service-unavailable")
 
 
@@ -219,7 +219,7 @@ def test_help_and_version_are_printed(option, capsys):
     ],
 )  # fmt: skip
 def test_a_mistake_is_one_line_that_helps(arguments, slug, words, fail):
-    line = fail(*arguments)
+    line = fail(*arguments, code=1 if slug == "unreachable" else 2)
     assert line.startswith(f"{slug}: ")
     assert words in line
 
@@ -227,12 +227,13 @@ def test_a_mistake_is_one_line_that_helps(arguments, slug, words, fail):
 def test_mistakes_with_files_are_one_line_too(fail, request_file, urdf):
     assert fail("plan", request_file, "-o", "/no/such/folder/plan.json").startswith("file-error")
     nowhere = ("--server", "http://127.0.0.1:1")
-    line = fail("plan", request_file, "--robot", urdf, *nowhere)
+    line = fail("plan", request_file, "--robot", urdf, *nowhere, code=3)
     assert line.startswith("service-unavailable")
     assert "only a URDF" in fail("plan", request_file, "--robot", urdf.parent, *nowhere)
     assert "--robot" in fail("plan", request_file, "--tip", "tip")
-    assert "service-unavailable" in fail("plan", request_file, "--server", "http://127.0.0.1:1")
-    assert "service-unavailable" in fail("plan", request_file, "--server", "nowhere")
+    for url in ("http://127.0.0.1:1", "nowhere"):
+        line = fail("plan", request_file, "--server", url, code=3)
+        assert line.startswith("service-unavailable")
 
 
 @pytest.mark.parametrize(

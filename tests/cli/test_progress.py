@@ -7,7 +7,7 @@ import sys
 import pytest
 
 from ikplan.cli import main
-from ikplan.cli.progress import progress_bar
+from ikplan.cli.terminal.progress import progress_bar
 
 REQUEST = {"robot": "iiwa14", "path": {"waypoints": [{"position": [0.5, 0.0, 0.5]}] * 3}}
 

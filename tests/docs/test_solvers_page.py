@@ -12,7 +12,8 @@ import numpy as np
 import pytest
 
 import ikplan._jit
-from ikplan.ik.registry import Solver, common_parameters, solvers
+from ikplan.ik.registry import solvers
+from ikplan.ik.solver import Solver, common_parameters
 from tests.ik.metaheuristics.runs import problem
 
 PAGE = (Path(__file__).parents[2] / "docs" / "solvers.md").read_text()

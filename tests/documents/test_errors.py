@@ -6,6 +6,7 @@ import json
 import pickle
 from typing import Any
 
+import httpx
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -66,15 +67,71 @@ def test_an_error_comes_back_from_a_pickle(error: IkplanError) -> None:
 
 
 def test_every_class_has_an_example_a_slug_of_its_own_and_a_place_in_the_drawing() -> None:
-    leaves = [c for c in CLASSES if c is not IkplanError]
+    leaves = [c for c in CLASSES if not c.__subclasses__()]
     assert {type(e) for e in EXAMPLES} == set(leaves)
     assert len({c.slug for c in leaves}) == len(leaves)
-    for c in leaves:
+    assert not {c.slug for c in leaves} & {c.slug for c in CLASSES if c.__subclasses__()}
+    for c in CLASSES:
         assert issubclass(c, IkplanError)
         assert c.__name__ in (errors.__doc__ or "")
         assert getattr(ikplan, c.__name__) is c
         assert c.__name__ in ikplan.__all__
         assert 400 <= c.status < 600
+
+
+TREE: dict[str, dict[str, tuple[str, int]]] = {
+    "NoPlan": {
+        "Unreachable": ("unreachable", 422),
+        "Disconnected": ("disconnected", 422),
+        "TimingFailed": ("timing-failed", 422),
+        "BudgetExceeded": ("budget-exceeded", 422),
+    },
+    "InvalidInput": {
+        "InvalidRequest": ("invalid-request", 422),
+        "RobotNotFound": ("robot-not-found", 404),
+        "InvalidRobot": ("invalid-robot", 422),
+        "PlanNotFound": ("plan-not-found", 404),
+    },
+    "ServiceError": {
+        "AccessDenied": ("access-denied", 401),
+        "RateLimited": ("rate-limited", 429),
+        "ServiceUnavailable": ("service-unavailable", 503),
+        "MemoryExceeded": ("memory-exceeded", 422),
+        "WorkerLost": ("worker-lost", 500),
+    },
+    "IkplanError": {"CertificateViolated": ("certificate-violated", 500)},
+}
+"""Group, class, problem type and status: relied on by callers in other languages too."""
+
+
+def test_every_class_is_directly_below_its_group_with_its_problem_type() -> None:
+    groups = {c for c in CLASSES if c.__subclasses__()}
+    assert {c.__name__ for c in groups} == TREE.keys()
+    for name, members in TREE.items():
+        group = getattr(ikplan, name)
+        below = {c.__name__: (c.slug, c.status) for c in group.__subclasses__() if c not in groups}
+        assert below == members
+    assert {c.__base__ for c in groups - {IkplanError}} == {IkplanError}
+
+
+@pytest.mark.parametrize("error", EXAMPLES, ids=lambda e: type(e).__name__)
+def test_a_client_raises_the_class_that_its_group_catches(error: IkplanError) -> None:
+    (group,) = (name for name, members in TREE.items() if type(error).__name__ in members)
+
+    def answer(_: httpx.Request) -> httpx.Response:
+        headers = {"content-type": "application/problem+json"}
+        return httpx.Response(error.status, json=error.to_problem(), headers=headers)
+
+    transport = httpx.MockTransport(answer)
+    with (
+        ikplan.Client("http://service", transport=transport, retries=0) as client,
+        pytest.raises(getattr(ikplan, group)) as caught,
+    ):
+        client.plan({"robot": "r", "path": {"waypoints": [{"position": [0.5, 0.0, 0.5]}]}})
+    assert type(caught.value) is type(error)
+    # Which address was asked, the client knows best.
+    asked = {"url": "http://service/v1/plans"} if "url" in error.fields else {}
+    assert caught.value.data == error.data | asked
 
 
 def test_a_problem_of_another_kind_is_an_unavailable_service() -> None:

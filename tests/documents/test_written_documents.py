@@ -11,7 +11,8 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import array_shapes, arrays
 
 from ikplan.documents import load_json, write_json
-from ikplan.result import FkResult, Trajectory
+from ikplan.documents.pose_results import FkResult
+from ikplan.documents.trajectory import Trajectory
 
 finite = st.floats(allow_nan=False, allow_infinity=False)
 

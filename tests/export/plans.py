@@ -2,12 +2,27 @@
 
 import numpy as np
 
-from ikplan.result import Certificate, LimitPlace, Plan, Stats, Trajectory, WaypointResults
+from ikplan.documents.certificate import Certificate, LimitPlace
+from ikplan.documents.controller import ControllerInfo, LanguageInfo
+from ikplan.documents.trajectory import Stats, Trajectory, WaypointResults
+from ikplan.plans.plan import Plan
+
+CB3 = ControllerInfo(
+    title="CB3", cycle=0.008, languages=[LanguageInfo(name="urscript", variant="cb3")]
+)
+E_SERIES = ControllerInfo(
+    title="e-Series", cycle=0.002, languages=[LanguageInfo(name="urscript", variant="e-series")]
+)
 
 
-def rest_to_rest(dof: int = 2, samples: int = 5, units: tuple[str, ...] | None = None) -> Plan:
+def rest_to_rest(
+    dof: int = 2,
+    samples: int = 5,
+    units: tuple[str, ...] | None = None,
+    controller: ControllerInfo | None = None,
+    duration: float = 1.1,
+) -> Plan:
     """A plan whose joints move by a cosine from rest to rest, each a little further."""
-    duration = 1.1
     time = np.linspace(0.0, duration, samples)
     w = np.pi / duration
     size = 0.1 * np.arange(1, dof + 1)
@@ -47,5 +62,6 @@ def rest_to_rest(dof: int = 2, samples: int = 5, units: tuple[str, ...] | None =
         ),
         trajectory=Trajectory(time=time, q=q, dq=dq, ddq=ddq),
         certificate=certificate,
+        controller=controller,
         stats=Stats(ik_evaluations=7, seconds={"ik": 0.01}),
     )

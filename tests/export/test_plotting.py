@@ -6,8 +6,8 @@ import pytest
 
 import ikplan
 from ikplan import InvalidRequest, Plan
-from ikplan.figures.plan import IMAGE_SUFFIXES, draw_plan, plot_plan
-from ikplan.summary import certificate_rows
+from ikplan.plans.figures.plan import IMAGE_SUFFIXES, draw_plan, plot_plan
+from ikplan.plans.summary import certificate_rows
 
 from .plans import rest_to_rest
 

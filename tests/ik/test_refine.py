@@ -7,8 +7,8 @@ import pinocchio as pin
 import pytest
 from scipy.stats import qmc
 
-from ikplan.ik.lm import restart_into
-from ikplan.ik.refine import Effort, differentiate, new_workspace, refine, residual
+from ikplan.ik.levenberg_marquardt import Effort, differentiate, new_workspace, refine, residual
+from ikplan.ik.restarts import restart_into
 from ikplan.kinematics.arm import arm_of
 from ikplan.kinematics.target import no_freedom, pose_target
 from ikplan.robots import load_robot, robot_names

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from ikplan.ik.refine import new_workspace
-from ikplan.ik.slide import nearest_on_manifold
+from ikplan.ik.levenberg_marquardt import new_workspace
+from ikplan.ik.self_motion import nearest_on_manifold
 from ikplan.kinematics.arm import arm_of
 from ikplan.kinematics.target import pose_target
 from ikplan.robots import Robot, load_robot

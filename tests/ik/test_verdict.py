@@ -10,6 +10,10 @@ import pinocchio as pin
 import pytest
 
 from ikplan import Robot, Unreachable, load_robot, solve_ik
+from ikplan.ik.closest_approach import explain_unreachable
+from ikplan.kinematics.arm import arm_of
+from ikplan.kinematics.target import pose_target
+from tests.planning.planar import tool, two_links
 
 EQ_27 = np.array([[-1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, 1.0, 0.0]])
 """Tool orientation of the published helix; spec E1."""
@@ -118,3 +122,43 @@ def test_the_verdict_is_the_same_every_time() -> None:
     robot = load_robot("panda")
     first, again = (verdict(robot, [2.0, 0.1, 0.3], seed=3) for _ in range(2))
     assert first.data == again.data
+
+
+@pytest.mark.parametrize(
+    ("shoulder", "elbow", "target"),
+    [
+        ((-2.9, 0.4), (-2.9, 2.9), (0.3, 0.8)),
+        ((-2.9, 2.9), (-1.0, 1.0), (0.2, 0.1)),
+        ((0.3, 2.9), (0.2, 2.9), (0.7, -0.6)),
+        ((-0.5, 0.5), (-0.5, 0.5), (-0.3, 0.4)),
+        ((-2.9, 2.9), (-2.9, 2.9), (1.1, 0.2)),
+    ],
+)
+def test_the_limits_named_are_those_that_bind(shoulder, elbow, target) -> None:
+    """Closest of a dense grid; a named limit a little wider brings the tool closer."""
+
+    def closest(a: tuple[float, float], b: tuple[float, float]) -> float:
+        grid = np.stack(
+            np.meshgrid(np.linspace(*a, 1201), np.linspace(*b, 1201), indexing="ij"), axis=-1
+        )
+        return float(np.linalg.norm(tool(grid) - [*target, 0.0], axis=-1).min())
+
+    def miss(a: tuple[float, float], b: tuple[float, float]) -> tuple[float, list[int], np.ndarray]:
+        arm = arm_of(two_links(a, b))
+        start = np.clip(np.zeros(2), arm.lower, arm.upper)
+        found, _ = explain_unreachable(arm, pose_target(np.array([*target, 0.0])), start, start)
+        assert found.position_error == pytest.approx(
+            float(np.linalg.norm(tool(found.q) - [*target, 0.0])), abs=1e-12
+        )
+        assert f"{1e3 * found.position_error:.1f} mm" in found.reason
+        return found.position_error, found.limits, found.q
+
+    distance, limits, q = miss(shoulder, elbow)
+    assert distance == pytest.approx(closest(shoulder, elbow), abs=2e-3)
+    for joint, bounds in enumerate((shoulder, elbow)):
+        at = [abs(q[joint] - bound) <= 1e-6 for bound in bounds]
+        assert (joint in limits) == any(at)
+        if joint in limits:
+            wider = tuple(b + 0.05 * (2 * k - 1) * at[k] for k, b in enumerate(bounds))
+            both = (wider, elbow) if joint == 0 else (shoulder, wider)
+            assert miss(*both)[0] < distance - 1e-3

@@ -16,10 +16,11 @@ import uvicorn
 from playwright.sync_api import Browser, ConsoleMessage, Page, sync_playwright
 
 from ikplan_api.app import create_app
-from ikplan_api.planner import Load, Planner
 from ikplan_api.routes.page import BUNDLE_HINT, bundle_folder
 from ikplan_api.settings import Settings
-from ikplan_api.tasks import Answer
+from ikplan_api.telemetry.load import Load
+from ikplan_api.workers.planner import Planner
+from ikplan_api.workers.tasks import TaskResult
 
 REQUIRED = "IKPLAN_PAGE_TESTS"
 """Set to "required", what is missing fails the tests and does not skip them."""
@@ -79,7 +80,7 @@ class NoPlanner:
     ready = False
     load = Load(0, 0, 0)
 
-    async def run(self, kind: str, document: bytes, **_: object) -> Answer:
+    async def run(self, kind: str, document: bytes, **_: object) -> TaskResult:
         raise AssertionError(f"{kind} was asked for: {document!r}")
 
     async def warm_up(self) -> None:

@@ -9,8 +9,8 @@ import pytest
 from anyio.from_thread import start_blocking_portal
 
 from ikplan_api.app import create_app
-from ikplan_api.robot_store import MemoryRobotStore
 from ikplan_api.settings import Settings
+from ikplan_api.store.robot_store import MemoryRobotStore
 from tests.service.conftest import ADDRESS, PortalTransport
 
 

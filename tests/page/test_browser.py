@@ -20,8 +20,8 @@ from PIL import Image
 from playwright.sync_api import Browser, Page, expect
 
 import ikplan
-from ikplan.api_keys import key_hash, new_key
-from ikplan.export import encode
+from ikplan.client.api_keys import key_hash, new_key
+from ikplan.plans.export import encode
 from ikplan.robots import Robot, catalogue_robot, robot_names
 from ikplan_api.settings import Settings
 
@@ -436,6 +436,49 @@ def test_a_wrong_field_and_a_wrong_document_are_told(visit: Open) -> None:
     expect(page.locator("#result .verdict")).to_contain_text("speed")
 
 
+def test_a_file_of_points_is_read_planned_and_asked_about(visit: Open, tmp_path: Path) -> None:
+    page = visit("helix_iiwa14")
+    expect(page.locator("#points")).to_be_hidden()
+    page.select_option("#robot", "ur5")
+    points = tmp_path / "weld.csv"
+    points.write_text("x;y;z;A;B;C\n400;-100;300,5;0;0;180\n400;100;300,5;0;0;180\n")
+    page.set_input_files("#file", points)
+    expect(page.locator("#points-name")).to_have_text("weld.csv")
+    expect(page.locator("#points-notes")).to_contain_text("lengths read as millimetres")
+    expect(page.locator("#points-notes")).to_contain_text("KUKA")
+    page.select_option("#points-interpolation", "line")
+    expect(page.locator("#editor")).to_have_value(re.compile('"interpolation": "line"'))
+    request = json.loads(page.locator("#editor").input_value())
+    assert request["robot"] == "ur5"
+    assert request["path"]["waypoints"] == ikplan.read_waypoints(points)
+    plan(page)
+    # What may mean two things is asked, and the answer is used.
+    points.write_text("4,0,3,0,0,0,1\n")
+    page.set_input_files("#file", points)
+    expect(page.locator("#points-notes .fault")).to_contain_text("no header")
+    expect(page.locator("#points-columns")).to_have_attribute("aria-invalid", "true")
+    page.fill("#points-columns", "x,y,z,qx,qy,qz,qw")
+    page.keyboard.press("Tab")
+    expect(page.locator("#points-notes .fault")).to_contain_text("metres or millimetres")
+    page.select_option("#points-units", "cm")
+    expect(page.locator("#points-notes")).to_contain_text("unit quaternion")
+    read = json.loads(page.locator("#editor").input_value())["path"]["waypoints"]
+    assert read == [{"position": [0.04, 0, 0.03], "quaternion_xyzw": [0, 0, 0, 1]}]
+    # Joints have the names of the robot that is chosen.
+    ur5 = catalogue_robot("ur5")
+    points.write_text(",".join(reversed(ur5.joint_names)) + "\n0,0.1,0.2,0.3,0.4,0.5\n")
+    page.select_option("#robot", "panda")
+    page.set_input_files("#file", points)
+    expect(page.locator("#points-notes .fault")).to_contain_text("x, y, z is missing")
+    page.select_option("#robot", "ur5")
+    expect(page.locator("#points-notes")).to_contain_text("read as joint values")
+    segments = json.loads(page.locator("#editor").input_value())["path"]["segments"]
+    assert [segment["q"] for segment in segments] == [[0.5, 0.4, 0.3, 0.2, 0.1, 0]]
+    page.set_input_files("#file", EXAMPLES / "helix_iiwa14.json")
+    expect(page.locator("#points")).to_be_hidden()
+    assert json.loads(page.locator("#editor").input_value()) == example("helix_iiwa14")
+
+
 def test_by_keyboard_alone_in_the_dark(visit: Open) -> None:
     page = visit("helix_iiwa14", dark=True)
     background = page.evaluate("() => getComputedStyle(document.body).backgroundColor")
@@ -454,7 +497,7 @@ def test_a_key_is_asked_for_where_one_is_needed(browser: Browser) -> None:
         page = visit.page
         page.goto(address)
         # The second panel tells something else than the first: what is filled in is for it.
-        for said, given in (("A key is needed here", "ikp_wrong"), ("This key is not known", key)):
+        for said, given in (("An API key is required", "ikp_wrong"), ("Invalid API key", key)):
             expect(page.locator("#result")).to_contain_text(said)
             page.get_by_label("API key").fill(given)
             page.keyboard.press("Enter")

@@ -12,8 +12,8 @@ import pytest
 
 from ikplan.errors import InvalidRobot
 from ikplan.robots import catalogue_robot, catalogue_visual, folders, robot_from_urdf, robot_names
-from ikplan.robots.meshes import find_mesh
-from ikplan.robots.visual import robot_visual
+from ikplan.robots.urdf.meshes import find_mesh
+from ikplan.robots.urdf.visual import robot_visual
 
 GOOD_URI = "package://example-robot-data/robots/xarm_description/meshes/xarm7/visual/link1.stl"
 GOOD_PATH = "xarm_description/meshes/xarm7/visual/link1.stl"

@@ -8,9 +8,9 @@ import numpy as np
 from hypothesis import strategies as st
 
 from ikplan.documents import parse
+from ikplan.documents.plan_request import PathRequest
 from ikplan.path import Pose, ToolLeg, ToolPath, legs_of
-from ikplan.path.rotation import exp, quaternion_of
-from ikplan.request import PathRequest
+from ikplan.path.rotation.so3 import exp, quaternion_of
 
 START = Pose(exp(np.array([0.1, 0.2, 0.3])), np.array([0.4, 0.0, 0.5]))
 

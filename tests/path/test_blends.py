@@ -4,13 +4,13 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import assume, given, settings
+from hypothesis import assume, example, given, settings
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 
 from ikplan import InvalidRequest
 from ikplan.path import Pose
-from ikplan.path.rotation import angle_between, exp
+from ikplan.path.rotation.so3 import angle_between, exp
 
 from .requests import legs, of_segments, pose, random_poses, seeds, through
 
@@ -181,3 +181,39 @@ def test_a_segment_has_its_own_blend_or_that_of_the_path():
     path = of_segments(*parts, start=ORIGIN, blend=0.02)
     assert [(c.blend, c.stops) for c in path.corner_list] == [(0.0, True), (0.02, False)]
     assert_allclose(path.corners, [0.1])
+
+
+def hull(radius: float, back: float) -> np.ndarray:
+    """Control points of the quintic from an arc about (0, radius) to a line along y, shape (6, 2).
+
+    It begins and ends ``back`` from the corner at the origin, where the arc comes in along x.
+    With the derivatives 2 back t and (2 back)^2 k by its parameter, t the direction and k the
+    curvature, the points are at 2 back / 5 and, bent by (2 back)^2 k / 20, at 4 back / 5.
+    """
+    angle = back / radius
+    p = radius * np.array([-math.sin(angle), 1.0 - math.cos(angle)])
+    t = np.array([math.cos(angle), -math.sin(angle)])
+    bend = np.array([math.sin(angle), math.cos(angle)]) / radius
+    own = [p, p + 0.4 * back * t, p + 0.8 * back * t + 0.2 * back**2 * bend]
+    return np.array([*own, [0.0, 0.2 * back], [0.0, 0.6 * back], [0.0, back]])
+
+
+@settings(max_examples=60, deadline=None)
+@given(st.floats(0.02, 0.2), st.floats(0.3, 5.5), st.floats(0.3, 1.0))
+@example(0.05, 5.0, 0.9)
+def test_a_blend_is_as_long_as_its_control_points_are_within_its_ball(rho, angle, share):
+    """The hull of the control points has the curve in it: with them it is within the ball."""
+    radius = share * rho * angle
+    arc = {"type": "arc", "centre": [0, rho, 0], "axis": [0, 0, 1], "angle": angle,
+           "blend": radius, "orientation": "free"}  # fmt: skip
+    begin = rho * np.array([-math.sin(angle), 1.0 - math.cos(angle), 0.0])
+    assume(np.linalg.norm(begin) > 1e-3)
+    path = of_segments(arc, line([0.0, 1.2, 0.0]), start=Pose(np.eye(3), begin))
+    (corner,) = path.corner_list
+    assert corner.blend == radius
+    back = 1.2 - (path.length - path.begins[-2])
+    tries = [radius * 0.8**k for k in range(40)]
+    within = [np.linalg.norm(hull(rho, x), axis=1).max() <= radius * (1.0 + 1e-9) for x in tries]
+    assert back == pytest.approx(tries[within.index(True)], rel=1e-6)
+    dense = np.linspace(path.begins[-3], path.begins[-2], 400)
+    assert np.linalg.norm(path.poses(dense)[1], axis=1).max() <= radius * (1.0 + 1e-9)

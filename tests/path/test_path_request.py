@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from ikplan import InvalidRequest
 from ikplan.documents import parse
 from ikplan.documents.path import ToleranceBox
-from ikplan.request import PathRequest, PlanRequest
+from ikplan.documents.plan_request import PathRequest, PlanRequest
 
 from .requests import pose, quaternion, vectors
 
@@ -165,8 +165,8 @@ CIRCLE = {"type": "circle", "radius": 0.1}
         ({"segments": [{"type": "joint"}]}, "path.segments[0]", "exactly one"),
         ({"segments": [{"type": "spline", "through": []}]}, "path.segments[0].through", "least"),
         ({"segments": [{**CIRCLE, "radius": 0}]}, "path.segments[0].radius", "greater"),
-        ({"segments": [{**CIRCLE, "angle": 0.0}]}, "path.segments[0].angle", "other than 0"),
-        ({"segments": [{**CIRCLE, "angle": 5e-324}]}, "path.segments[0].angle", "other than 0"),
+        ({"segments": [{**CIRCLE, "angle": 0.0}]}, "path.segments[0].angle", "differ from 0"),
+        ({"segments": [{**CIRCLE, "angle": 5e-324}]}, "path.segments[0].angle", "differ from 0"),
         ({"segments": [{**CIRCLE, "radius": 5e-324}]}, "path.segments[0].radius", "greater than"),
         ({"segments": [{**CIRCLE, "orientation": "spin"}]}, "path.segments[0].orientation", "fol"),
         (

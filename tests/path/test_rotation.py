@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 
-from ikplan.path.rotation import (
+from ikplan.path.rotation.so3 import (
     angle_between,
     exp,
     log,

@@ -5,14 +5,14 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 from scipy.spatial.transform import Rotation
 
 from ikplan import InvalidRequest
 from ikplan.path import Pose
-from ikplan.path.rotation import angle_between, exp, log
+from ikplan.path.rotation.so3 import angle_between, exp, log
 
 from .requests import START, of_segments, pose, quaternion, random_poses, seeds, through, tool_path
 
@@ -144,6 +144,7 @@ def test_points_that_make_no_arc_are_refused(arc, words):
 
 
 @settings(max_examples=15, deadline=None)
+@example(7401, 5)
 @given(seeds, st.integers(3, 12))
 def test_a_spline_is_c2_and_passes_every_pose(seed, count):
     path = through(random_poses(seed, count), "spline")
@@ -154,11 +155,12 @@ def test_a_spline_is_c2_and_passes_every_pose(seed, count):
     scale = 1.0 + np.abs(after.bend).max()
     assert_allclose(before.v, after.v, atol=1e-7 * scale)
     assert_allclose(before.bend, after.bend, atol=1e-5 * scale**2)
-    # The same for the angular rate, and its derivative by one-sided differences.
+    # The same for the angular rate, and its derivative by one-sided differences of second order.
     assert_allclose(before.w, after.w, atol=1e-6 * scale)
     d = 1e-6
-    left = (path.motion(knots).w - path.motion(knots - d).w) / d
-    right = (path.motion(knots + d).w - path.motion(knots).w) / d
+    w = {k: path.motion(knots + k * d).w for k in (-2, -1, 0, 1, 2)}
+    left = (3.0 * w[0] - 4.0 * w[-1] + w[-2]) / (2.0 * d)
+    right = (4.0 * w[1] - 3.0 * w[0] - w[2]) / (2.0 * d)
     assert_allclose(left, right, atol=1e-3 * (1.0 + np.abs(right).max()) * scale)
 
 
@@ -367,3 +369,15 @@ def test_tiny_steps_do_no_harm(seed, size, interpolation):
             # Rounding of s turns the tool by as much as it turns on the way.
             atol = 1e-12 + 1e-15 * np.linalg.norm(path.motion([waypoint.s]).w)
             assert_allclose(R, waypoint.R, atol=atol)
+
+
+@pytest.mark.parametrize("gap", [2e-9, 1e-5, 9e-4])
+def test_a_gap_before_a_curve_is_joined_by_a_line_however_short(gap):
+    frame = {"frame": {"position": [gap, 0.0, 0.0]}}
+    wave = {"type": "sinusoid", "length": 0.1, "amplitude": 0.02, "wavelength": 0.05}
+    wave |= {"orientation": "free", **frame}
+    path = of_segments(wave, start=Pose(None, np.zeros(3)))
+    assert len(path.pieces) == 2
+    assert path.begins[1] == pytest.approx(gap, rel=1e-6)
+    before, after = path.motion(path.begins[1] * np.array([0.999, 1.001])).p
+    assert np.linalg.norm(after - before) <= 0.01 * gap

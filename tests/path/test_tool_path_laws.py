@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 
 from ikplan.path import Pose
-from ikplan.path.rotation import angle_between, exp, log, quaternion_of, rotation_of
+from ikplan.path.rotation.so3 import angle_between, exp, log, quaternion_of, rotation_of
 
 from .requests import START, of_segments, pose, quaternion, random_poses, seeds, through
 

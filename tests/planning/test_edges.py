@@ -7,9 +7,9 @@ import pytest
 from numpy.testing import assert_allclose
 
 from ikplan.kinematics.target import no_freedom
-from ikplan.path.rotation import exp
-from ikplan.planning.candidates import Targets
-from ikplan.planning.edges import excess_between
+from ikplan.path.rotation.so3 import exp
+from ikplan.planning.ladder.ik_candidates import Targets
+from ikplan.planning.tracking.tolerance_bounds import violation_between
 
 SHARES = np.array([0.0, 0.3, 0.6, 1.0])
 BUMP = 0.1 + 0.02 * SHARES * (0.15 - SHARES)
@@ -30,11 +30,11 @@ def test_a_lean_out_of_the_cone_between_places_is_found(axis):
     spin = np.zeros(3)
     spin[axis] = 1.0
     R = wanted.R @ exp(lean) @ exp(spin)
-    distance, angle = excess_between(wanted, R, wanted.p, SHARES)
+    distance, angle = violation_between(wanted, R, wanted.p, SHARES)
     assert_allclose(angle, PEAK, rtol=1e-6)
     assert_allclose(distance, 0.0)
     free = targets(wanted.freedom, oriented=False)
-    assert_allclose(excess_between(free, R, wanted.p, SHARES)[1], 0.0)
+    assert_allclose(violation_between(free, R, wanted.p, SHARES)[1], 0.0)
 
 
 @pytest.mark.parametrize("in_tool", [True, False])
@@ -47,5 +47,5 @@ def test_an_offset_out_of_the_box_between_places_is_found(row, sign, in_tool):
     axes = wanted.R[0] if in_tool else R_box
     moved = sign * BUMP[:, None] * axes[:, row % 3]
     p, R = (moved, wanted.R) if row < 3 else (wanted.p, exp(moved) @ wanted.R)
-    distance, angle = excess_between(wanted, R, p, SHARES)
+    distance, angle = violation_between(wanted, R, p, SHARES)
     assert_allclose((distance[0], angle[0]), (PEAK, 0) if row < 3 else (0, PEAK), rtol=1e-6)

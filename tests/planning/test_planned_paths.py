@@ -12,6 +12,7 @@ import pytest
 
 import ikplan
 from ikplan import InvalidRequest, Plan, load_robot
+from tests.measured import check_motion, off_polyline
 
 UR5_START = [0.4, -1.2, 1.5, -0.8, -1.2, 0.3]
 
@@ -99,9 +100,17 @@ def test_all_segments_in_one_path() -> None:
         {"type": "circle", "radius": 0.03, "frame": {"position": p.tolist()}},
     ]  # fmt: skip
     plan = planned("ur5", UR5_START, {"segments": segments})
-    assert plan.certificate.valid
-    assert plan.certificate.max_position_error <= 1e-8
-    assert plan.certificate.max_path_deviation <= 1e-4
+    check_motion(plan.trajectory, robot)
+    corners = [p, np.add(p, [0.0, 0.06, 0.0]), np.add(p, [0.06, 0.06, 0.0])]
+    reached = [robot.fk(plan.waypoints.q[k]).translation for k in range(4)]
+    through = [*corners[1:], *(np.add(p, d) for d in ([0.06, 0.02, 0.03], [0.02, 0.0, 0.05]))]
+    np.testing.assert_allclose(reached, through, atol=1e-8)
+    # The arc is the half circle of 30 mm about the middle between its ends.
+    points, time = robot.poses(plan.q)[1], plan.waypoints.time
+    assert off_polyline(points[plan.time <= time[0]], corners[:2]).max() <= 1e-4
+    on_arc = points[(plan.time >= time[0]) & (plan.time <= time[1])] - np.mean(corners[1:], axis=0)
+    assert np.abs(np.linalg.norm(on_arc, axis=1) - 0.03).max() <= 1e-4
+    assert np.abs(on_arc[:, 2]).max() <= 1e-4
     np.testing.assert_allclose(plan.waypoints.q[4], q, atol=1e-12)
     at_q = int(np.argmin(np.abs(plan.time - plan.waypoints.time[4])))
     np.testing.assert_allclose(plan.q[at_q], q, atol=0.02)

@@ -13,13 +13,13 @@ from scipy.optimize import linprog
 
 from ikplan.kinematics.arm import arm_of
 from ikplan.kinematics.target import no_freedom, pose_target
-from ikplan.planning.banded import solve_banded
-from ikplan.planning.candidates import Candidates, grow_candidates
-from ikplan.planning.ladder import distinct_paths
-from ikplan.planning.least_motion import stack_targets
-from ikplan.planning.length import motion_length
-from ikplan.planning.polish import polish
-from ikplan.planning.tangent import tangent_basis
+from ikplan.planning.ladder.banded_cholesky import solve_banded
+from ikplan.planning.ladder.ik_candidates import Candidates, sample_ik_solutions
+from ikplan.planning.ladder.joint_length import joint_path_length
+from ikplan.planning.ladder.ladder_graph import diverse_shortest_paths
+from ikplan.planning.ladder.null_space import null_space_basis
+from ikplan.planning.ladder.path_shortening import polish
+from ikplan.planning.waypoints.least_motion import stack_targets
 from ikplan.robots import load_robot
 
 seeds = st.integers(0, 2**32 - 1)
@@ -34,7 +34,7 @@ def test_the_tangent_basis_is_an_orthonormal_basis_of_the_null_space(seed, dof, 
     held = np.zeros(dof, dtype=bool)
     held[rng.permutation(dof)[:fixed]] = True
     basis = np.zeros((dof, dof))
-    count = tangent_basis(np.ascontiguousarray(J.T), held, basis)
+    count = null_space_basis(np.ascontiguousarray(J.T), held, basis)
     B = basis[:count]
     np.testing.assert_allclose(B @ B.T, np.eye(count), atol=1e-12)
     np.testing.assert_allclose(J @ B.T, 0.0, atol=1e-6 * max(1.0, np.abs(J).max()))
@@ -77,12 +77,12 @@ def test_the_ladder_finds_the_shortest_path_of_all(seed, free):
     candidates = Candidates(q, counts, np.zeros(1, dtype=np.int64))
     chain = arm_of(load_robot("eod_arm")).chain
     limits = np.full(3, 3.0)  # no room for a full turn
-    paths = distinct_paths(chain, candidates, start, free, -limits, limits, 5, 1e-9, 10.0)
+    paths = diverse_shortest_paths(chain, candidates, start, free, -limits, limits, 5, 1e-9, 10.0)
     lengths = sorted(
-        motion_length(np.array([q[k, i] for k, i in enumerate(rows)]), start, free)
+        joint_path_length(np.array([q[k, i] for k, i in enumerate(rows)]), start, free)
         for rows in itertools.product(*map(range, counts))
     )
-    found = [motion_length(path, start, free) for path in paths]
+    found = [joint_path_length(path, start, free) for path in paths]
     assert found[0] == pytest.approx(lengths[0], rel=1e-12)
     assert (np.diff(found) >= -1e-12).all()
     for a, b in itertools.combinations(paths, 2):
@@ -107,7 +107,7 @@ def grown(robot, targets, first=64):
     no_seeds = np.empty((len(targets), 0, arm.dof))
     home = np.array(robot.home)
     stacked = stack_targets(targets)
-    found = grow_candidates(
+    found = sample_ik_solutions(
         arm.chain, stacked, no_seeds, home, lower, upper, 40, first, 4, 0.5, 1e-9
     )
     return found, stacked, lower, upper, home
@@ -143,11 +143,13 @@ def test_the_branches_of_the_ur5_are_all_found() -> None:
 def test_the_polish_shortens_to_a_stationary_point(name: str, seed: int, start_free: bool) -> None:
     robot, targets = along(name, 6, seed)
     found, stacked, lower, upper, home = grown(robot, targets)
-    q = distinct_paths(arm_of(robot).chain, found, home, start_free, lower, upper, 1, 0.6, 0.1)[0]
-    before = motion_length(q, home, start_free)
+    q = diverse_shortest_paths(
+        arm_of(robot).chain, found, home, start_free, lower, upper, 1, 0.6, 0.1
+    )[0]
+    before = joint_path_length(q, home, start_free)
     length, _ = polish(arm_of(robot).chain, stacked, q, home, start_free, lower, upper, 200, 1e-12)
     assert length <= before
-    assert length == pytest.approx(motion_length(q, home, start_free), rel=1e-12)
+    assert length == pytest.approx(joint_path_length(q, home, start_free), rel=1e-12)
     for k, target in enumerate(targets):
         T = robot.fk(q[k])
         np.testing.assert_allclose(T.translation, target.p, atol=1e-8)
@@ -174,7 +176,9 @@ def test_the_polish_shortens_to_a_stationary_point(name: str, seed: int, start_f
 def test_the_polish_leaves_the_only_solution_alone() -> None:
     robot, targets = along("ur5", 3, 5)
     found, stacked, lower, upper, home = grown(robot, targets)
-    q = distinct_paths(arm_of(robot).chain, found, home, False, lower, upper, 1, 0.6, 0.1)[0]
+    q = diverse_shortest_paths(arm_of(robot).chain, found, home, False, lower, upper, 1, 0.6, 0.1)[
+        0
+    ]
     before = q.copy()
     polish(arm_of(robot).chain, stacked, q, home, False, lower, upper, 50, 1e-9)
     np.testing.assert_array_equal(q, before)
@@ -191,7 +195,7 @@ def test_the_polish_lets_go_of_a_long_stretch_at_a_limit_at_once() -> None:
         p = [0.58 + 0.12 * np.cos(a), 0.12 * np.sin(a), 0.35 + 0.05 * np.sin(3.5 * a)]
         targets.append(pose_target(np.array(p), R))
     found, stacked, lower, upper, home = grown(robot, targets)
-    ways = distinct_paths(arm.chain, found, home, False, lower, upper, 6, 0.6, 0.1)
+    ways = diverse_shortest_paths(arm.chain, found, home, False, lower, upper, 6, 0.6, 0.1)
     stretch = ((ways <= lower + 1e-4) | (ways >= upper - 1e-4)).any(axis=2).sum(axis=1)
     q = ways[int(np.argmax(stretch))]
     assert stretch.max() > 50

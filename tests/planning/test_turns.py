@@ -11,10 +11,10 @@ from hypothesis import strategies as st
 
 import ikplan
 from ikplan.kinematics.arm import arm_of
-from ikplan.planning.candidates import Candidates
-from ikplan.planning.ladder import distinct_paths
-from ikplan.planning.length import motion_length
-from ikplan.planning.turns import with_copies
+from ikplan.planning.ladder.equivalent_configurations import with_equivalents
+from ikplan.planning.ladder.ik_candidates import Candidates
+from ikplan.planning.ladder.joint_length import joint_path_length
+from ikplan.planning.ladder.ladder_graph import diverse_shortest_paths
 from ikplan.robots import load_robot
 
 TURN = 2.0 * math.pi
@@ -33,7 +33,7 @@ def test_the_shortest_path_is_found_among_all_the_copies(seed: int, free: bool) 
     counts = rng.integers(1, 4, size=4)
     start = rng.uniform(lower, upper)
     candidates = Candidates(q, counts, np.zeros(1, dtype=np.int64))
-    paths = distinct_paths(EOD, candidates, start, free, lower, upper, 5, 1e-9, 10.0)
+    paths = diverse_shortest_paths(EOD, candidates, start, free, lower, upper, 5, 1e-9, 10.0)
 
     rows = []
     for k in range(4):
@@ -49,13 +49,13 @@ def test_the_shortest_path_is_found_among_all_the_copies(seed: int, free: bool) 
     for before, here in itertools.pairwise(rows):
         steps = np.linalg.norm(before[:, None] - here[None], axis=2)
         cost = np.min(cost[:, None] + steps, axis=0)
-    assert motion_length(paths[0], start, free) == pytest.approx(cost.min(), rel=1e-9)
+    assert joint_path_length(paths[0], start, free) == pytest.approx(cost.min(), rel=1e-9)
     assert ((lower <= paths[0]) & (paths[0] <= upper)).all()
 
 
 def test_the_copies_of_a_solution_are_all_those_within_the_limits() -> None:
     arm = arm_of(load_robot("ur5"))  # all joints turn by 2 pi either way, the elbow by pi
-    copies = with_copies(arm, np.full((1, 6), 0.5))
+    copies = with_equivalents(arm, np.full((1, 6), 0.5))
     assert len(copies) == 2**5
     assert ((arm.lower <= copies) & (copies <= arm.upper)).all()
     np.testing.assert_allclose(np.mod(copies, TURN), 0.5)

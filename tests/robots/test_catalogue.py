@@ -20,7 +20,7 @@ from ikplan.robots import (
     robot_from_urdf,
     robot_names,
 )
-from ikplan.robots.defaults import ACCELERATION_DEFAULTS, VELOCITY_DEFAULTS
+from ikplan.robots.definition.defaults import ACCELERATION_DEFAULTS, VELOCITY_DEFAULTS
 from ikplan.robots.folders import package_file, robot_folder
 
 from .urdfs import two_joints
@@ -33,6 +33,7 @@ PROMISED = {
     "baxter_table7",
     "dobot_magician",
     "eod_arm",
+    "fr3",
     "iiwa14",
     "kinova_j2s6s200",
     "mh5",
@@ -40,8 +41,11 @@ PROMISED = {
     "so101",
     "tiago",
     "ur10",
+    "ur10e",
     "ur3",
+    "ur3e",
     "ur5",
+    "ur5e",
     "xarm7",
     "z1",
 }
@@ -139,7 +143,7 @@ def test_known_values(name: str) -> None:
 
 
 @pytest.mark.parametrize(
-    ("name", "near"), [("iiwa", "iiwa14"), ("UR5", "ur5"), ("pandda", "panda"), ("ur5e", "ur5")]
+    ("name", "near"), [("iiwa", "iiwa14"), ("UR5", "ur5"), ("pandda", "panda"), ("ur5f", "ur5")]
 )
 def test_unknown_name_offers_near_ones(name: str, near: str) -> None:
     with pytest.raises(RobotNotFound) as caught:

@@ -7,8 +7,8 @@ from typing import Any
 
 from ikplan.errors import IkplanError, ServiceUnavailable
 from ikplan.planning import Progress
-from ikplan_api.planner import Load
-from ikplan_api.tasks import Answer
+from ikplan_api.telemetry.load import Load
+from ikplan_api.workers.tasks import TaskResult
 
 
 class StandIn:
@@ -21,21 +21,23 @@ class StandIn:
         self.asked: list[bytes] = []
         self.progress: list[Progress | None] = []
         self.cancelled: list[bytes] = []
-        self._open: list[asyncio.Future[Answer]] = []
+        self._open: list[asyncio.Future[TaskResult]] = []
 
     @property
     def load(self) -> Load:
         return Load(1, len(self._open), 0)
 
-    def check_room(self) -> None:
+    def check_capacity(self) -> None:
         if len(self._open) >= self.room:
             raise ServiceUnavailable("busy", status_code=503, retry_after_s=1.0)
 
-    async def run(self, kind: str, document: bytes, *, patient: bool = False, **how: Any) -> Answer:
-        if not patient:
-            self.check_room()
+    async def run(
+        self, kind: str, document: bytes, *, wait_if_full: bool = False, **how: Any
+    ) -> TaskResult:
+        if not wait_if_full:
+            self.check_capacity()
         assert kind in ("plan", "time")
-        future: asyncio.Future[Answer] = asyncio.get_running_loop().create_future()
+        future: asyncio.Future[TaskResult] = asyncio.get_running_loop().create_future()
         self.asked.append(document)
         self.progress.append(how.get("progress"))
         self._open.append(future)
@@ -48,7 +50,7 @@ class StandIn:
             self._open.remove(future)
 
     def answer(self, document: bytes = b'{"plan": 1}') -> None:
-        self._open[0].set_result(Answer(document, None))
+        self._open[0].set_result(TaskResult(document, None))
 
     def fail(self, error: IkplanError | Exception) -> None:
         self._open[0].set_exception(error)

@@ -12,12 +12,12 @@ import httpx
 import pytest
 
 from ikplan import AccessDenied, AsyncClient, Client, InvalidRequest, RateLimited
-from ikplan.api_keys import key_hash, new_key
 from ikplan.cli import main
-from ikplan_api import access
-from ikplan_api.access_settings import is_loopback
+from ikplan.client.api_keys import key_hash, new_key
 from ikplan_api.app import create_app
+from ikplan_api.middleware import access
 from ikplan_api.settings import Settings, load_settings
+from ikplan_api.settings.access import is_loopback
 
 from .conftest import ADDRESS
 
@@ -148,9 +148,9 @@ def test_the_clients_show_the_key_they_are_given_or_find(monkeypatch):
             return await client.solvers()
 
     monkeypatch.delenv("IKPLAN_KEY", raising=False)
-    with pytest.raises(AccessDenied, match="a key is needed here"):
+    with pytest.raises(AccessDenied, match="an API key is required"):
         asyncio.run(solvers())
-    with pytest.raises(AccessDenied, match="not known here"):
+    with pytest.raises(AccessDenied, match="invalid API key"):
         asyncio.run(solvers(key="x"))
     assert asyncio.run(solvers(key=KEY))
     monkeypatch.setenv("IKPLAN_KEY", OTHER)
@@ -219,7 +219,7 @@ def test_loopback_needs_no_keys(host):
 )
 def test_beyond_loopback_the_service_does_not_start_without_keys(host, monkeypatch):
     monkeypatch.setenv("IKPLAN_HOST", host)
-    with pytest.raises(InvalidRequest, match="IKPLAN_API_KEYS must hold"):
+    with pytest.raises(InvalidRequest, match="IKPLAN_API_KEYS must contain"):
         create_app()
     monkeypatch.setenv("IKPLAN_API_KEYS", KEYS)
     assert [key.name for key in load_settings().api_keys] == ["cell", "key-2"]
@@ -230,7 +230,7 @@ def test_the_command_that_serves_refuses_too(monkeypatch, capsys):
         monkeypatch.setenv(variable, "")
     assert main(["serve", "--host", "0.0.0.0", "--port", "0"]) == 2
     (line,) = capsys.readouterr().err.splitlines()
-    assert "IKPLAN_API_KEYS must hold the hash of at least one key" in line
+    assert "IKPLAN_API_KEYS must contain the hash of at least one key" in line
 
 
 @pytest.mark.parametrize(
@@ -239,11 +239,11 @@ def test_the_command_that_serves_refuses_too(monkeypatch, capsys):
         ("IKPLAN_API_KEYS", KEY, "entry 1 is not a SHA-256"),
         ("IKPLAN_API_KEYS", f"{key_hash(KEY)},x", "entry 2"),
         ("IKPLAN_API_KEYS", f"a:{key_hash(KEY)},a:{key_hash(OTHER)}", "the same name"),
-        ("IKPLAN_RATE_LIMIT", "often", "a rate is such as"),
+        ("IKPLAN_RATE_LIMIT", "often", "give a rate such as"),
         ("IKPLAN_RATE_LIMIT", "0/minute", "at least 1 request"),
-        ("IKPLAN_CORS_ORIGINS", "*", "every page that anybody visits"),
+        ("IKPLAN_CORS_ORIGINS", "*", "every web page"),
         ("IKPLAN_CORS_ORIGINS", "https://a.example, b.example", "'b.example'"),
-        ("IKPLAN_CORS_ORIGINS", "https://a.example/path", "not one origin"),
+        ("IKPLAN_CORS_ORIGINS", "https://a.example/path", "is not an origin"),
     ],
 )
 def test_unsafe_settings_are_refused_by_name_without_repeating_secrets(

@@ -7,8 +7,9 @@ from urllib.parse import quote
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from ikplan.result import FkResult, IkSolution, Plan
-from ikplan_api.schemas import PROBLEMS
+from ikplan.documents.pose_results import FkResult, IkSolution
+from ikplan.plans.plan import Plan
+from ikplan_api.http.schemas import PROBLEMS
 
 CALM = settings(
     deadline=None,

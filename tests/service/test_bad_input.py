@@ -7,7 +7,14 @@ import httpx
 import pytest
 
 import ikplan
-from ikplan import Client, InvalidRequest
+from ikplan import (
+    BudgetExceeded,
+    Client,
+    Disconnected,
+    InvalidRequest,
+    TimingFailed,
+    Unreachable,
+)
 from ikplan.cli import main
 from ikplan.errors import IkplanError, error_from_problem
 
@@ -24,15 +31,18 @@ def by_http(http: httpx.Client, body: bytes, path: str = "/v1/plans") -> IkplanE
     return error_from_problem(problem)
 
 
-def by_shell(body: bytes, monkeypatch: pytest.MonkeyPatch, capsys) -> str:
-    """The one line that the command writes on stderr."""
+def by_shell(
+    body: bytes, monkeypatch: pytest.MonkeyPatch, capsys, *, code: int = 2, repairs: int = 0
+) -> str:
+    """The line that the command writes on stderr before the repairs."""
     capsys.readouterr()
     monkeypatch.setattr("sys.stdin", io.TextIOWrapper(io.BytesIO(body)))
-    assert main(["plan", "-"]) == 2
+    assert main(["plan", "-"]) == code
     output = capsys.readouterr()
     assert output.out == ""
-    (line,) = output.err.splitlines()
-    assert "Traceback" not in line
+    line, *others = output.err.splitlines()
+    assert len(others) == (repairs + 1 if repairs else 0)
+    assert "Traceback" not in output.err
     return line
 
 
@@ -56,7 +66,9 @@ def test_every_way_tells_the_same_error(bad: Bad, http, client: Client, monkeypa
         client.plan(bad.document)
     assert caught.value.to_problem() == told.to_problem()
 
-    line = by_shell(body, monkeypatch, capsys)
+    no_plan = isinstance(error, Unreachable | Disconnected | TimingFailed | BudgetExceeded)
+    repairs = len(getattr(error, "repairs", []))
+    line = by_shell(body, monkeypatch, capsys, code=1 if no_plan else 2, repairs=repairs)
     assert line == f"ikplan: {error.slug}: {' '.join(error.detail.split())}"
 
 

@@ -11,7 +11,7 @@ import pytest
 import ikplan
 from ikplan.cli import main
 from ikplan_api.app import create_app
-from ikplan_api.batch import NDJSON
+from ikplan_api.handlers.batch_lines import NDJSON
 from ikplan_api.settings import Settings
 from tests.two_joints import URDF
 

@@ -12,9 +12,9 @@ import pytest
 import ikplan
 from ikplan import BudgetExceeded, Unreachable
 from ikplan_api.app import create_app
-from ikplan_api.board import PlanBoard
+from ikplan_api.jobs.plan_jobs import PlanJobs
 from ikplan_api.settings import Settings
-from ikplan_api.store import StoreFault
+from ikplan_api.store.plan_store import StoreFault
 
 from .bad_requests import GOOD
 from .conftest import ADDRESS
@@ -27,7 +27,7 @@ GOOD_ID = ikplan.PlanRequest(**GOOD).content_hash(
 
 
 def served(
-    scenario: Callable[[StandIn, httpx.AsyncClient, PlanBoard], Awaitable[Any]],
+    scenario: Callable[[StandIn, httpx.AsyncClient, PlanJobs], Awaitable[Any]],
     path: object = ":memory:",
     **planner: Any,
 ) -> Any:
@@ -42,7 +42,7 @@ def served(
             app.router.lifespan_context(app),
             httpx.AsyncClient(transport=transport, base_url=ADDRESS) as http,
         ):
-            return await scenario(stand_in, http, app.state.board)
+            return await scenario(stand_in, http, app.state.plan_jobs)
 
     return asyncio.run(run())
 
@@ -65,7 +65,7 @@ def test_the_id_is_the_plans_own_and_known_before_it_is_made(http):
 
 @pytest.mark.parametrize("prefer", ["respond-async", "wait=5, Respond-Async;x=1"])
 def test_a_job_is_accepted_polled_and_found(prefer):
-    async def use(planner, http, board) -> None:
+    async def use(planner, http, jobs) -> None:
         accepted = await http.post("/v1/plans", json=GOOD, headers={"prefer": prefer})
         assert accepted.status_code == 202
         place = accepted.headers["location"]
@@ -83,7 +83,7 @@ def test_a_job_is_accepted_polled_and_found(prefer):
             "id": GOOD_ID, "state": "running", "stage": "ik", "done": 2, "total": 5,
         }  # fmt: skip
         planner.answer()
-        await until(lambda: not board._making)
+        await until(lambda: not jobs._in_progress)
         found = await http.get(place)
         assert (found.status_code, found.json()) == (200, {"plan": 1})
         unchanged = await http.get(place, headers={"if-none-match": f'"x", W/"{GOOD_ID}"'})
@@ -110,11 +110,11 @@ def test_a_job_that_fails_tells_why_and_is_tried_again_when_asked_again():
         "too far", waypoint=0, position_error=1.0, orientation_error=None, q=[0.0], reason="far"
     )
 
-    async def use(planner, http, board) -> None:
+    async def use(planner, http, jobs) -> None:
         place = (await http.post("/v1/plans", json=GOOD, headers=ASYNC)).headers["location"]
         await until(lambda: planner.asked)
         planner.fail(error)
-        await until(lambda: not board._making)
+        await until(lambda: not jobs._in_progress)
         for _ in range(2):
             answer = await http.get(place)
             problem = answer.json()
@@ -129,11 +129,11 @@ def test_a_job_that_fails_tells_why_and_is_tried_again_when_asked_again():
 
 
 def test_an_unforeseen_fault_of_a_job_is_told_without_its_details(caplog):
-    async def use(planner, http, board) -> httpx.Response:
+    async def use(planner, http, jobs) -> httpx.Response:
         place = (await http.post("/v1/plans", json=GOOD, headers=ASYNC)).headers["location"]
         await until(lambda: planner.asked)
         planner.fail(ZeroDivisionError("secret"))
-        await until(lambda: not board._making)
+        await until(lambda: not jobs._in_progress)
         return await http.get(place)
 
     answer = served(use)
@@ -156,14 +156,14 @@ def test_a_request_in_flight_twice_is_planned_once():
 
 
 def test_a_plan_is_answered_before_it_is_kept_and_forgotten_after_that():
-    async def use(planner, http, board) -> None:
-        put, written = board._store.put, asyncio.Event()
+    async def use(planner, http, jobs) -> None:
+        put, written = jobs._store.put, asyncio.Event()
 
         async def slowly(plan_id: str, document: bytes) -> None:
             await written.wait()
             await put(plan_id, document)
 
-        board._store.put = slowly
+        jobs._store.put = slowly
         asking = ask(http)
         await until(lambda: planner.asked)
         planner.answer()
@@ -212,7 +212,7 @@ def test_a_caller_who_leaves_frees_the_worker_unless_another_waits():
 
 
 def test_a_caller_who_leaves_does_not_end_a_job():
-    async def use(planner, http, board) -> None:
+    async def use(planner, http, jobs) -> None:
         waiting = ask(http)
         await until(lambda: planner.asked)
         place = (await http.post("/v1/plans", json=GOOD, headers=ASYNC)).headers["location"]
@@ -220,7 +220,7 @@ def test_a_caller_who_leaves_does_not_end_a_job():
         await asyncio.sleep(0.02)
         assert not planner.cancelled
         planner.answer()
-        await until(lambda: not board._making)
+        await until(lambda: not jobs._in_progress)
         assert (await http.get(place)).status_code == 200
 
     served(use)
@@ -272,7 +272,7 @@ def test_no_job_is_accepted_without_room():
 
 
 def test_a_busy_service_still_answers_what_it_has_and_reads_nothing_new():
-    async def use(planner, http, board) -> None:
+    async def use(planner, http, jobs) -> None:
         first = ask(http)
         await until(lambda: planner.asked)
         planner.answer()
@@ -286,7 +286,7 @@ def test_a_busy_service_still_answers_what_it_has_and_reads_nothing_new():
         planner.answer()
         assert (await other).status_code == (await joined).status_code == 200
         assert (await ask(http, robot="x")).status_code == 404
-        assert not board._making
+        assert not jobs._in_progress
 
     served(use, room=1)
 
@@ -361,13 +361,13 @@ def test_jobs_outlive_a_restart_and_are_done_in_their_order(tmp_path: Path):
         planner.answer(b'{"plan": 0}')
         await until(lambda: len(planner.asked) == 5 and planner.load.running == 4)
 
-    async def go_on(planner, http, board) -> None:
+    async def go_on(planner, http, jobs) -> None:
         await until(lambda: len(planner.asked) == 4)
         assert [json.loads(document) for document in planner.asked] == requests[1:]
         for _ in range(4):
             planner.answer()
             await asyncio.sleep(0)
-        await until(lambda: not board._making)
+        await until(lambda: not jobs._in_progress)
         for place in places:
             assert (await http.get(place)).status_code == 200
         assert (await http.get(places[0])).json() == {"plan": 0}
@@ -386,12 +386,12 @@ def test_with_a_full_disk_plans_are_answered_and_jobs_are_not_accepted(monkeypat
     async def full(*_: object) -> None:
         raise StoreFault("database or disk is full")
 
-    async def use(planner, http, board) -> None:
-        monkeypatch.setattr(board._store, "put", full)
-        monkeypatch.setattr(board._store, "accept", full)
+    async def use(planner, http, jobs) -> None:
+        monkeypatch.setattr(jobs._store, "put", full)
+        monkeypatch.setattr(jobs._store, "accept", full)
         refused = await http.post("/v1/plans", json=GOOD, headers=ASYNC)
         assert refused.status_code == 503
-        assert "cannot be kept" in refused.json()["detail"]
+        assert "cannot be stored" in refused.json()["detail"]
         assert refused.headers["retry-after"] == "60"
         waiting = ask(http)
         await until(lambda: planner.asked)
@@ -407,12 +407,12 @@ def test_with_a_full_disk_plans_are_answered_and_jobs_are_not_accepted(monkeypat
 def test_a_timing_is_a_job_like_a_plan():
     request = {"robot": "ur5", "waypoints": [[0.0] * 6, [0.1] * 6]}
 
-    async def use(planner, http, board) -> None:
+    async def use(planner, http, jobs) -> None:
         accepted = await http.post("/v1/timings", json=request, headers=ASYNC)
         assert accepted.status_code == 202
         await until(lambda: planner.asked)
         planner.answer()
-        await until(lambda: not board._making)
+        await until(lambda: not jobs._in_progress)
         assert (await http.get(accepted.headers["location"])).status_code == 200
 
     served(use)

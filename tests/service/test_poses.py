@@ -10,7 +10,7 @@ import pytest
 from ikplan import BudgetExceeded, InvalidRequest
 from ikplan_api.app import create_app
 from ikplan_api.settings import Settings
-from ikplan_api.tasks import Answer
+from ikplan_api.workers.tasks import TaskResult
 
 from .conftest import ADDRESS
 from .stand_in import StandIn
@@ -44,9 +44,9 @@ def test_a_worker_is_given_no_more_time_than_the_budget_and_the_operator_allow(
     given: list[float] = []
 
     class Fast(StandIn):
-        async def run(self, *_: object, **how: Any) -> Answer:
+        async def run(self, *_: object, **how: Any) -> TaskResult:
             given.append(how["limit_s"])
-            return Answer(b"{}")
+            return TaskResult(b"{}")
 
     async def ask() -> int:
         app = create_app(Settings(store_path=":memory:", max_budget_s=20), planner=Fast())

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from ikplan.processors import processor_count
+from ikplan.workers.processors import processor_count
 from ikplan_api.settings import Settings
 
 SCOPE = "/system.slice/docker-1f.scope"
@@ -77,7 +77,7 @@ def test_where_nothing_is_told_the_processors_allowed_count(tmp_path):
 
 
 def test_a_service_has_a_worker_for_each_of_them_unless_told_otherwise(monkeypatch):
-    monkeypatch.setattr("ikplan_api.settings.processor_count", lambda: 3)
+    monkeypatch.setattr("ikplan_api.settings.service.processor_count", lambda: 3)
     assert Settings().worker_count == 3
     assert Settings(workers=5).worker_count == 5
 

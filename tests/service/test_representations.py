@@ -14,11 +14,12 @@ import numpy as np
 import pytest
 import zstandard
 
-from ikplan.export import FORMATS, encode
-from ikplan.result import Plan
-from ikplan_api.wrapping import COMPRESSED_FROM
+from ikplan.plans.export import FORMATS, encode
+from ikplan.plans.plan import Plan
+from ikplan_api.middleware.install import COMPRESSED_FROM
 
 from .bad_requests import GOOD
+from .urdfs import ARM
 
 NAMES = {known.name: known.media_type for known in FORMATS}
 UR5 = {
@@ -92,7 +93,24 @@ def test_another_form_is_refused_with_those_there_are(accept, http, plan):
 def test_a_program_for_another_arm_is_not_to_be_had(http, plan):
     answer = http.get(f"/v1/plans/{plan.id}", headers={"accept": NAMES["urscript"]})
     assert answer.status_code == 406
-    assert "ur3, ur5, ur10" in answer.json()["detail"]
+    assert "no URScript program for 'iiwa14'" in answer.json()["detail"]
+
+
+def test_an_uploaded_arm_has_a_program_where_its_controller_runs_urscript(http):
+    controller = {
+        "title": "mine",
+        "cycle": 0.002,
+        "languages": [{"name": "urscript", "variant": "e-series"}],
+    }
+    known = http.post("/v1/robots", json={"urdf": ARM, "controller": controller}).json()
+    assert known["controller"]["cycle"] == 0.002
+    request = {"robot": known["name"], "waypoints": [[0.0] * 6, [0.2] * 6]}
+    for name, words in (("urscript", b"ikplan_trajectory()\n"), ("ros-goal", b"trajectory:\n")):
+        answer = http.post("/v1/timings", json=request, headers={"accept": NAMES[name]})
+        assert answer.status_code == 200
+        assert words in answer.content
+    assert http.delete(f"/v1/robots/{known['name']}").status_code == 204
+    assert http.get("/v1/robots/ur5").json()["controller"]["cycle"] == 0.008
 
 
 class Served(NamedTuple):

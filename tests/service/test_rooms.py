@@ -5,9 +5,9 @@ import asyncio
 import httpx
 
 from ikplan_api.app import create_app
-from ikplan_api.planner import Load
 from ikplan_api.settings import Settings
-from ikplan_api.tasks import Answer
+from ikplan_api.telemetry.load import Load
+from ikplan_api.workers.tasks import TaskResult
 
 from .conftest import ADDRESS
 
@@ -18,10 +18,10 @@ class Crashing:
     ready = True
     load = Load(1, 0, 0)
 
-    def check_room(self) -> None:
+    def check_capacity(self) -> None:
         return None
 
-    async def run(self, *_: object, **__: object) -> Answer:
+    async def run(self, *_: object, **__: object) -> TaskResult:
         raise ZeroDivisionError("secret")
 
     async def warm_up(self) -> None:

@@ -10,7 +10,7 @@ import pytest
 import ikplan
 from ikplan import AsyncClient, Plan, PlanRequest
 from ikplan.cli import main
-from ikplan.export import encode
+from ikplan.plans.export import encode
 
 from .bad_requests import GOOD
 from .conftest import ADDRESS

@@ -20,10 +20,11 @@ from prometheus_client.parser import text_string_to_metric_families
 from ikplan import IkplanError
 from ikplan.cli import serving
 from ikplan.errors import Unreachable
-from ikplan_api import logs, measured
 from ikplan_api.app import create_app
 from ikplan_api.settings import Settings, load_settings
-from ikplan_api.tasks import Answer
+from ikplan_api.telemetry import logs
+from ikplan_api.workers import instrumented_planner
+from ikplan_api.workers.tasks import TaskResult
 
 from .bad_requests import GOOD
 from .conftest import ADDRESS
@@ -187,12 +188,12 @@ def test_work_is_traced_under_its_request_and_the_callers_trace(monkeypatch):
     spans, provider = InMemorySpanExporter(), TracerProvider()
     provider.add_span_processor(SimpleSpanProcessor(spans))
     monkeypatch.setattr(trace, "get_tracer_provider", lambda: provider)
-    monkeypatch.setattr(measured, "_tracer", provider.get_tracer("test"))
+    monkeypatch.setattr(instrumented_planner, "_tracer", provider.get_tracer("test"))
     planner = StandIn()
     app = create_app(Settings(store_path=":memory:"), planner=planner)
 
-    async def run(*_: object, **__: object) -> Answer:
-        return Answer(b"{}")
+    async def run(*_: object, **__: object) -> TaskResult:
+        return TaskResult(b"{}")
 
     monkeypatch.setattr(planner, "run", run)
     trace_id = "0af7651916cd43dd8448eb211c80319c"

@@ -13,21 +13,22 @@ import pytest
 
 from ikplan import InvalidRequest
 from ikplan.cli import main
-from ikplan_api.lock_holder import lock_holder
 from ikplan_api.settings import Settings
-from ikplan_api.sqlite_store import IN_MEMORY, SqliteStore
-from ikplan_api.store import Job, RecentPlans, StoreFault
+from ikplan_api.store.lock_holder import lock_holder
+from ikplan_api.store.plan_store import Job, StoreFault
+from ikplan_api.store.recent_plans import RecentPlans
+from ikplan_api.store.sqlite_plans import IN_MEMORY, SqlitePlanStore
 
 JOB = Job("j", "plan", b"{}", None, 10.0)
 
 
 def use(
-    scenario: Callable[[SqliteStore], Awaitable[Any]], path: object = IN_MEMORY, **limits
+    scenario: Callable[[SqlitePlanStore], Awaitable[Any]], path: object = IN_MEMORY, **limits
 ) -> Any:
     bounds = {"max_plans": 100, "max_bytes": 10**6, "max_age_s": 3600.0, **limits}
 
     async def run() -> Any:
-        store = SqliteStore(str(path), **bounds)
+        store = SqlitePlanStore(str(path), **bounds)
         await store.open()
         try:
             return await scenario(store)
@@ -38,7 +39,7 @@ def use(
 
 
 def test_the_store_forgets_what_was_unused_for_longest():
-    async def fill(store: SqliteStore) -> list[bytes | None]:
+    async def fill(store: SqlitePlanStore) -> list[bytes | None]:
         await store.put("a", b"1")
         await store.put("b", b"2")
         await store.get("a")
@@ -49,7 +50,7 @@ def test_the_store_forgets_what_was_unused_for_longest():
 
 
 def test_the_store_is_bounded_in_bytes():
-    async def fill(store: SqliteStore) -> list[bytes | None]:
+    async def fill(store: SqlitePlanStore) -> list[bytes | None]:
         await store.put("a", b"1" * 6)
         await store.put("a", b"2" * 7)
         await store.put("b", b"3" * 3)
@@ -64,7 +65,7 @@ def test_the_store_is_bounded_in_bytes():
 def test_the_store_is_bounded_in_age(monkeypatch: pytest.MonkeyPatch):
     now = time.time()
 
-    async def wait(store: SqliteStore) -> list[object]:
+    async def wait(store: SqlitePlanStore) -> list[object]:
         await store.put("a", b"1")
         await store.accept(JOB)
         await store.fail("j", b"{}")
@@ -81,13 +82,13 @@ def test_what_was_kept_is_there_when_the_file_is_opened_again(tmp_path: Path):
     path = tmp_path / "new" / "folder" / "store.sqlite3"
     jobs = [JOB._replace(plan_id=name, robot=name.encode()) for name in ("z", "a", "m")]
 
-    async def fill(store: SqliteStore) -> None:
+    async def fill(store: SqlitePlanStore) -> None:
         await store.put("p", b"plan")
         for job in jobs:
             await store.accept(job)
         await store.fail("a", b"why")
 
-    async def read(store: SqliteStore) -> list[object]:
+    async def read(store: SqlitePlanStore) -> list[object]:
         return [await store.get("p"), await store.pending(), await store.problem("a")]
 
     use(fill, path)
@@ -95,7 +96,7 @@ def test_what_was_kept_is_there_when_the_file_is_opened_again(tmp_path: Path):
 
 
 def test_a_plan_that_is_kept_ends_its_job_and_a_deleted_one_is_gone():
-    async def end(store: SqliteStore) -> list[object]:
+    async def end(store: SqlitePlanStore) -> list[object]:
         await store.accept(JOB)
         await store.put("j", b"plan")
         left = await store.pending()
@@ -105,7 +106,7 @@ def test_a_plan_that_is_kept_ends_its_job_and_a_deleted_one_is_gone():
 
 
 def test_a_job_accepted_again_after_it_failed_is_pending_again():
-    async def again(store: SqliteStore) -> list[object]:
+    async def again(store: SqlitePlanStore) -> list[object]:
         await store.accept(JOB)
         await store.fail("j", b"why")
         await store.accept(JOB)
@@ -117,8 +118,8 @@ def test_a_job_accepted_again_after_it_failed_is_pending_again():
 def test_two_services_never_share_a_file(tmp_path: Path):
     path = tmp_path / "store.sqlite3"
 
-    async def second(_: SqliteStore) -> None:
-        other = SqliteStore(str(path), 1, 1, 1.0)
+    async def second(_: SqlitePlanStore) -> None:
+        other = SqlitePlanStore(str(path), 1, 1, 1.0)
         with pytest.raises(InvalidRequest, match="another service uses it") as caught:
             await other.open()
         assert caught.value.field == "IKPLAN_STORE_PATH"
@@ -168,7 +169,7 @@ def test_a_second_service_on_the_same_file_says_whose_it_is(tmp_path: Path, caps
 
 @pytest.mark.parametrize("path", ["/proc/nowhere/store", "/dev/null/store", "/"])
 def test_a_place_that_cannot_be_used_is_named_with_its_setting(path):
-    async def never(_: SqliteStore) -> None:
+    async def never(_: SqlitePlanStore) -> None:
         raise AssertionError
 
     with pytest.raises(InvalidRequest, match=f"IKPLAN_STORE_PATH.*{path}"):
@@ -179,7 +180,7 @@ def test_a_file_that_is_none_of_ours_is_left_alone(tmp_path: Path):
     path = tmp_path / "thesis.txt"
     path.write_text("to be or not to be " * 100)
 
-    async def never(_: SqliteStore) -> None:
+    async def never(_: SqlitePlanStore) -> None:
         raise AssertionError
 
     with pytest.raises(InvalidRequest, match="IKPLAN_STORE_PATH"):
@@ -188,7 +189,7 @@ def test_a_file_that_is_none_of_ours_is_left_alone(tmp_path: Path):
 
 
 def test_a_full_disk_loses_nothing_that_was_kept(tmp_path: Path):
-    async def fill(store: SqliteStore) -> None:
+    async def fill(store: SqlitePlanStore) -> None:
         await store.accept(JOB)
         await store.put("a", b"1")
         connection = store._connection

@@ -8,7 +8,7 @@ SCRIPT = """
 import gc, json
 from numba.core.dispatcher import Dispatcher
 from ikplan import IkplanError
-from ikplan_api.tasks import Work, run_task, warm_up
+from ikplan_api.workers.tasks import TaskInput, run_task, warm_up
 
 def compiled():
     kernels = [k for k in gc.get_objects() if isinstance(k, Dispatcher)]
@@ -28,7 +28,7 @@ for extra in (
     for waypoints in ([point, point], [full, full], [full, point]):
         request = {"robot": "iiwa14", "path": {"waypoints": waypoints}, **extra}
         try:
-            run_task("plan", Work(json.dumps(request).encode()))
+            run_task("plan", TaskInput(json.dumps(request).encode()))
         except IkplanError:
             pass
 for name, signature in sorted(compiled() - before):

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from ikplan.timing import JointLimits, TimedPath
+from ikplan.limits import JointLimits
+from ikplan.timing import TimedPath
 
 
 def make_limits(dof: int, *, seed: int = 0, box: float = 3.0) -> JointLimits:

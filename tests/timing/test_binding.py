@@ -6,11 +6,13 @@ import numpy as np
 import pytest
 
 from ikplan.errors import InvalidRequest, TimingFailed
-from ikplan.timing import JointLimits, JointPath, binding, time_joint_path, what_if
-from ikplan.timing.compiled_engine import CompiledEngine
-from ikplan.timing.engine import EngineFailed
-from ikplan.timing.rows import StageRows
-from ikplan.timing.toppra_engine import ToppraEngine
+from ikplan.joint_path import JointPath
+from ikplan.limits import JointLimits
+from ikplan.timing import binding, time_joint_path, what_if
+from ikplan.timing.engines.compiled_engine import CompiledEngine
+from ikplan.timing.engines.engine import EngineFailed
+from ikplan.timing.engines.rows import StageRows
+from ikplan.timing.engines.toppra_engine import ToppraEngine
 
 from .cases import assert_keeps_limits, make_limits
 

@@ -8,10 +8,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from ikplan.errors import InvalidRequest
+from ikplan.joint_path import JointPath
+from ikplan.limits import JointLimits
 from ikplan.robots import load_robot
 from ikplan.timing import (
-    JointLimits,
-    JointPath,
     TimedPath,
     ToolLimits,
     binding,
@@ -19,7 +19,7 @@ from ikplan.timing import (
     time_joint_path,
     what_if,
 )
-from ikplan.timing.models import tool_motion
+from ikplan.timing.constraints.models import tool_motion
 
 from .cases import (
     CASES,

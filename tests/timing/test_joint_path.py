@@ -9,7 +9,8 @@ from hypothesis import strategies as st
 from scipy.interpolate import CubicSpline
 
 from ikplan.errors import InvalidRequest
-from ikplan.timing import JointPath, time_joint_path
+from ikplan.joint_path import JointPath
+from ikplan.timing import time_joint_path
 
 from .cases import make_limits
 

@@ -9,19 +9,19 @@ import pinocchio as pin
 import pytest
 
 from ikplan.errors import InvalidRequest, TimingFailed
+from ikplan.joint_path import JointPath
+from ikplan.limits import JointLimits
 from ikplan.robots import Robot, load_robot, robot_names
 from ikplan.timing import (
-    JointLimits,
-    JointPath,
     SegmentLimits,
     ToolLimits,
     TorqueLimits,
     sample,
     time_joint_path,
 )
-from ikplan.timing.compiled_engine import CompiledEngine
-from ikplan.timing.models import inverse_dynamics, tool_motion
-from ikplan.timing.rows import StageRows
+from ikplan.timing.constraints.models import inverse_dynamics, tool_motion
+from ikplan.timing.engines.compiled_engine import CompiledEngine
+from ikplan.timing.engines.rows import StageRows
 
 
 @functools.cache

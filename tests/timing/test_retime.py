@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 from ikplan.errors import InvalidRequest
-from ikplan.timing import JointLimits, knots, retime
+from ikplan.limits import JointLimits
+from ikplan.timing import knots, retime
 
 ROBOT = SimpleNamespace(
     lower=np.array([-1.0, -2.0]),

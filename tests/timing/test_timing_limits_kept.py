@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from ikplan.errors import InvalidRequest, TimingFailed
-from ikplan.timing import JointLimits, JointPath, sample, time_joint_path
+from ikplan.joint_path import JointPath
+from ikplan.limits import JointLimits
+from ikplan.timing import on_grid, sample, time_joint_path
 
 from .cases import CASES, DOF, assert_keeps_limits, assert_meets_waypoints, make_limits
 
@@ -75,16 +79,34 @@ def test_samples_are_strictly_increasing_and_end_exactly(name: str, rate_hz: flo
     waypoints, limits = CASES[name], make_limits(DOF)
     timed = time_joint_path(JointPath.through(waypoints, limits), limits)
     samples = sample(timed, rate_hz)
-    steps = np.diff(samples.time) * rate_hz
-    assert samples.time[0] == 0.0
-    assert (steps > 0.5 - 1e-6).all()
-    assert (steps < 1.5 + 1e-6).all()
-    assert np.allclose(steps[:-1], 1.0, rtol=0, atol=1e-9)
+    assert np.array_equal(samples.time, np.arange(len(samples.time)) / rate_hz)
     assert np.array_equal(samples.q[0], waypoints[0])
     assert np.array_equal(samples.q[-1], waypoints[-1])
     assert (samples.dq[[0, -1]] == 0.0).all()
-    if timed.duration >= 0.5 / rate_hz:
-        assert samples.time[-1] == timed.duration
+    # The least whole number of periods that the motion fits into.
+    assert 0.0 <= samples.time[-1] * rate_hz - timed.duration * rate_hz < 1.0
+    assert samples.time[-1] == on_grid(timed, rate_hz).duration
+
+
+@pytest.mark.parametrize("rate_hz", [125.0, 333.3, 1000.0])
+@pytest.mark.parametrize("jerk", [None, 200.0])
+def test_a_motion_on_the_grid_is_the_same_motion_slower(rate_hz: float, jerk: float | None) -> None:
+    limits = make_limits(DOF)
+    if jerk is not None:
+        limits = replace(limits, jerk=np.full(DOF, jerk))
+    timed = time_joint_path(JointPath.through(CASES["helix"], limits), limits)
+    slower = on_grid(timed, rate_hz)
+    factor = slower.duration / timed.duration
+    assert 1.0 <= factor < 1.0 + 1.0 / (rate_hz * timed.duration)
+    assert slower.duration * rate_hz == pytest.approx(round(slower.duration * rate_hz), abs=1e-9)
+    time = np.linspace(0.0, timed.duration, 501)[1:-1]
+    for power, (mine, theirs) in enumerate(
+        zip(slower.evaluate(time * factor), timed.evaluate(time), strict=True)
+    ):
+        np.testing.assert_allclose(mine * factor**power, theirs, rtol=1e-9, atol=1e-7)
+    again = on_grid(slower, rate_hz)
+    assert again.duration == slower.duration
+    assert np.array_equal(again.node_times, slower.node_times)
 
 
 @pytest.mark.parametrize("rate_hz", [0.0, -1.0, 10_001.0, np.nan, np.inf])

@@ -11,10 +11,9 @@ import pytest
 
 import ikplan
 from ikplan import CertificateViolated, InvalidRequest, Plan
-from ikplan.certificate import Claim, certify
-from ikplan.certificate.stretches import LimitWindow
+from ikplan.certificate import Claim, LimitedWaypoints, certify
 from ikplan.documents.limits import LimitOptions, Payload, StretchLimits
-from ikplan.motion_limits import MotionLimits
+from ikplan.limits.motion_limits import MotionLimits
 
 DOWN = [1.0, 0.0, 0.0, 0.0]
 
@@ -101,9 +100,9 @@ def walk(name: str) -> np.ndarray:
     return robot.clip(robot.home) + steps
 
 
-@pytest.mark.parametrize("jerk", [None, 100.0])
+@pytest.mark.parametrize("jerk", [False, 100.0])
 @pytest.mark.parametrize("name", ["panda", "kinova_j2s6s200"])
-def test_a_part_of_a_joint_path_keeps_its_limits(name: str, jerk: float | None) -> None:
+def test_a_part_of_a_joint_path_keeps_its_limits(name: str, jerk: float | bool) -> None:
     robot = ikplan.load_robot(name)
     plan = ikplan.time_path(robot, walk(name), limits={"jerk": jerk}, segments=[RETIMED])
     (part,) = plan.certificate.segments
@@ -114,7 +113,7 @@ def test_a_part_of_a_joint_path_keeps_its_limits(name: str, jerk: float | None) 
     assert speed[~inside].max() > 0.06
     assert (np.abs(plan.dq[inside]) <= 0.3 * robot.velocity_limit).all()
     assert plan.certificate.tool_speed_ratio is None
-    assert plan.certificate.jerk_limited == (jerk is not None)
+    assert plan.certificate.jerk_limited == (jerk is not False)
     assert any(b.limit == "tool_linear_speed" for b in plan.timing.binding)
 
 
@@ -122,7 +121,9 @@ def test_a_part_of_a_joint_path_keeps_its_limits(name: str, jerk: float | None) 
 def test_jerk_is_limited_on_a_part_and_not_on_the_rest(name: str) -> None:
     robot, limit = ikplan.load_robot(name), 60.0
     part = {"first": 2, "last": 4, "limits": {"jerk": limit}}
-    plan = ikplan.time_path(robot, walk(name), rate_hz=1000.0, segments=[part])
+    plan = ikplan.time_path(
+        robot, walk(name), rate_hz=1000.0, limits={"jerk": False}, segments=[part]
+    )
     (certified,) = plan.certificate.segments
     jerk = np.abs(np.diff(plan.ddq, axis=0)) / np.diff(plan.time)[:, None]
     inside = (plan.time[:-1] > certified.begin) & (plan.time[1:] < certified.end)
@@ -130,7 +131,7 @@ def test_jerk_is_limited_on_a_part_and_not_on_the_rest(name: str) -> None:
     assert certified.jerk_limit_ratio == pytest.approx(jerk[inside].max() / limit, rel=1e-6)
     assert jerk[~inside].max() > 2.0 * limit
     assert not plan.certificate.jerk_limited
-    free = ikplan.time_path(robot, walk(name))
+    free = ikplan.time_path(robot, walk(name), limits={"jerk": False})
     whole = ikplan.time_path(robot, walk(name), limits={"jerk": limit})
     assert free.duration < plan.duration < whole.duration
     assert plan.timing.unlimited_duration == pytest.approx(free.duration, rel=1e-2)
@@ -145,7 +146,7 @@ def test_a_jerk_limit_of_a_part_stops_the_motion_at_steps_of_the_curvature_there
     stops = []
     for first, last in ((0, 6), (0, 3), (3, 6)):
         part = {"first": first, "last": last, "limits": {"jerk": 200.0}}
-        plan = ikplan.time_path(robot, q, rate_hz=1000.0, segments=[part])
+        plan = ikplan.time_path(robot, q, rate_hz=1000.0, limits={"jerk": False}, segments=[part])
         at = [int(np.argmin(np.abs(plan.time - t))) for t in plan.waypoints.time[1:-1]]
         stops.append({k + 1 for k, row in enumerate(at) if np.abs(plan.dq[row]).max() < 0.02})
     assert stops[0] >= stops[1] | stops[2]
@@ -221,7 +222,7 @@ def test_the_certificate_finds_a_segment_that_breaks_its_limits() -> None:
     limits = MotionLimits.of(robot, LimitOptions())
     claim = Claim(
         robot, None, plan.q[0], plan.waypoints.q, plan.waypoints.time,
-        plan.time, plan.q, plan.dq, plan.ddq,
+        plan.time, plan.q, plan.dq, plan.ddq, limits,
     )  # fmt: skip
     for options, words in (
         (StretchLimits(tool_speed=0.05), "segments[0]: the tool speed"),
@@ -234,11 +235,9 @@ def test_the_certificate_finds_a_segment_that_breaks_its_limits() -> None:
             "segments[0]: the torque limit of",
         ),
     ):
-        own = limits.within(robot, options, "segments[0].limits")
-        begin, end = plan.waypoints.time[[2, 4]]
-        window = LimitWindow("segments[0]", float(begin), float(end), own)
+        part = LimitedWaypoints("segments[0]", 2, 4, options)
         with pytest.raises(CertificateViolated) as caught:
-            certify(replace(claim, windows=(window,)))
+            certify(replace(claim, segments=(part,)))
         assert any(violation.startswith(words) for violation in caught.value.violations)
 
 

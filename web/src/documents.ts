@@ -126,6 +126,12 @@ export interface Problem {
   repairs?: Repair[];
 }
 
+/** A file of points as a request, and how it was read. */
+export interface PointsRead {
+  request: Request;
+  notes: { text: string; guessed: boolean }[];
+}
+
 /** What the user wrote: an object, of which nothing else is known. */
 export type Request = Record<string, unknown>;
 

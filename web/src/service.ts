@@ -1,6 +1,6 @@
 /** Everything the page asks of the service, and nothing else is asked. */
 
-import type { Problem, RobotInfo } from "./documents";
+import type { PointsRead, Problem, RobotInfo } from "./documents";
 
 /** What the service answers when it refuses. */
 export class Refusal extends Error {
@@ -51,4 +51,15 @@ export async function fetchVisual(robot: string): Promise<string> {
 
 export async function fetchMesh(address: string): Promise<ArrayBuffer> {
   return (await ask(address)).arrayBuffer();
+}
+
+/** Reads a file of points, without planning. */
+export async function readPoints(file: Blob, query: Record<string, string>): Promise<PointsRead> {
+  const given = Object.entries(query).filter(([, value]) => value !== "");
+  const answer = await ask(`v1/points?${new URLSearchParams(given)}`, {
+    method: "POST",
+    headers: { "content-type": "text/csv" },
+    body: file,
+  });
+  return (await answer.json()) as PointsRead;
 }

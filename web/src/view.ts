@@ -62,7 +62,7 @@ export class ArmView {
     void arm.complete.then((missing) => {
       if (this.arm !== arm) return;
       host.dataset["meshes"] = "ready";
-      this.say(missing > 0 ? `${missing} meshes are not to be had` : "");
+      this.say(missing > 0 ? `${missing} meshes could not be loaded` : "");
       this.follow();
     });
     return arm;

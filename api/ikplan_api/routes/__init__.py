@@ -1,4 +1,4 @@
-"""The endpoints, one file a subject."""
+"""The endpoints, one file for each subject."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ from ikplan_api.routes import (
     metrics,
     page,
     plans,
+    points,
     poses,
     robots,
     timings,
@@ -21,6 +22,7 @@ __all__ = ["ROUTERS"]
 
 ROUTERS: tuple[APIRouter, ...] = (
     plans.router,
+    points.router,
     batches.router,
     timings.router,
     poses.router,

@@ -1,4 +1,4 @@
-"""Batches: many requests, many plans."""
+"""Batches: many requests for plans in one."""
 
 from __future__ import annotations
 
@@ -9,12 +9,12 @@ from fastapi import APIRouter, Request
 from fastapi.responses import StreamingResponse
 
 from ikplan import errors
-from ikplan_api.batch import NDJSON, answer_lines, split_lines
-from ikplan_api.body import read_body
-from ikplan_api.openapi import problems
-from ikplan_api.planner import Planner
-from ikplan_api.schemas import BatchLine
+from ikplan_api.handlers.batch_lines import NDJSON, plan_lines, split_lines
+from ikplan_api.http.body import read_body
+from ikplan_api.http.openapi import problems
+from ikplan_api.http.schemas import BatchLine
 from ikplan_api.settings import Settings
+from ikplan_api.workers.planner import Planner
 
 __all__ = ["router"]
 
@@ -23,7 +23,7 @@ router = APIRouter(prefix="/v1/batches", tags=["plans"])
 _TYPES = [NDJSON, "application/jsonl", "application/json-lines"]
 _ANSWERS: dict[int | str, dict[str, Any]] = {
     200: {
-        "description": "A line for each request, in their order",
+        "description": "One line for each request, in order",
         "content": {NDJSON: {"schema": {"$ref": f"#/components/schemas/{BatchLine.__name__}"}}},
     }
 }
@@ -35,7 +35,7 @@ _EXAMPLE = "\n".join(
 
 @router.post(
     "",
-    summary="Make many plans",
+    summary="Plan a batch of requests",
     response_class=StreamingResponse,
     responses=_ANSWERS | problems(errors.InvalidRequest),
     openapi_extra={
@@ -48,15 +48,15 @@ _EXAMPLE = "\n".join(
     },
 )
 async def create_batch(request: Request) -> StreamingResponse:
-    """Plan every line, a request as for `POST /v1/plans`, and answer each with a line.
+    """Plan every line, a request as for `POST /v1/plans`, and return a line for each.
 
-    The answers come in the order of the requests, each as soon as it and those before it are
-    known. A request that fails spoils no other: its line has the `problem` in place of the
-    `plan`. A batch waits for room in the queue instead of being refused.
+    The lines come in the order of the requests, each as soon as it and those before it are
+    finished. A failed request does not affect the others: its line has a `problem` instead of a
+    `plan`. If the queue is full, a batch waits instead of being refused.
     """
     settings: Settings = request.app.state.settings
     planner: Planner = request.app.state.planner
     body = await read_body(request, _TYPES, settings.max_batch_bytes)
     lines = split_lines(body, settings.max_batch_lines)
-    answers = answer_lines(request, lines, at_once=2 * planner.load.workers)
+    answers = plan_lines(request, lines, concurrency=2 * planner.load.workers)
     return StreamingResponse(answers, media_type=NDJSON)

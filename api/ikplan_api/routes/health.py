@@ -1,4 +1,4 @@
-"""What an operator's probes ask."""
+"""Liveness, readiness and version."""
 
 from __future__ import annotations
 
@@ -6,26 +6,24 @@ from fastapi import APIRouter, Request
 
 import ikplan
 from ikplan import errors
-from ikplan_api.openapi import problems
-from ikplan_api.planner import Planner
-from ikplan_api.schemas import State, Version
+from ikplan_api.http.openapi import problems
+from ikplan_api.http.schemas import State, Version
+from ikplan_api.workers.planner import Planner
 
 __all__ = ["router"]
 
 router = APIRouter(tags=["health"])
 
 
-@router.get("/livez", summary="Is the service alive?", responses=problems())
+@router.get("/livez", summary="Liveness", responses=problems())
 async def livez() -> State:
-    """Answer, whatever the workers do."""
+    """Return 200 while the service runs, however busy the workers are."""
     return State(status="alive")
 
 
-@router.get(
-    "/readyz", summary="Is the service warm?", responses=problems(errors.ServiceUnavailable)
-)
+@router.get("/readyz", summary="Readiness", responses=problems(errors.ServiceUnavailable))
 async def readyz(request: Request) -> State:
-    """Answer 200 once the kernels are compiled and a tiny plan has been made, 503 before."""
+    """Return 200 once the kernels are compiled and a small plan succeeded, 503 before."""
     planner: Planner = request.app.state.planner
     if not planner.ready:
         raise errors.ServiceUnavailable(
@@ -34,7 +32,7 @@ async def readyz(request: Request) -> State:
     return State(status="ready")
 
 
-@router.get("/version", summary="Which version is this?", responses=problems())
+@router.get("/version", summary="Version", responses=problems())
 async def get_version() -> Version:
-    """Return the version of ikplan that answers."""
+    """Return the version of ikplan that the service runs."""
     return Version(version=ikplan.__version__)

@@ -1,11 +1,11 @@
-"""Figures for an operator's monitoring."""
+"""Metrics for monitoring."""
 
 from __future__ import annotations
 
 from fastapi import APIRouter, Request, Response
 
-from ikplan_api.metrics import MEDIA_TYPE, Metrics
-from ikplan_api.openapi import problems
+from ikplan_api.http.openapi import problems
+from ikplan_api.telemetry.metrics import MEDIA_TYPE, Metrics
 
 __all__ = ["router"]
 
@@ -14,7 +14,7 @@ router = APIRouter(tags=["health"])
 
 @router.get(
     "/metrics",
-    summary="Figures for Prometheus",
+    summary="Metrics for Prometheus",
     response_class=Response,
     responses={
         200: {"content": {"text/plain": {"schema": {"type": "string"}}}},
@@ -22,6 +22,6 @@ router = APIRouter(tags=["health"])
     },
 )
 async def get_metrics(request: Request) -> Response:
-    """Return queue, tasks by outcome, times of stages and requests, margins of certificates."""
+    """Return load, tasks by outcome, durations of stages and requests, margins of plans."""
     metrics: Metrics = request.app.state.metrics
     return Response(metrics.text(), headers={"content-type": MEDIA_TYPE})

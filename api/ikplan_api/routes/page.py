@@ -1,4 +1,4 @@
-"""The page: plan in a browser and watch the arm. Nothing is fetched from elsewhere."""
+"""The web page, which plans and shows the arm in a browser; it loads nothing from elsewhere."""
 
 from __future__ import annotations
 
@@ -7,16 +7,16 @@ from pathlib import Path
 from fastapi import APIRouter, HTTPException, Request, Response
 from fastapi.responses import HTMLResponse
 
-from ikplan_api.files import file_answer
+from ikplan_api.http.files import file_response
 
 __all__ = ["BUNDLE_HINT", "bundle_folder", "router"]
 
 router = APIRouter(include_in_schema=False)
 
 BUNDLE_HINT = "make page"
-"""The command that makes the bundle in a checkout."""
+"""The command that builds the page's bundle in a checkout."""
 
-# Scripts, styles and data from this service only; no inline script, no frame, no other address.
+# Scripts, styles and data from this service only; no inline script, no frame, no other origin.
 _POLICY = (
     "default-src 'none'; script-src 'self'; style-src 'self'; connect-src 'self'; "
     "img-src 'self' data:; base-uri 'none'; form-action 'none'; frame-ancestors 'none'"
@@ -32,15 +32,15 @@ _MISSING = f"""<!doctype html>
 <html lang="en"><head><meta charset="utf-8"><title>ikplan</title>
 <meta name="viewport" content="width=device-width"></head>
 <body><h1>ikplan</h1>
-<p>The service runs, but this checkout has no page yet. Make it with</p>
+<p>The service runs, but the page is not built in this checkout. Build it with</p>
 <pre>{BUNDLE_HINT}</pre>
-<p>and load this address again. <a href="docs">The manual of the service</a> is there already.</p>
+<p>and reload this page. See also <a href="docs">the manual of the service</a>.</p>
 </body></html>
 """
 
 
 def bundle_folder() -> Path:
-    """Where the bundle is, or would be: in the installed package, else in the checkout."""
+    """Return the folder of the bundle: in the installed package, else in the checkout."""
     here = Path(__file__).resolve().parents[1]
     installed = here / "page"
     return installed if installed.is_dir() else here.parents[1] / "web" / "dist"
@@ -48,10 +48,10 @@ def bundle_folder() -> Path:
 
 @router.get("/")
 async def page(request: Request) -> Response:
-    """Return the page, or how to make it."""
+    """Return the page, or how to build it."""
     file = bundle_folder() / "index.html"
     if file.is_file():
-        answer = file_answer(request, file, _MEDIA[".html"], "no-cache")
+        answer = file_response(request, file, _MEDIA[".html"], "no-cache")
     else:
         answer = HTMLResponse(_MISSING, headers={"cache-control": "no-cache"})
     answer.headers["content-security-policy"] = _POLICY
@@ -60,11 +60,11 @@ async def page(request: Request) -> Response:
 
 @router.get("/page/{name}")
 async def part(request: Request, name: str) -> Response:
-    """Return a part of the page; its name changes with its content."""
+    """Return a file of the page; its name changes with its content."""
     folder = bundle_folder()
-    # Compared with the listing, never joined to a path, so that no name leads elsewhere.
+    # The name is compared with the listing and never joined to a path: no path traversal.
     files = {file.name: file for file in folder.iterdir()} if folder.is_dir() else {}
     file = files.get(name)
     if file is None or not file.is_file() or file.suffix not in _MEDIA:
         raise HTTPException(404)
-    return file_answer(request, file, _MEDIA[file.suffix], "max-age=31536000, immutable")
+    return file_response(request, file, _MEDIA[file.suffix], "max-age=31536000, immutable")

@@ -1,20 +1,27 @@
-"""Plans: make one, fetch one, watch one, cancel one."""
+"""Plans: create, fetch, watch and cancel them."""
 
 from __future__ import annotations
 
 from collections.abc import AsyncIterator
-from typing import Annotated
+from typing import Annotated, Any
 
 from fastapi import APIRouter, Depends, Request, Response
 from fastapi.sse import EventSourceResponse, ServerSentEvent
 
 from ikplan import errors
-from ikplan.request import PlanRequest
-from ikplan.result import Plan
-from ikplan_api.answering import ACCEPTED, PLANS, PREFER, ask_for_plan, kept_plan
-from ikplan_api.board import PlanBoard
-from ikplan_api.openapi import plan_answers, problems, request_body
-from ikplan_api.watching import Watched, find_watched
+from ikplan.documents.plan_request import PlanRequest
+from ikplan.plans.plan import Plan
+from ikplan_api.handlers.plan_events import Watched, find_watched
+from ikplan_api.handlers.plan_responses import (
+    ACCEPTED,
+    PLANS,
+    PREFER,
+    create_plan_response,
+    get_plan_response,
+)
+from ikplan_api.handlers.point_files import csv_body, with_notes
+from ikplan_api.http.openapi import plan_answers, problems, request_body
+from ikplan_api.jobs.plan_jobs import PlanJobs
 
 __all__ = ["PLAN_ERRORS", "router"]
 
@@ -30,7 +37,7 @@ PLAN_ERRORS = (
     errors.CertificateViolated,
     errors.ServiceUnavailable,
 )
-"""What can become of a request that makes sense."""
+"""Errors of valid requests."""
 _EXAMPLE = {
     "robot": "iiwa14",
     "path": {
@@ -42,21 +49,34 @@ _EXAMPLE = {
 }
 
 
+def _described() -> dict[str, Any]:
+    """Return the OpenAPI description of the bodies and parameters of a request for a plan."""
+    described = request_body(PlanRequest, _EXAMPLE)
+    content, parameters = csv_body()
+    described["requestBody"]["content"] |= content
+    return {**described, "parameters": [*PREFER["parameters"], *parameters]}
+
+
 @router.post(
     "",
-    summary="Make a plan",
+    summary="Plan a tool path",
     response_model=Plan,
-    responses=ACCEPTED | plan_answers(errors.InvalidRequest, errors.RobotNotFound, *PLAN_ERRORS),
-    openapi_extra=request_body(PlanRequest, _EXAMPLE) | PREFER,
+    responses=with_notes(
+        ACCEPTED | plan_answers(errors.InvalidRequest, errors.RobotNotFound, *PLAN_ERRORS)
+    ),
+    openapi_extra=_described(),
 )
 async def create_plan(request: Request) -> Response:
-    """Turn a path of the tool into a joint trajectory, checked before it is answered.
+    """Plan a joint trajectory for a tool path and verify it before it is returned.
 
-    The same request gives the same id and the same trajectory, byte for byte; while the plan is
-    kept, it is not made again. With `Prefer: respond-async` it is made later, and found at the
-    `Location` of the answer, even if the service is restarted in between.
+    The body is a request document, or a CSV file of poses or joint values with further options in
+    the query; the header `Ikplan-Notes` of the response then says how the file was read.
+
+    The same request gives the same id and the same trajectory, byte for byte; a stored plan is not
+    planned again. With `Prefer: respond-async` the service plans in the background, even after a
+    restart, and the plan appears at the `Location` of the response.
     """
-    return await ask_for_plan(request, "plan")
+    return await create_plan_response(request, "plan")
 
 
 @router.get(
@@ -64,7 +84,7 @@ async def create_plan(request: Request) -> Response:
     summary="Fetch a plan",
     response_model=Plan,
     responses=ACCEPTED
-    | {304: {"description": "The caller has it already"}}
+    | {304: {"description": "The client has the current plan"}}
     | plan_answers(
         errors.PlanNotFound,
         errors.InvalidRequest,
@@ -75,40 +95,40 @@ async def create_plan(request: Request) -> Response:
     ),
 )
 async def get_plan(request: Request, plan_id: str) -> Response:
-    """Return a plan, as it was answered, while it is kept.
+    """Return a stored plan.
 
-    While it is being made, 202 and how far it is; if the job failed, why.
+    While the plan is in progress, return 202 and its progress; if the job failed, its problem.
     """
-    return await kept_plan(request, plan_id)
+    return await get_plan_response(request, plan_id)
 
 
 @router.delete(
     "/{plan_id}",
-    summary="Cancel or forget a plan",
+    summary="Cancel or delete a plan",
     status_code=204,
     responses=problems(errors.PlanNotFound),
 )
 async def delete_plan(request: Request, plan_id: str) -> None:
-    """Stop a job and forget it, or forget a finished plan.
+    """Cancel a job, or delete a finished plan.
 
-    Who waits for the answer to the same request gets it all the same.
+    Clients that wait for the response to the same request still receive it.
     """
-    board: PlanBoard = request.app.state.board
-    await board.cancel(plan_id)
+    jobs: PlanJobs = request.app.state.plan_jobs
+    await jobs.cancel(plan_id)
 
 
 @router.get(
     "/{plan_id}/events",
-    summary="Watch a plan being made",
+    summary="Watch a plan in progress",
     response_class=EventSourceResponse,
     responses=problems(errors.PlanNotFound),
 )
 async def watch_plan(
     watched: Annotated[Watched, Depends(find_watched)],
 ) -> AsyncIterator[ServerSentEvent]:
-    """Server-sent events, each with how far the plan is: `progress`, and at last one more.
+    """Stream server-sent events: `progress` events with the status, then a final event.
 
-    The last one is `finished`, `cancelled`, or `failed` with the problem document.
+    The final event is `finished`, `cancelled`, or `failed` with the problem document.
     """
     async for event in watched.events():
         yield event

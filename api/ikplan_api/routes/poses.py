@@ -1,4 +1,4 @@
-"""Single poses: joint values to tool pose, and back."""
+"""Single poses: forward and inverse kinematics."""
 
 from __future__ import annotations
 
@@ -6,14 +6,14 @@ from fastapi import APIRouter, Request, Response
 
 from ikplan import errors
 from ikplan.documents import parse_json
-from ikplan.request import FkRequest, IkRequest
-from ikplan.result import FkResult, IkSolution
-from ikplan_api.body import read_body
-from ikplan_api.disconnect import while_connected
-from ikplan_api.openapi import problems, request_body
-from ikplan_api.planner import Planner
+from ikplan.documents.plan_request import FkRequest, IkRequest
+from ikplan.documents.pose_results import FkResult, IkSolution
+from ikplan_api.http.body import read_body
+from ikplan_api.http.disconnect import while_connected
+from ikplan_api.http.openapi import problems, request_body
+from ikplan_api.robots.uploads import robot_document
 from ikplan_api.settings import Settings
-from ikplan_api.uploads import robot_document
+from ikplan_api.workers.planner import Planner
 
 __all__ = ["router"]
 
@@ -23,9 +23,9 @@ _JSON = "application/json"
 
 
 _MAX_BYTES = 64 * 1024
-"""Largest document of a pose [bytes]: read while everybody else waits, it has to be short."""
+"""Largest document of a pose [bytes]; the event loop parses it, so it must be short."""
 _FK_S = 10.0
-"""Longest time to place a tool, which takes microseconds [s]."""
+"""Time limit of forward kinematics, which takes microseconds [s]."""
 
 
 async def _read(request: Request) -> bytes:
@@ -45,7 +45,7 @@ async def _answer(request: Request, kind: str, document: bytes, budget_s: float)
 
 @router.post(
     "/fk",
-    summary="Place the tool",
+    summary="Compute forward kinematics",
     response_model=FkResult,
     responses=problems(
         errors.InvalidRequest,
@@ -58,7 +58,7 @@ async def _answer(request: Request, kind: str, document: bytes, budget_s: float)
     openapi_extra=request_body(FkRequest, {"robot": "ur5", "q": [0.0, -1.2, 1.5, 0.0, 1.0, 0.0]}),
 )
 async def compute_fk(request: Request) -> Response:
-    """Return the tool's pose, in the base, at given joint values."""
+    """Return the pose of the tool in the base for given joint values."""
     document = await _read(request)
     parse_json(FkRequest, document)
     return await _answer(request, "fk", document, _FK_S)
@@ -66,7 +66,7 @@ async def compute_fk(request: Request) -> Response:
 
 @router.post(
     "/ik",
-    summary="Find joint values",
+    summary="Solve inverse kinematics",
     response_model=IkSolution,
     responses=problems(
         errors.InvalidRequest,
@@ -80,9 +80,9 @@ async def compute_fk(request: Request) -> Response:
     openapi_extra=request_body(IkRequest, {"robot": "iiwa14", "position": [0.5, 0.0, 0.5]}),
 )
 async def solve_ik(request: Request) -> Response:
-    """Return the joint values nearest to the start that bring the tool to a pose.
+    """Return the joint values nearest to the start that reach a tool pose.
 
-    A search that takes longer than `budget_s` is stopped.
+    A search that takes longer than `budget_s` is cancelled.
     """
     document = await _read(request)
     return await _answer(request, "ik", document, parse_json(IkRequest, document).budget_s)

@@ -1,4 +1,4 @@
-"""What there is to plan with: robots, uploaded ones too, and solvers."""
+"""Robots, including uploaded ones, and solvers."""
 
 from __future__ import annotations
 
@@ -10,14 +10,14 @@ from fastapi import APIRouter, Request, Response
 
 from ikplan import errors
 from ikplan.robots import RobotInfo, RobotUpload, catalogue_robot, is_upload_id
-from ikplan_api import tasks
-from ikplan_api.openapi import problems, upload_body
-from ikplan_api.problems import Refusal
-from ikplan_api.robot_builder import RobotBuilder
-from ikplan_api.robot_store import RobotStore, StoredRobot
-from ikplan_api.schemas import RobotList, SolverList
-from ikplan_api.store import StoreFault
-from ikplan_api.uploads import QUERY, XML, read_upload, stored_robot
+from ikplan_api.http.openapi import problems, upload_body
+from ikplan_api.http.problems import Refusal
+from ikplan_api.http.schemas import RobotList, SolverList
+from ikplan_api.robots.robot_builder import RobotBuilder
+from ikplan_api.robots.uploads import QUERY, XML, read_upload, stored_robot
+from ikplan_api.store.plan_store import StoreFault
+from ikplan_api.store.robot_store import RobotStore, StoredRobot
+from ikplan_api.workers import tasks
 
 __all__ = ["router"]
 
@@ -39,11 +39,11 @@ _EXAMPLE = {"urdf": _URDF, "title": "Two joints", "tool": {"position": [0.3, 0.0
 
 @router.get("/robots", summary="List the robots", response_model=RobotList, responses=problems())
 async def list_robots(request: Request) -> Response:
-    """Return every robot with its joints, limits, home, frames and sources; uploads come last."""
+    """Return every robot with its joints, limits, home, frames and sources; uploads last."""
     document = await asyncio.to_thread(tasks.robots_document)
     store: RobotStore = request.app.state.robots
-    kept = [await store.get(name) for name in await store.names()]
-    uploads = [robot.info for robot in kept if robot is not None]
+    stored = [await store.get(name) for name in await store.names()]
+    uploads = [robot.info for robot in stored if robot is not None]
     if uploads:
         document = document.removesuffix(b"]}") + b"," + b",".join(uploads) + b"]}"
     return Response(document, media_type=_JSON)
@@ -55,19 +55,19 @@ async def list_robots(request: Request) -> Response:
     response_model=RobotInfo,
     status_code=201,
     responses={
-        200: {"model": RobotInfo, "description": "The robot was there already"},
+        200: {"model": RobotInfo, "description": "The robot is already stored"},
         **problems(errors.InvalidRequest, errors.InvalidRobot, errors.ServiceUnavailable),
     },
     openapi_extra=upload_body(RobotUpload, _EXAMPLE, XML, QUERY),
 )
 async def upload_robot(request: Request) -> Response:
-    """Take a URDF, as it is or in a JSON document with an SRDF, limits, home and tool.
+    """Upload a URDF, as XML or in a JSON document with an SRDF, limits, home and tool.
 
-    The ``name`` in the answer is the robot's id, for the field ``robot`` of any request: a hash
-    of the upload, so that the same upload has the same name. Meshes are never opened.
+    The ``name`` in the response is the robot's id, for the field ``robot`` of any request: a hash
+    of the upload, so the same upload has the same name. Meshes are never opened.
     """
     upload = await read_upload(request)
-    # Bounded and checked here; only what passes reaches Pinocchio, in a process of its own.
+    # Checked here first; only valid uploads reach Pinocchio, in a process of its own.
     await asyncio.to_thread(upload.describe)
     name, document = upload.content_id(), upload.canonical()
     builder: RobotBuilder = request.app.state.robot_builder
@@ -79,9 +79,9 @@ async def upload_robot(request: Request) -> Response:
     try:
         new = await store.put(name, known)
     except StoreFault as error:
-        _log.error("a robot could not be kept: %s", error)
+        _log.error("failed to store a robot: %s", error)
         raise errors.ServiceUnavailable(
-            "robots cannot be kept now",
+            "robots cannot be stored now; try again later",
             status_code=errors.ServiceUnavailable.status,
             retry_after_s=60.0,
         ) from error
@@ -109,13 +109,13 @@ async def get_robot(request: Request, name: str) -> Response:
 
 @router.delete(
     "/robots/{name}",
-    summary="Forget an uploaded robot",
+    summary="Delete an uploaded robot",
     status_code=204,
     response_class=Response,
     responses=problems(errors.RobotNotFound, errors.InvalidRequest),
 )
 async def delete_robot(request: Request, name: str) -> Response:
-    """Forget an uploaded robot; plans already made stay. Robots of the catalogue stay too."""
+    """Delete an uploaded robot, but not its plans. Robots of the catalogue cannot be deleted."""
     if not is_upload_id(name):
         robot = await asyncio.to_thread(catalogue_robot, name)
         raise Refusal(

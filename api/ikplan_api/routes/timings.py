@@ -1,14 +1,14 @@
-"""Timings: a joint path of one's own, timed and certified without planning."""
+"""Timings: a given joint path, timed and certified without planning."""
 
 from __future__ import annotations
 
 from fastapi import APIRouter, Request, Response
 
 from ikplan import errors
-from ikplan.documents.timing import TimingRequest
-from ikplan.result import Plan
-from ikplan_api.answering import ACCEPTED, PREFER, ask_for_plan
-from ikplan_api.openapi import plan_answers, request_body
+from ikplan.documents.timing_request import TimingRequest
+from ikplan.plans.plan import Plan
+from ikplan_api.handlers.plan_responses import ACCEPTED, PREFER, create_plan_response
+from ikplan_api.http.openapi import plan_answers, request_body
 
 __all__ = ["router"]
 
@@ -43,9 +43,9 @@ _EXAMPLE = {
     openapi_extra=request_body(TimingRequest, _EXAMPLE) | PREFER,
 )
 async def create_timing(request: Request) -> Response:
-    """Move through joint waypoints as fast as the limits allow, checked before it is answered.
+    """Time a path through joint waypoints as fast as the limits allow, and verify the result.
 
-    The same request gives the same id and the same trajectory, byte for byte. It is kept like a
-    plan, and can be asked for like one with `Prefer: respond-async`.
+    The same request gives the same id and the same trajectory, byte for byte. The result is stored
+    like a plan, and `Prefer: respond-async` works as for plans.
     """
-    return await ask_for_plan(request, "time")
+    return await create_plan_response(request, "time")

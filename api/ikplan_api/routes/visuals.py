@@ -1,4 +1,4 @@
-"""What robots look like: a URDF to draw, and the meshes it names."""
+"""Robot geometry for display: a visual URDF and its meshes."""
 
 from __future__ import annotations
 
@@ -16,9 +16,9 @@ from ikplan.robots import (
     is_upload_id,
     robot_visual,
 )
-from ikplan_api.files import file_answer
-from ikplan_api.openapi import problems
-from ikplan_api.uploads import stored_robot
+from ikplan_api.http.files import file_response
+from ikplan_api.http.openapi import problems
+from ikplan_api.robots.uploads import stored_robot
 
 __all__ = ["router"]
 
@@ -33,7 +33,7 @@ for _media_type in _MEDIA.values():
 
 @router.get(
     "/{name}/visual",
-    summary="Draw a robot",
+    summary="Get the visual geometry of a robot",
     response_class=Response,
     responses={
         **problems(errors.RobotNotFound, errors.InvalidRobot),
@@ -41,9 +41,9 @@ for _media_type in _MEDIA.values():
     },
 )
 async def get_robot_visual(request: Request, name: str) -> Response:
-    """Return a URDF of the robot's links, joints and visual shapes.
+    """Return a URDF of the robot's links, joints and visual geometry.
 
-    Its meshes are addresses of this service. A robot without shapes has links and joints only.
+    Its mesh URLs point to this service. A robot without geometry has links and joints only.
     """
     visual = await _visual(request, name)
     document = visual.urdf.encode()
@@ -56,13 +56,13 @@ async def get_robot_visual(request: Request, name: str) -> Response:
 
 @router.get("/{name}/meshes/{path:path}", include_in_schema=False)
 async def get_robot_mesh(request: Request, name: str, path: str) -> Response:
-    """Return a mesh that the robot's URDF names; there is no way to any other file."""
+    """Return a mesh of the robot's visual URDF; other files are not accessible."""
     visual = await _visual(request, name)
-    # Looked up among the files found, never joined to a folder.
+    # The path is looked up among the known meshes and never joined to a folder.
     file = visual.meshes.get(path)
     if file is None:
         raise HTTPException(404)
-    return file_answer(request, file, _MEDIA[file.suffix.lower()], _A_WEEK)
+    return file_response(request, file, _MEDIA[file.suffix.lower()], _A_WEEK)
 
 
 async def _visual(request: Request, name: str) -> RobotVisual:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from ikplan.ik.catalogue.sources import LI, SLIM, choice, fraction, number
-from ikplan.ik.registry import Preset, Solver, common_parameters
+from ikplan.ik.solver import Preset, Solver, common_parameters
 
 __all__ = ["DIFFERENTIAL"]
 

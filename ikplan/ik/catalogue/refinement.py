@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from ikplan.ik.catalogue.sources import LI, choice, number
-from ikplan.ik.registry import Solver, common_parameters
+from ikplan.ik.solver import Solver, common_parameters
 
 __all__ = ["REFINEMENT"]
 
@@ -17,7 +17,7 @@ _LM = Solver(
     population=None,
     iterations=40,
     evaluations="about 15 where the start leads to the target",
-    module="ikplan.ik.lm",
+    module="ikplan.ik.restarts",
     kernel="solve_lm",
     parameters=[
         number(
@@ -39,7 +39,7 @@ _NEWTON = Solver(
     population=None,
     iterations=100,
     evaluations="1 + 2 a step: forward kinematics and Jacobians",
-    module="ikplan.ik.newton",
+    module="ikplan.ik.newton_raphson",
     kernel="newton_raphson",
     params_type="NewtonParams",
     parameters=[

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ikplan.ik.registry import Parameter
+from ikplan.ik.solver import Parameter
 
 __all__ = ["KANAGARAJ", "LI", "SLIM", "choice", "fraction", "number"]
 

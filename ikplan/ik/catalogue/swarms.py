@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from ikplan.ik.catalogue.sources import KANAGARAJ, LI, SLIM, choice, fraction, number
-from ikplan.ik.registry import Parameter, Preset, Solver, common_parameters
+from ikplan.ik.solver import Parameter, Preset, Solver, common_parameters
 
 __all__ = ["SWARMS"]
 

@@ -14,7 +14,7 @@ from ikplan._jit import kernel
 from ikplan.ik.metaheuristics.bounds import bound
 from ikplan.ik.metaheuristics.differential import crossover, rand_1
 from ikplan.ik.metaheuristics.draw import distinct
-from ikplan.ik.metaheuristics.search import (
+from ikplan.ik.metaheuristics.population import (
     Outcome,
     Problem,
     best_of,

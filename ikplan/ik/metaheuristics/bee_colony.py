@@ -17,7 +17,7 @@ from ikplan._jit import kernel
 from ikplan.ik.metaheuristics.bounds import bound
 from ikplan.ik.metaheuristics.draw import distinct, signed
 from ikplan.ik.metaheuristics.order import ascending
-from ikplan.ik.metaheuristics.search import (
+from ikplan.ik.metaheuristics.population import (
     Outcome,
     Problem,
     best_of,

@@ -19,7 +19,7 @@ from ikplan.ik.metaheuristics.differential import crossover
 from ikplan.ik.metaheuristics.draw import distinct, levy_deviation, levy_step
 from ikplan.ik.metaheuristics.halton import halton_into
 from ikplan.ik.metaheuristics.opposition import box_into
-from ikplan.ik.metaheuristics.search import (
+from ikplan.ik.metaheuristics.population import (
     Best,
     Outcome,
     Problem,

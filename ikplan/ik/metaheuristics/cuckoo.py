@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from ikplan._jit import kernel
 from ikplan.ik.metaheuristics.bounds import bound
 from ikplan.ik.metaheuristics.draw import levy_deviation, levy_step, permutation
-from ikplan.ik.metaheuristics.search import (
+from ikplan.ik.metaheuristics.population import (
     Best,
     Outcome,
     Problem,

@@ -14,7 +14,7 @@ import numpy as np
 from ikplan._jit import kernel
 from ikplan.ik.metaheuristics.bounds import bound, bound_flight
 from ikplan.ik.metaheuristics.draw import signed
-from ikplan.ik.metaheuristics.search import (
+from ikplan.ik.metaheuristics.population import (
     Best,
     Outcome,
     Problem,

@@ -22,7 +22,7 @@ from ikplan.ik.metaheuristics.archive import (
 )
 from ikplan.ik.metaheuristics.bounds import CLIP, bound_flight
 from ikplan.ik.metaheuristics.draw import subset
-from ikplan.ik.metaheuristics.search import (
+from ikplan.ik.metaheuristics.population import (
     Outcome,
     Problem,
     best_of,

@@ -16,7 +16,7 @@ from ikplan.ik.metaheuristics.bounds import bound
 from ikplan.ik.metaheuristics.differential import crossover, rand_1
 from ikplan.ik.metaheuristics.draw import distinct
 from ikplan.ik.metaheuristics.order import ascending
-from ikplan.ik.metaheuristics.search import (
+from ikplan.ik.metaheuristics.population import (
     Best,
     Outcome,
     Problem,

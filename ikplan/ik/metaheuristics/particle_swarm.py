@@ -12,7 +12,7 @@ import numpy as np
 
 from ikplan._jit import kernel
 from ikplan.ik.metaheuristics.bounds import bound_flight
-from ikplan.ik.metaheuristics.search import (
+from ikplan.ik.metaheuristics.population import (
     Outcome,
     Problem,
     best_of,

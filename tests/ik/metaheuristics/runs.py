@@ -7,9 +7,10 @@ from typing import Any
 import numpy as np
 
 from ikplan.ik.metaheuristics.bounds import BOUNDS
-from ikplan.ik.metaheuristics.search import COLD, Outcome, Problem
+from ikplan.ik.metaheuristics.population import COLD, Outcome, Problem
 from ikplan.ik.objective import ROSENBROCK, SPHERE, function_objective
-from ikplan.ik.registry import Solver, find_solver, solvers
+from ikplan.ik.registry import find_solver, solvers
+from ikplan.ik.solver import Solver
 
 POPULATION_SEARCHES = [s.name for s in solvers() if s.population is not None]
 

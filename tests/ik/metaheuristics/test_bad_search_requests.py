@@ -7,8 +7,8 @@ from typing import Any
 import pytest
 
 from ikplan.errors import InvalidRequest
+from ikplan.ik.metaheuristic_seeds import Searcher
 from ikplan.ik.registry import find_solver, solvers
-from ikplan.ik.search import Searcher
 from ikplan.kinematics.arm import arm_of
 from ikplan.robots import load_robot
 

@@ -12,12 +12,13 @@ import pytest
 import ikplan
 from ikplan import BudgetExceeded, load_robot
 from ikplan.errors import IkplanError
+from ikplan.ik.metaheuristic_seeds import Searcher
 from ikplan.ik.metaheuristics.order import MERGED, ascending
 from ikplan.ik.registry import find_solver
-from ikplan.ik.search import SearchCut, Searcher
 from ikplan.kinematics.arm import arm_of
 from ikplan.kinematics.target import pose_target
-from ikplan.pipeline import solve_ik_request
+from ikplan.pipeline.plan import solve_ik_request
+from ikplan.time_budget import SearchCut
 from tests.ik.metaheuristics.runs import POPULATION_SEARCHES, problem, run
 
 OUT_OF_REACH = np.array([9.0, 0.0, 0.0])

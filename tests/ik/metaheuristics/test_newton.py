@@ -9,10 +9,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from ikplan.ik.metaheuristics.search import Outcome
-from ikplan.ik.newton import solve_least_squares
+from ikplan.ik.metaheuristic_seeds import Searcher
+from ikplan.ik.metaheuristics.population import Outcome
+from ikplan.ik.newton_raphson import solve_least_squares
 from ikplan.ik.registry import find_solver
-from ikplan.ik.search import Searcher
 from ikplan.kinematics.arm import arm_of
 from ikplan.kinematics.target import Target, pose_target
 from ikplan.robots import Robot, load_robot

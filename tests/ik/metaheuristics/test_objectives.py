@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from ikplan.errors import InvalidRequest
+from ikplan.ik.metaheuristic_seeds import Searcher
 from ikplan.ik.objective import (
     ORIENTATION,
     POSITION,
@@ -21,7 +22,6 @@ from ikplan.ik.objective import (
     wrist_objective,
 )
 from ikplan.ik.registry import find_solver
-from ikplan.ik.search import Searcher
 from ikplan.ik.weights import arm_length, fitness_weights
 from ikplan.kinematics.arm import arm_of
 from ikplan.kinematics.forward import forward

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from ikplan.ik import solve_ik
+from ikplan.ik.metaheuristic_seeds import Searcher
 from ikplan.ik.registry import find_solver, solvers
-from ikplan.ik.search import Searcher
 from ikplan.kinematics.arm import arm_of
 from ikplan.kinematics.target import pose_target
 from ikplan.robots import Robot, load_robot

@@ -5,6 +5,7 @@ import { isObject } from "../documents";
 import { byId, h, saveFile } from "../dom";
 import { EXAMPLES } from "../examples";
 import { merged, written } from "../merge";
+import { PointsPanel } from "./points";
 
 export class Editor {
   private readonly text = byId<HTMLTextAreaElement>("editor");
@@ -12,6 +13,7 @@ export class Editor {
   private readonly robot = byId<HTMLSelectElement>("robot");
   private readonly example = byId<HTMLSelectElement>("example");
   private readonly file = byId<HTMLInputElement>("file");
+  private readonly points = new PointsPanel((request) => this.set(request), () => this.robot.value);
 
   /** `changed` hears of every document that can be read. */
   constructor(private readonly changed: (request: Request) => void, submit: () => void) {
@@ -30,6 +32,7 @@ export class Editor {
       // The joint values of one robot say nothing to another.
       const kept = start === undefined || Array.isArray(start) ? rest : { start, ...rest };
       this.set({ ...kept, robot: this.robot.value });
+      this.points.retry();
     });
     byId("open").addEventListener("click", () => this.file.click());
     this.file.addEventListener("change", () => void this.openFile());
@@ -45,6 +48,7 @@ export class Editor {
   useExample(name: string): boolean {
     const found = EXAMPLES.find((example) => example.name === name);
     if (found === undefined) return false;
+    this.points.close();
     this.set(found.request);
     this.example.value = name;
     return true;
@@ -70,7 +74,7 @@ export class Editor {
   request(): Request | null {
     try {
       const value: unknown = JSON.parse(this.text.value);
-      this.say(isObject(value) ? "" : "A JSON object is wanted.");
+      this.say(isObject(value) ? "" : "The document must be a JSON object.");
       return isObject(value) ? value : null;
     } catch (error) {
       this.say(`Not JSON: ${(error as Error).message}`);
@@ -94,8 +98,14 @@ export class Editor {
   private async openFile(): Promise<void> {
     const file = this.file.files?.[0];
     if (file === undefined) return;
-    this.text.value = await file.text();
     this.file.value = "";
+    const text = await file.text();
+    if (!text.trimStart().startsWith("{") && !file.name.toLowerCase().endsWith(".json")) {
+      await this.points.open(file);
+      return;
+    }
+    this.points.close();
+    this.text.value = text;
     this.example.value = "";
     this.read();
   }

@@ -1,0 +1,1 @@
+"""Request handlers that combine HTTP, jobs and robots; the routes call them."""

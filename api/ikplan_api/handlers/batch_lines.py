@@ -1,0 +1,98 @@
+"""Batches: every line is a request of its own, answered in order."""
+
+from __future__ import annotations
+
+import asyncio
+import json
+import logging
+from collections import deque
+from collections.abc import AsyncIterator
+from typing import Any
+
+from fastapi import Request
+
+from ikplan.documents.json_ready import plain
+from ikplan.errors import IkplanError, InvalidRequest
+from ikplan_api.http.problems import Refusal, http_problem, request_id_of
+from ikplan_api.jobs.plan_jobs import PlanJobs
+from ikplan_api.robots.uploads import robot_document
+
+__all__ = ["NDJSON", "plan_lines", "split_lines"]
+
+_log = logging.getLogger("ikplan.service")
+
+NDJSON = "application/x-ndjson"
+"""Media type of JSON lines."""
+
+
+def split_lines(body: bytes, max_lines: int) -> list[bytes]:
+    """Return the lines of a batch that are not blank.
+
+    Args:
+        body: The batch.
+        max_lines: Largest number of lines.
+
+    Raises:
+        InvalidRequest: The batch is empty.
+        Refusal: 413, it has too many lines.
+    """
+    lines = [line for line in body.split(b"\n") if line.strip()]
+    if not lines:
+        raise InvalidRequest(
+            "a batch needs at least one line with a request in JSON", allowed="JSON lines"
+        )
+    if len(lines) > max_lines:
+        error = InvalidRequest(
+            f"the batch has {len(lines)} requests, more than {max_lines}",
+            allowed=f"at most {max_lines} requests",
+        )
+        raise Refusal(error, status=413)
+    return lines
+
+
+async def plan_lines(
+    request: Request, lines: list[bytes], concurrency: int
+) -> AsyncIterator[bytes]:
+    """Yield a response line for every line of a batch, in order and as soon as possible.
+
+    Args:
+        request: The HTTP request.
+        lines: The lines of the batch.
+        concurrency: Largest number of lines in progress or waiting to be sent.
+    """
+    running: deque[asyncio.Task[bytes]] = deque()
+    remaining = enumerate(lines)
+    try:
+        while True:
+            while len(running) < concurrency and (line := next(remaining, None)) is not None:
+                running.append(asyncio.create_task(_plan_line(request, *line)))
+            if not running:
+                return
+            response_line = await running[0]
+            running.popleft()
+            yield response_line
+    finally:
+        # If the client has disconnected, the rest is no longer needed.
+        for task in running:
+            task.cancel()
+
+
+async def _plan_line(request: Request, index: int, line: bytes) -> bytes:
+    jobs: PlanJobs = request.app.state.plan_jobs
+    try:
+        robot = await robot_document(request, line)
+        job = await jobs.identify("plan", line, robot, wait_if_full=True)
+        plan = await jobs.run(job, wait_if_full=True)
+    except IkplanError as error:
+        return _failed(request, index, plain(error.to_problem()))
+    except Exception:
+        _log.exception("line %d of a batch failed", index)
+        return _failed(request, index, http_problem(500, "unexpected error in the service"))
+    # The plan is already JSON on one line.
+    return b'{"index": %d, "status": 200, "plan": %b}\n' % (index, plan)
+
+
+def _failed(request: Request, index: int, problem: dict[str, Any]) -> bytes:
+    problem = {**problem, "instance": f"urn:ikplan:request:{request_id_of(request)}"}
+    answer = {"index": index, "status": problem["status"], "problem": problem}
+    return json.dumps(answer, allow_nan=False).encode() + b"\n"

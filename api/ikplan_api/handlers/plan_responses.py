@@ -1,0 +1,154 @@
+"""Responses to requests for plans, from a tool path or a joint path."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from typing import Any
+
+from fastapi import Request, Response
+
+from ikplan.documents.status import PlanStatus
+from ikplan.errors import PlanNotFound
+from ikplan.plans.export.formats import Format
+from ikplan_api.handlers.point_files import CSV, NOTES, is_csv, read_points_request, remember_notes
+from ikplan_api.http.body import read_body, read_json_body
+from ikplan_api.http.disconnect import while_connected
+from ikplan_api.http.problems import problem_response, request_id_of
+from ikplan_api.http.representations import accepted_format, plan_response
+from ikplan_api.jobs.plan_jobs import PlanJobs
+from ikplan_api.robots.uploads import robot_document
+
+__all__ = ["ACCEPTED", "PLANS", "PREFER", "create_plan_response", "get_plan_response"]
+
+PLANS = "/v1/plans"
+
+_JSON = "application/json"
+_ASYNC = "respond-async"
+PREFER: dict[str, Any] = {
+    "parameters": [
+        {
+            "name": "Prefer",
+            "in": "header",
+            "description": f"`{_ASYNC}`: return at once and plan in the background (RFC 7240).",
+            "schema": {"type": "string"},
+            "example": _ASYNC,
+        }
+    ]
+}
+"""OpenAPI description of the header that requests an asynchronous response."""
+ACCEPTED: dict[int | str, dict[str, Any]] = {
+    202: {
+        "model": PlanStatus,
+        "description": "The plan is not finished yet",
+        "headers": {
+            "Location": {
+                "description": "Address of the plan.",
+                "schema": {"type": "string", "format": "uri-reference"},
+            }
+        },
+    }
+}
+"""OpenAPI description of the response for an accepted job."""
+
+
+async def create_plan_response(request: Request, kind: str) -> Response:
+    """Return the plan for a request, or 202 if the client prefers not to wait.
+
+    Args:
+        request: The request.
+        kind: ``"plan"`` or ``"time"``.
+
+    Raises:
+        IkplanError: The verdict on the request.
+    """
+    jobs: PlanJobs = request.app.state.plan_jobs
+    form = accepted_format(request)
+    document = await (_plan_request(request) if kind == "plan" else read_json_body(request))
+    robot = await robot_document(request, document)
+    job = await jobs.identify(kind, document, robot)
+    if not _prefers_async(request):
+        plan = await while_connected(request, jobs.run(job))
+    elif (stored := await jobs.find(job.plan_id)) is not None:
+        plan = stored
+    else:
+        return _pending(await jobs.accept(job), applied=True, headers=_notes(request))
+    return await _finished(request, job.plan_id, plan, form)
+
+
+async def _plan_request(request: Request) -> bytes:
+    """Return the request document of a body in JSON, or in CSV with a query.
+
+    Raises:
+        InvalidRequest: The file or its query is invalid.
+        Refusal: 413, too long; 415, neither JSON nor CSV.
+    """
+    limit: int = request.app.state.settings.max_body_bytes
+    csv = is_csv(request)
+    body = await read_body(request, [_JSON, CSV], limit)
+    if not csv:
+        return body
+    document, notes = await read_points_request(request, body)
+    remember_notes(request, notes)
+    return document
+
+
+async def get_plan_response(request: Request, plan_id: str) -> Response:
+    """Return a stored plan, the progress of its job, or the problem if the job failed.
+
+    Raises:
+        PlanNotFound: No plan and no job has this id.
+    """
+    jobs: PlanJobs = request.app.state.plan_jobs
+    form = accepted_format(request)
+    if (document := await jobs.find(plan_id)) is not None:
+        etag = _etag(plan_id, form)
+        if etag in _tags(request, "if-none-match"):
+            return Response(status_code=304, headers={"etag": etag, "vary": "Accept"})
+        return await _finished(request, plan_id, document, form)
+    if (in_progress := jobs.in_progress(plan_id)) is not None:
+        return _pending(in_progress.status)
+    if (problem := await jobs.failure(plan_id)) is not None:
+        return problem_response(problem, request_id_of(request))
+    raise PlanNotFound(id=plan_id)
+
+
+async def _finished(request: Request, plan_id: str, document: bytes, form: Format) -> Response:
+    headers = {"content-location": f"{PLANS}/{plan_id}", "etag": _etag(plan_id, form)}
+    headers |= _notes(request)
+    return await plan_response(request, document, form, headers)
+
+
+def _notes(request: Request) -> dict[str, str]:
+    """Return the response header with the notes on how a file was read, if any."""
+    notes = request.scope.get("state", {}).get("notes")
+    return {NOTES: notes} if notes else {}
+
+
+def _pending(
+    status: PlanStatus, *, applied: bool = False, headers: Mapping[str, str] | None = None
+) -> Response:
+    headers = {**(headers or {}), "location": f"{PLANS}/{status.id}", "retry-after": "1"}
+    if applied:
+        headers["preference-applied"] = _ASYNC
+    return Response(
+        json.dumps(status.model_dump()),
+        status_code=202,
+        media_type="application/json",
+        headers=headers,
+    )
+
+
+def _etag(plan_id: str, form: Format) -> str:
+    return f'"{plan_id}"' if form.name == "json" else f'"{plan_id}-{form.name}"'
+
+
+def _tags(request: Request, header: str) -> set[str]:
+    """Return the entity tags of a header; a weak tag counts as the strong one."""
+    values = ",".join(request.headers.getlist(header)).split(",")
+    return {value.strip().removeprefix("W/") for value in values}
+
+
+def _prefers_async(request: Request) -> bool:
+    preferences = ",".join(request.headers.getlist("prefer")).split(",")
+    return any(p.partition(";")[0].strip().lower() == _ASYNC for p in preferences)

@@ -1,0 +1,247 @@
+"""Files of points over HTTP: CSV in the body, further options in the query."""
+
+from __future__ import annotations
+
+import asyncio
+import json
+import math
+from collections.abc import Mapping
+from typing import Any
+
+from fastapi import Request
+
+from ikplan.documents import parse
+from ikplan.documents.plan_request import PlanRequest
+from ikplan.errors import InvalidRequest, near_names
+from ikplan.points import (
+    INTERPOLATIONS,
+    TOOL_AXES,
+    Choices,
+    JointName,
+    Note,
+    Reading,
+    frame_of,
+    read_points,
+    request_of,
+)
+from ikplan.points.units import ANGLES, LENGTHS
+from ikplan.robots import catalogue_robot, is_upload_id
+from ikplan.robots.base_frames import frame_in_base
+from ikplan_api.http.body import media_type_of
+from ikplan_api.robots.uploads import stored_robot
+
+__all__ = [
+    "CSV",
+    "NOTES",
+    "PARAMETERS",
+    "csv_body",
+    "is_csv",
+    "read_points_request",
+    "remember_notes",
+    "with_notes",
+]
+
+CSV = "text/csv"
+NOTES = "ikplan-notes"
+"""Response header with notes on how a file was read."""
+_LONGEST_NOTES = 4000
+
+_NUMBERS = "Numbers separated by commas: x,y,z [m], or with a rotation vector rx,ry,rz [rad], or "
+_NUMBERS += "with a unit quaternion x,y,z,w."
+PARAMETERS: dict[str, tuple[str, dict[str, Any]]] = {
+    "robot": ("Name of the robot; required.", {"type": "string", "minLength": 1}),
+    "units": (
+        "Unit of lengths in the file; default: from its header, else guessed.",
+        {"enum": list(LENGTHS)},
+    ),
+    "angles": (
+        "Unit of angles in the file; default: from its header or the convention, else guessed.",
+        {"enum": list(ANGLES)},
+    ),
+    "columns": (
+        "Column names in order, for a file without a header, such as x,y,z,qx,qy,qz,qw; use - to "
+        "skip a column.",
+        {"type": "string", "minLength": 1},
+    ),
+    "free_axis": (
+        "Tool axis about which the tool may rotate; columns i, j, k give its direction.",
+        {"enum": list(TOOL_AXES)},
+    ),
+    "interpolation": ("Interpolation between the points.", {"enum": list(INTERPOLATIONS)}),
+    "approach": ("Motion to the first point.", {"enum": ["path", "joint"]}),
+    "start": (
+        "Joint values at the start, separated by commas [rad or m], or `free`; default: home.",
+        {"type": "string", "minLength": 1},
+    ),
+    "frame": (f"Frame of the points, in the base. {_NUMBERS}", {"type": "string"}),
+    "base_frame": (
+        "Frame of the points: a link fixed to the robot's base, or `controller` for the base frame "
+        "of the teach pendant.",
+        {"type": "string", "minLength": 1},
+    ),
+    "tool": (f"Tool frame, in the tip frame. {_NUMBERS}", {"type": "string"}),
+    "tool_speed": ("Limit of the tool speed [m/s].", {"type": "number", "exclusiveMinimum": 0}),
+    "rate_hz": ("Samples per second [Hz].", {"type": "number", "minimum": 1}),
+}
+"""Query parameters of a CSV request, each with its description and schema."""
+
+
+def csv_body() -> tuple[dict[str, Any], list[dict[str, Any]]]:
+    """Describe a body in CSV and its query parameters."""
+    example = "x [mm],y [mm],z [mm],rx,ry,rz\n400,-100,300,3.1416,0,0\n400,100,300,3.1416,0,0\n"
+    parameters = [
+        {"name": name, "in": "query", "description": f"With CSV: {words}", "schema": schema}
+        for name, (words, schema) in PARAMETERS.items()
+    ]
+    return {CSV: {"schema": {"type": "string"}, "example": example}}, parameters
+
+
+def with_notes(
+    answers: Mapping[int | str, dict[str, Any]],
+) -> dict[int | str, dict[str, Any]]:
+    """Add the header with notes on how a file was read to successful responses."""
+    header = {
+        "description": "Notes on how a file of points was read; absent without a file.",
+        "schema": {"type": "string"},
+    }
+    return {
+        status: {**answer, "headers": {**answer.get("headers", {}), "Ikplan-Notes": header}}
+        if status in (200, 202)
+        else answer
+        for status, answer in answers.items()
+    }
+
+
+def is_csv(request: Request) -> bool:
+    """Whether the body of a request is a file of points.
+
+    Raises:
+        InvalidRequest: The body is JSON, but the query has parameters for CSV.
+    """
+    if media_type_of(request) == CSV:
+        return True
+    misplaced = next((name for name in request.query_params if name in PARAMETERS), None)
+    if misplaced is not None:
+        raise InvalidRequest(
+            f"{misplaced}: query parameters are for points in {CSV}; in a JSON request, put this "
+            "into the document",
+            field=misplaced,
+        )
+    return False
+
+
+async def read_points_request(request: Request, body: bytes) -> tuple[bytes, list[Note]]:
+    """Return the request document for a file of points, and notes on how it was read.
+
+    Args:
+        request: The HTTP request with its query.
+        body: The file.
+
+    Raises:
+        InvalidRequest: The file or the query is invalid; names line and column or the parameter.
+        RobotNotFound: No robot has that name.
+    """
+    query = _query(request)
+    joints = await _joints(request, query["robot"])
+    return await asyncio.to_thread(_document, body, query, joints)
+
+
+def remember_notes(request: Request, notes: list[Note]) -> None:
+    """Store the notes on a request's file for the header of its response."""
+    text = "; ".join(note.text for note in notes).encode("ascii", "backslashreplace").decode()
+    shown = "".join(c if c.isprintable() else "?" for c in text)[:_LONGEST_NOTES]
+    request.scope.setdefault("state", {})["notes"] = shown
+
+
+def _query(request: Request) -> dict[str, str]:
+    """Return the query after a check of its names."""
+    query: dict[str, str] = {}
+    for name, value in request.query_params.multi_items():
+        if name not in PARAMETERS:
+            near = near_names(name, PARAMETERS)
+            hint = f"did you mean {near[0]!r}?" if near else f"known: {', '.join(PARAMETERS)}"
+            raise InvalidRequest(
+                f"{name[:200]}: unknown parameter; {hint}",
+                field=name[:200],
+                allowed=list(PARAMETERS),
+            )
+        if name in query:
+            raise InvalidRequest(f"{name}: given twice", field=name)
+        query[name] = value
+    if not query.get("robot"):
+        raise InvalidRequest("robot: this parameter is required with CSV", field="robot")
+    return query
+
+
+async def _joints(request: Request, robot: str) -> list[JointName]:
+    """Return the joints of a robot."""
+    if is_upload_id(robot):
+        joints = json.loads((await stored_robot(request, robot)).info)["joints"]
+        return [JointName(joint["name"], joint["type"] == "prismatic") for joint in joints]
+    loaded = await asyncio.to_thread(catalogue_robot, robot)
+    slides = loaded.prismatic.tolist()
+    return [JointName(n, s) for n, s in zip(loaded.joint_names, slides, strict=True)]
+
+
+def _document(
+    body: bytes, query: Mapping[str, str], joints: list[JointName]
+) -> tuple[bytes, list[Note]]:
+    reading = Reading(
+        query.get("units"), query.get("angles"), query.get("columns"), query.get("free_axis")
+    )
+    choices = Choices(
+        robot=query["robot"],
+        interpolation=query.get("interpolation"),
+        approach=query.get("approach"),
+        start=_start(query),
+        frame=_frame(query),
+        tool=frame_of(_numbers(query, "tool"), "tool") if "tool" in query else None,
+    )
+    points = read_points(body, reading, joints)
+    document, notes = request_of(points, choices)
+    if "tool_speed" in query:
+        document.setdefault("limits", {})["tool_speed"] = _number(query, "tool_speed")
+    if "rate_hz" in query:
+        document["sampling"] = {"rate_hz": _number(query, "rate_hz")}
+    parse(PlanRequest, document)
+    return json.dumps(document, allow_nan=False).encode(), [*points.notes, *notes]
+
+
+def _start(query: Mapping[str, str]) -> Any:
+    word = query.get("start", "home")
+    if word in ("home", "free"):
+        return None if word == "home" else word
+    return _numbers(query, "start")
+
+
+def _frame(query: Mapping[str, str]) -> dict[str, Any] | None:
+    given = frame_of(_numbers(query, "frame"), "frame") if "frame" in query else None
+    if "base_frame" not in query:
+        return given
+    if is_upload_id(query["robot"]):
+        raise InvalidRequest(
+            "base_frame: available for robots of the catalogue only; give the frame by its numbers "
+            "(frame)",
+            field="base_frame",
+        )
+    return frame_in_base(catalogue_robot(query["robot"]), query["base_frame"], given)
+
+
+def _numbers(query: Mapping[str, str], name: str) -> list[float]:
+    return [_finite(word, name) for word in query[name].split(",")]
+
+
+def _number(query: Mapping[str, str], name: str) -> float:
+    return _finite(query[name], name)
+
+
+def _finite(word: str, name: str) -> float:
+    try:
+        value = float(word)
+    except ValueError:
+        value = math.nan
+    if not math.isfinite(value):
+        raise InvalidRequest(
+            f"{name}: {word[:200]!r} is not a finite number", field=name, allowed="finite numbers"
+        )
+    return value

@@ -1,0 +1,1 @@
+"""HTTP tools for the routes: bodies, plan formats, problem documents and the OpenAPI document."""

@@ -1,0 +1,74 @@
+"""Bounded reading of request bodies."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from fastapi import Request
+
+from ikplan.errors import InvalidRequest
+from ikplan_api.http.problems import Refusal
+
+__all__ = ["media_type_of", "read_body", "read_json_body"]
+
+_JSON = "application/json"
+
+
+async def read_json_body(request: Request) -> bytes:
+    """Return the raw body of a JSON request, up to the configured length.
+
+    Raises:
+        Refusal: 415, the content type is not JSON; 413, the body is too long.
+    """
+    return await read_body(request, [_JSON], request.app.state.settings.max_body_bytes)
+
+
+def media_type_of(request: Request) -> str:
+    """Return the media type of a request's body, without parameters."""
+    return request.headers.get("content-type", "").partition(";")[0].strip().lower()
+
+
+async def read_body(request: Request, accepted: Sequence[str], limit: int) -> bytes:
+    """Return the raw body of a request.
+
+    Args:
+        request: The request.
+        accepted: Accepted media types.
+        limit: Longest body [bytes].
+
+    Raises:
+        Refusal: 415, another media type; 413, the body is too long. It is raised as soon as the
+            limit is exceeded, not after the whole body.
+    """
+    media_type = media_type_of(request)
+    if media_type not in accepted:
+        # This also forces browsers to send a preflight request for posts from other origins.
+        got = f"not {media_type!r}" if media_type else "but it is missing"
+        raise Refusal(
+            InvalidRequest(
+                f"the header Content-Type must be {' or '.join(accepted)}, {got}",
+                field="",
+                allowed=accepted[0] if len(accepted) == 1 else list(accepted),
+            ),
+            status=415,
+        )
+    announced = request.headers.get("content-length", "")
+    if announced.isdecimal() and int(announced[:20]) > limit:
+        raise _too_long(limit)
+    body = bytearray()
+    async for chunk in request.stream():
+        body += chunk
+        if len(body) > limit:
+            raise _too_long(limit)
+    return bytes(body)
+
+
+def _too_long(limit: int) -> Refusal:
+    return Refusal(
+        InvalidRequest(
+            f"the request is longer than {limit} bytes",
+            field="",
+            allowed=f"at most {limit} bytes",
+        ),
+        status=413,
+    )

@@ -1,0 +1,1 @@
+"""Plan jobs: requests that are planned once, stored, watched and cancelled."""

@@ -1,0 +1,269 @@
+"""Plan jobs: each request is planned once, however many clients wait for it."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import hashlib
+import json
+import logging
+from collections import OrderedDict
+from typing import Any
+
+from ikplan.documents.json_ready import plain
+from ikplan.documents.status import PlanStatus
+from ikplan.errors import (
+    BudgetExceeded,
+    IkplanError,
+    PlanNotFound,
+    ServiceUnavailable,
+)
+from ikplan_api.http.problems import http_problem
+from ikplan_api.jobs.plan_in_progress import PlanInProgress
+from ikplan_api.jobs.request_identity import identify
+from ikplan_api.store.plan_store import Job, PlanStore, StoreFault
+from ikplan_api.store.recent_plans import RecentPlans
+from ikplan_api.workers.planner import Planner
+from ikplan_api.workers.tasks import TaskResult
+
+__all__ = ["PlanJobs"]
+
+_MAX_SEEN = 4096
+"""Number of recent requests that are recognised."""
+
+_MAX_STORING = 8
+"""Plans that may be returned before they are stored."""
+
+_log = logging.getLogger("ikplan.service")
+
+
+class PlanJobs:
+    """Runs plan jobs: deduplicates, stores and cancels them.
+
+    Args:
+        planner: The planner.
+        store: The store of plans and accepted jobs.
+        max_budget_s: Upper limit of every time budget [s].
+    """
+
+    def __init__(self, planner: Planner, store: PlanStore, max_budget_s: float) -> None:
+        self._planner = planner
+        self._store = store
+        self._max_budget_s = max_budget_s
+        self._in_progress: dict[str, PlanInProgress] = {}
+        self._seen: OrderedDict[bytes, None] = OrderedDict()
+        # Plans that are not stored yet, and those that the store failed to store.
+        self._recent = RecentPlans(max_plans=256, max_bytes=64 * 2**20)
+        self._storing: dict[str, asyncio.Task[None]] = {}
+
+    async def resume(self) -> None:
+        """Start the jobs that were accepted before a restart, in their order."""
+        for job in await self._store.pending():
+            if job.plan_id not in self._in_progress:
+                self._start(job, wait_if_full=True).accepted = True
+
+    async def identify(
+        self, kind: str, document: bytes, robot: bytes | None, *, wait_if_full: bool = False
+    ) -> Job:
+        """Identify a request: its plan id and its time budget.
+
+        Args:
+            kind: ``"plan"`` or ``"time"``.
+            document: The request document.
+            robot: The uploaded robot that it names; None: a robot of the catalogue.
+            wait_if_full: If the queue is full, wait instead of raising.
+
+        Raises:
+            IkplanError: The request is invalid.
+            ServiceUnavailable: The queue is full and the request was not seen before.
+        """
+        digest = hashlib.sha256(b"\0".join((kind.encode(), robot or b"", document))).digest()
+        if digest not in self._seen and not wait_if_full:
+            # A busy service reads a request only if its plan may be stored or in progress.
+            self._planner.check_capacity()
+        identity = await identify(self._planner, kind, document, robot, wait_if_full=wait_if_full)
+        budget_s = min(identity.budget_s, self._max_budget_s)
+        self._seen[digest] = None
+        while len(self._seen) > _MAX_SEEN:
+            self._seen.popitem(last=False)
+        return Job(identity.plan_id, kind, document, robot, budget_s)
+
+    async def find(self, plan_id: str) -> bytes | None:
+        """Return a finished plan, or None if it is not stored."""
+        recent = self._recent.get(plan_id)
+        # It may have finished during the query.
+        return recent or await self._store.get(plan_id) or self._recent.get(plan_id)
+
+    async def run(self, job: Job, *, wait_if_full: bool = False) -> bytes:
+        """Return a stored plan, join its job in progress, or start a new one.
+
+        Cancellation leaves the job; without other clients it is cancelled too.
+
+        Args:
+            job: The job.
+            wait_if_full: If the queue is full, wait instead of raising.
+
+        Raises:
+            IkplanError: The verdict on the request, or that the queue is full.
+        """
+        while True:
+            if (document := await self.find(job.plan_id)) is not None:
+                return document
+            in_progress = self._in_progress.get(job.plan_id) or self._start(
+                job, wait_if_full=wait_if_full
+            )
+            try:
+                return (await self._join(in_progress)).document
+            except BudgetExceeded:
+                # The joined job had a smaller budget; this one may suffice.
+                if in_progress.job.budget_s >= job.budget_s:
+                    raise
+
+    async def accept(self, job: Job) -> PlanStatus:
+        """Accept a job, which will run even if the service is killed before.
+
+        Raises:
+            ServiceUnavailable: The queue is full, or the store cannot write.
+        """
+        in_progress = self._in_progress.get(job.plan_id)
+        if in_progress is None or not in_progress.accepted:
+            if in_progress is None:
+                self._planner.check_capacity()
+            try:
+                await self._store.accept(job)
+            except StoreFault as error:
+                _log.error("failed to store a job: %s", error)
+                raise ServiceUnavailable(
+                    "jobs cannot be stored now and are not accepted; send the request without "
+                    "Prefer: respond-async to wait for the plan",
+                    status_code=ServiceUnavailable.status,
+                    retry_after_s=60.0,
+                ) from error
+            # Another request may have started it meanwhile.
+            in_progress = self._in_progress.get(job.plan_id) or self._start(job, wait_if_full=True)
+            in_progress.accepted = True
+        return in_progress.status
+
+    def park_queued(self) -> None:
+        """Cancel the accepted jobs that wait for a worker; they run after the next start."""
+        for in_progress in list(self._in_progress.values()):
+            if not in_progress.waiters and in_progress.status.state == "queued":
+                in_progress.task.cancel()
+
+    async def drain(self, timeout_s: float) -> None:
+        """Wait until the jobs in progress end, at most ``timeout_s`` [s]."""
+        if self._in_progress:
+            await asyncio.wait([m.task for m in self._in_progress.values()], timeout=timeout_s)
+
+    async def close(self) -> None:
+        """Wait for the jobs that ended with the planner and for pending writes."""
+        if self._in_progress:
+            await asyncio.wait([in_progress.task for in_progress in self._in_progress.values()])
+        await self._wait_until_stored()
+
+    def in_progress(self, plan_id: str) -> PlanInProgress | None:
+        """Return a plan in progress, or None."""
+        return self._in_progress.get(plan_id)
+
+    async def failure(self, plan_id: str) -> dict[str, Any] | None:
+        """Return the problem document of a failed job, or None."""
+        problem = await self._store.problem(plan_id)
+        return None if problem is None else json.loads(problem)
+
+    async def cancel(self, plan_id: str) -> None:
+        """Cancel a job or delete a plan; clients that wait for the same plan still receive it.
+
+        Raises:
+            PlanNotFound: No plan and no job has this id.
+        """
+        recent = self._recent.delete(plan_id)
+        if (keeping := self._storing.get(plan_id)) is not None:
+            await asyncio.wait([keeping])
+        in_progress = self._in_progress.get(plan_id)
+        stored = await self._store.delete(plan_id)
+        if not (recent or stored or in_progress):
+            raise PlanNotFound(id=plan_id)
+        if in_progress is not None:
+            in_progress.accepted = False
+            self._cancel_if_abandoned(in_progress)
+
+    def _start(self, job: Job, *, wait_if_full: bool) -> PlanInProgress:
+        in_progress = PlanInProgress(job)
+        self._in_progress[job.plan_id] = in_progress
+        in_progress.task = asyncio.create_task(self._run(in_progress, wait_if_full))
+        in_progress.task.add_done_callback(lambda _: self._ended(in_progress))
+        return in_progress
+
+    def _ended(self, in_progress: PlanInProgress) -> None:
+        self._remove(in_progress)
+        in_progress.end()
+
+    def _remove(self, in_progress: PlanInProgress) -> None:
+        if self._in_progress.get(in_progress.job.plan_id) is in_progress:
+            del self._in_progress[in_progress.job.plan_id]
+
+    async def _join(self, in_progress: PlanInProgress) -> TaskResult:
+        in_progress.waiters += 1
+        try:
+            return await asyncio.shield(in_progress.task)
+        finally:
+            in_progress.waiters -= 1
+            self._cancel_if_abandoned(in_progress)
+
+    def _cancel_if_abandoned(self, in_progress: PlanInProgress) -> None:
+        if not in_progress.waiters and not in_progress.accepted:
+            self._remove(in_progress)  # a later request starts a new job
+            in_progress.task.cancel()
+
+    async def _run(self, in_progress: PlanInProgress, wait_if_full: bool) -> TaskResult:
+        job = in_progress.job
+        try:
+            result = await self._planner.run(
+                job.kind,
+                job.document,
+                robot=job.robot,
+                limit_s=job.budget_s,
+                progress=in_progress.progress,
+                wait_if_full=wait_if_full,
+            )
+            await self._start_storing(job.plan_id, result.document)
+            return result
+        except IkplanError as error:
+            in_progress.problem = plain(error.to_problem())
+            # A job that found no worker, as during a shutdown, stays accepted and runs later.
+            if in_progress.accepted and not isinstance(error, ServiceUnavailable):
+                await self._store_failure(in_progress)
+            raise
+        except Exception:
+            _log.exception("plan %s failed", job.plan_id)
+            in_progress.problem = http_problem(500, "unexpected error in the service")
+            if in_progress.accepted:
+                await self._store_failure(in_progress)
+            raise
+
+    async def _start_storing(self, plan_id: str, document: bytes) -> None:
+        """Store a plan in the background; wait only if the store falls behind."""
+        if len(self._storing) >= _MAX_STORING:
+            await self._wait_until_stored()
+        self._recent.put(plan_id, document)
+        if plan_id not in self._storing:
+            self._storing[plan_id] = asyncio.create_task(self._store_plan(plan_id, document))
+
+    async def _wait_until_stored(self) -> None:
+        if self._storing:
+            await asyncio.wait(self._storing.values())
+
+    async def _store_plan(self, plan_id: str, document: bytes) -> None:
+        try:
+            await self._store.put(plan_id, document)
+            self._recent.delete(plan_id)  # now subject to the bounds of the store
+        except StoreFault as error:
+            _log.error("failed to store plan %s: %s", plan_id, error)
+        finally:
+            del self._storing[plan_id]
+
+    async def _store_failure(self, in_progress: PlanInProgress) -> None:
+        with contextlib.suppress(StoreFault):
+            await self._store.fail(
+                in_progress.job.plan_id, json.dumps(in_progress.problem).encode()
+            )

@@ -1,0 +1,1 @@
+"""Middleware around every request, from access control to the access log."""

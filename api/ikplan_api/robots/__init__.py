@@ -1,0 +1,1 @@
+"""Uploaded robots: their upload, and their first build in a sandboxed process."""

@@ -1,0 +1,158 @@
+"""Settings of the service, from environment variables such as ``IKPLAN_PORT=9000``."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping
+from typing import Literal
+
+from pydantic import Field, ValidationError
+from pydantic_settings import SettingsConfigDict
+
+from ikplan.errors import InvalidRequest, near_names
+from ikplan.robots.urdf.safe_xml import MAX_BYTES
+from ikplan.workers.processors import processor_count
+from ikplan_api.settings.access import AccessSettings
+
+__all__ = ["Settings", "load_settings", "unknown_variables"]
+
+_PREFIX = "IKPLAN_"
+_OTHERS = ("CACHE_DIR", "KEY", "ROBOTS_PATH")
+"""Variables of the library and of the client."""
+
+
+def _data_file() -> str:
+    """Return the default store file, in the user's data folder."""
+    data = os.environ.get("XDG_DATA_HOME") or os.path.join(os.path.expanduser("~"), ".local/share")
+    return os.path.join(data, "ikplan", "service.sqlite3")
+
+
+class Settings(AccessSettings):
+    """Settings of the service, each an environment variable ``IKPLAN_<NAME>``."""
+
+    model_config = SettingsConfigDict(env_prefix=_PREFIX, frozen=True)
+
+    port: int = Field(8000, ge=0, le=65535, description="Port to listen on; 0: any free one.")
+    workers: int = Field(
+        0,
+        ge=0,
+        le=1024,
+        description="Number of worker processes; 0: one for each processor that the container or "
+        "machine allows.",
+    )
+    max_queued: int = Field(
+        64,
+        ge=0,
+        description="Requests that may wait for a worker; further ones are refused with 503.",
+    )
+    worker_memory_bytes: int = Field(
+        2 * 2**30,
+        ge=0,
+        description="Private memory that a worker may allocate [bytes]; 0: no limit. A new worker "
+        "uses 0.4 GB.",
+    )
+    grace_s: float = Field(
+        2.0,
+        ge=0,
+        le=60,
+        description="Time beyond its budget in which a plan may end by itself [s].",
+    )
+    stop_s: float = Field(
+        20.0,
+        ge=0,
+        le=3600,
+        description="Time for plans in progress to finish during a shutdown [s].",
+    )
+    max_body_bytes: int = Field(
+        8 * 2**20,
+        ge=1024,
+        description="Largest request body [bytes]; larger ones are refused with 413.",
+    )
+    max_budget_s: float = Field(
+        3600.0,
+        gt=0,
+        le=3600,
+        description="Upper limit of every request's `budget_s` [s].",
+    )
+    max_batch_bytes: int = Field(64 * 2**20, ge=1024, description="Largest batch [bytes].")
+    max_batch_lines: int = Field(10_000, ge=1, description="Largest number of requests in a batch.")
+    store_path: str = Field(
+        default_factory=_data_file,
+        min_length=1,
+        description="File that stores plans, jobs and robots; `:memory:`: no file, a restart loses "
+        "them.",
+    )
+    store_plans: int = Field(10_000, ge=0, description="Largest number of stored plans.")
+    store_bytes: int = Field(
+        512 * 2**20, ge=0, description="Largest total size of the stored plans [bytes]."
+    )
+    store_days: float = Field(30.0, gt=0, description="Longest time that a plan is stored [days].")
+    max_urdf_bytes: int = Field(
+        2**20, ge=1024, le=MAX_BYTES, description="Largest uploaded URDF or SRDF [bytes]."
+    )
+    store_robots: int = Field(64, ge=1, description="Largest number of stored uploaded robots.")
+    store_robot_bytes: int = Field(
+        64 * 2**20,
+        ge=8 * 2**20,
+        description="Largest total size of the stored uploaded robots [bytes].",
+    )
+    robot_memory_bytes: int = Field(
+        2**30, ge=2**29, description="Memory limit for the build of an uploaded robot [bytes]."
+    )
+    robot_timeout_s: float = Field(
+        20.0, gt=0, le=600, description="Time limit for the build of an uploaded robot [s]."
+    )
+
+    log_format: Literal["auto", "json", "text"] = Field(
+        "auto",
+        description="Log format: `json`, `text` or `auto` (text on a terminal, else JSON).",
+    )
+    log_level: Literal["debug", "info", "warning", "error"] = Field(
+        "info",
+        description="Log level: `debug` (includes probes), `info`, `warning` or `error`.",
+    )
+
+    @property
+    def worker_count(self) -> int:
+        """Number of worker processes."""
+        return self.workers or processor_count()
+
+
+def unknown_variables(environment: Mapping[str, str]) -> dict[str, list[str]]:
+    """Return the unknown ``IKPLAN_`` variables, each with similar names of settings."""
+    known = [*map(str.upper, Settings.model_fields), *_OTHERS]
+    unknown = {
+        name: name.upper().removeprefix(_PREFIX)
+        for name in environment
+        if name.upper().startswith(_PREFIX)
+    }
+    return {
+        name: [_PREFIX + near for near in near_names(bare, known)]
+        for name, bare in unknown.items()
+        if bare not in known
+    }
+
+
+def load_settings() -> Settings:
+    """Read the settings from the environment.
+
+    Raises:
+        InvalidRequest: A variable has an invalid value; names the variable.
+    """
+    try:
+        return Settings()
+    except ValidationError as error:
+        errors = [
+            {
+                "field": _PREFIX + "_".join(str(part) for part in e["loc"]).upper()
+                if e["loc"]
+                else "",
+                "detail": str(e["msg"]).removeprefix("Value error, "),
+            }
+            for e in error.errors(include_url=False, include_input=False)
+        ]
+        first = errors[0]
+        where = f"environment variable {first['field']}" if first["field"] else "settings"
+        raise InvalidRequest(
+            f"{where}: {first['detail']}", field=first["field"], errors=errors
+        ) from error

@@ -1,0 +1,1 @@
+"""Storage of plans, jobs and uploaded robots: in memory, or in a SQLite file."""

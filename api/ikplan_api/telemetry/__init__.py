@@ -1,0 +1,1 @@
+"""What the service reports of itself: log records, metrics and figures of plans."""

@@ -1,0 +1,107 @@
+"""Prometheus metrics of the running service."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from prometheus_client import (
+    CollectorRegistry,
+    Counter,
+    Gauge,
+    GCCollector,
+    Histogram,
+    Info,
+    PlatformCollector,
+    ProcessCollector,
+)
+from prometheus_client.exposition import CONTENT_TYPE_LATEST, generate_latest
+
+import ikplan
+from ikplan_api.telemetry.load import LoadSource
+from ikplan_api.telemetry.plan_figures import PlanFigures
+
+__all__ = ["MEDIA_TYPE", "Metrics"]
+
+MEDIA_TYPE = CONTENT_TYPE_LATEST
+_SECONDS = (0.001, 0.0025, 0.005, 0.01, 0.025, 0.05, 0.1, 0.25, 0.5, 1, 2.5, 5, 10, 30, 60)
+_MARGINS = (0.0, 1e-9, 1e-6, 1e-4, 1e-3, 0.01, 0.05, 0.1, 0.25, 0.5, 0.75, 1.0)
+_COUNTS = (1, 2, 5, 10, 20, 50, 100, 200, 500, 1000, 10_000, 100_000)
+
+
+class Metrics:
+    """Every metric of the service, in a registry of its own.
+
+    Args:
+        planner: The source of readiness and load.
+    """
+
+    def __init__(self, planner: LoadSource) -> None:
+        registry = self._registry = CollectorRegistry()
+        for collector in (ProcessCollector, PlatformCollector, GCCollector):
+            collector(registry=registry)
+        version = Info("ikplan", "Version of the running service", registry=registry)
+        version.info({"version": ikplan.__version__})
+        self.requests = Histogram(
+            "ikplan_http_request_seconds",
+            "Time from receiving a request to the end of its response",
+            ["method", "route", "status"],
+            buckets=_SECONDS,
+            registry=registry,
+        )
+        self.in_flight = Gauge(
+            "ikplan_http_requests_in_flight", "Requests in progress", registry=registry
+        )
+        self.tasks = Histogram(
+            "ikplan_task_seconds",
+            "Time to run a task, including the wait for a worker",
+            ["kind"],
+            buckets=_SECONDS,
+            registry=registry,
+        )
+        self.outcomes = Counter(
+            "ikplan_tasks",
+            "Tasks by outcome: done, cancelled, fault, or the type of the problem",
+            ["kind", "outcome"],
+            registry=registry,
+        )
+        self._stages = Histogram(
+            "ikplan_stage_seconds",
+            "Duration of each planning stage",
+            ["stage"],
+            buckets=_SECONDS,
+            registry=registry,
+        )
+        self._margins = Histogram(
+            "ikplan_certificate_margin",
+            "Share of a limit that a certified plan leaves unused",
+            ["limit"],
+            buckets=_MARGINS,
+            registry=registry,
+        )
+        self._waypoints = Histogram(
+            "ikplan_plan_waypoints", "Waypoints of a plan", buckets=_COUNTS, registry=registry
+        )
+        self._samples = Histogram(
+            "ikplan_plan_samples", "Timed samples of a plan", buckets=_COUNTS, registry=registry
+        )
+        gauges: dict[str, tuple[str, Callable[[], float]]] = {
+            "ikplan_ready": ("1 if the workers are warm, else 0", lambda: planner.ready),
+            "ikplan_workers": ("Worker processes", lambda: planner.load.workers),
+            "ikplan_tasks_running": ("Tasks that a worker runs now", lambda: planner.load.running),
+            "ikplan_tasks_queued": ("Tasks that wait for a worker", lambda: planner.load.queued),
+        }
+        for name, (title, ask) in gauges.items():
+            Gauge(name, title, registry=registry).set_function(ask)
+
+    def count_plan(self, figures: PlanFigures) -> None:
+        """Record the figures of one plan."""
+        for stage, seconds in figures.stages.items():
+            self._stages.labels(stage).observe(seconds)
+        for limit, margin in figures.margins.items():
+            self._margins.labels(limit).observe(margin)
+        self._waypoints.observe(figures.waypoints)
+        self._samples.observe(figures.samples)
+
+    def text(self) -> bytes:
+        """Return all metrics in the Prometheus text format."""
+        return generate_latest(self._registry)

@@ -1,0 +1,1 @@
+"""Planning in worker processes: the planner, its workers and their tasks."""

@@ -1,0 +1,244 @@
+"""The service's planner: warm worker processes and a bounded queue."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import itertools
+import json
+import logging
+import socket
+
+from ikplan.errors import BudgetExceeded, MemoryExceeded, ServiceUnavailable
+from ikplan.planning import Progress
+from ikplan_api.telemetry.load import Load
+from ikplan_api.workers import tasks
+from ikplan_api.workers.tasks import TaskResult
+from ikplan_api.workers.worker_slot import (
+    TaskNotStarted,
+    TaskTimeout,
+    WorkerOutOfMemory,
+    WorkerSlot,
+)
+
+__all__ = ["ProcessPlanner"]
+
+_log = logging.getLogger("ikplan.service")
+
+LIMIT_S = 60.0
+"""Time limit of a task without a time budget [s]."""
+_RETRY_AFTER_S = 1.0
+_ATTEMPTS = 3
+
+
+class ProcessPlanner:
+    """Runs tasks in warm worker processes behind a bounded queue.
+
+    A task that takes too long, needs too much memory, crashes or is cancelled ends its worker,
+    which is replaced; other tasks are not affected.
+
+    Args:
+        workers: Number of worker processes.
+        max_queued: Tasks that may wait for a worker; further tasks are refused.
+        memory_bytes: Private memory that a worker may allocate [bytes]; 0: no limit.
+        grace_s: Time beyond its limit in which a task may end by itself [s].
+    """
+
+    def __init__(
+        self, workers: int, max_queued: int, *, memory_bytes: int = 0, grace_s: float = 1.0
+    ) -> None:
+        self._workers = workers
+        self._capacity = workers + max_queued
+        self._memory_bytes = memory_bytes
+        self._grace_s = grace_s
+        self._pending = 0
+        self._running = 0
+        self._numbers = itertools.count()
+        self._progress_of: dict[int, _TaskProgress] = {}
+        self._slots: list[WorkerSlot] = []
+        self._idle: asyncio.Queue[WorkerSlot | None] = asyncio.Queue()
+        self._filling: set[asyncio.Task[None]] = set()
+        self._warming: asyncio.Task[None] | None = None
+        self._reports: tuple[socket.socket, socket.socket] | None = None
+        self._ready = False
+        self._closed = False
+
+    @property
+    def ready(self) -> bool:
+        """Whether the workers are warm and at least one of them runs."""
+        alive = len(self._filling) < self._workers
+        return self._ready and alive and not self._closed
+
+    @property
+    def load(self) -> Load:
+        """Current load of the workers."""
+        return Load(self._workers, self._running, self._pending - self._running)
+
+    @property
+    def pids(self) -> list[int]:
+        """Process ids of the workers."""
+        return [slot.pid for slot in self._slots]
+
+    async def run(
+        self,
+        kind: str,
+        document: bytes,
+        *,
+        robot: bytes | None = None,
+        limit_s: float = LIMIT_S,
+        progress: Progress | None = None,
+        wait_if_full: bool = False,
+    ) -> TaskResult:
+        """Run one task; see :meth:`ikplan_api.workers.planner.Planner.run`."""
+        if not wait_if_full:
+            self.check_capacity()
+        if self._closed:
+            raise _stopping()
+        self._pending += 1
+        try:
+            await self.warm_up()
+            return await self._run_on_worker(
+                kind, document, robot, limit_s, _TaskProgress(progress)
+            )
+        finally:
+            self._pending -= 1
+
+    def check_capacity(self) -> None:
+        """Raise if the queue is full; see :class:`~ikplan_api.workers.planner.Planner`."""
+        if self._pending >= self._capacity:
+            raise ServiceUnavailable(
+                f"all workers are busy and {self._pending} requests are in progress; "
+                f"try again in {_RETRY_AFTER_S:g} s",
+                status_code=ServiceUnavailable.status,
+                retry_after_s=_RETRY_AFTER_S,
+            )
+
+    async def _run_on_worker(
+        self,
+        kind: str,
+        document: bytes,
+        robot: bytes | None,
+        limit_s: float,
+        task_progress: _TaskProgress,
+    ) -> TaskResult:
+        for _ in range(_ATTEMPTS):
+            slot = await self._idle.get()
+            if slot is None:
+                self._idle.put_nowait(None)  # for the next waiting task
+                raise _stopping()
+            task = next(self._numbers)
+            self._progress_of[task] = task_progress
+            self._running += 1
+            try:
+                return await slot.run(task, kind, document, robot, limit_s + self._grace_s)
+            except TaskNotStarted:
+                continue
+            except TaskTimeout as error:
+                raise BudgetExceeded(
+                    f"the budget of {limit_s:g} s ran out in the stage {task_progress.stage!r} and "
+                    "the planner was stopped; try a larger budget_s, fewer waypoints or a faster "
+                    "ik.method",
+                    stage=task_progress.stage,
+                    budget_s=limit_s,
+                ) from error
+            except WorkerOutOfMemory as error:
+                raise MemoryExceeded(
+                    f"the stage {task_progress.stage!r} needed more than the {self._memory_bytes} "
+                    "bytes of memory allowed for one request; try fewer waypoints or samples",
+                    stage=task_progress.stage,
+                    limit_bytes=self._memory_bytes,
+                ) from error
+            finally:
+                self._running -= 1
+                del self._progress_of[task]
+                self._release(slot)
+        raise ServiceUnavailable(
+            "the workers are being replaced",
+            status_code=ServiceUnavailable.status,
+            retry_after_s=_RETRY_AFTER_S,
+        )
+
+    def _release(self, slot: WorkerSlot) -> None:
+        if slot.healthy:
+            self._idle.put_nowait(slot)
+        elif not self._closed:
+            filling = asyncio.create_task(self._refill(slot))
+            self._filling.add(filling)
+            filling.add_done_callback(self._filling.discard)
+
+    async def _refill(self, slot: WorkerSlot) -> None:
+        """Start a new worker in a slot, and retry until it runs."""
+        while not self._closed:
+            try:
+                await slot.fill()
+            except Exception:  # the cause may be temporary
+                _log.exception("failed to start a worker")
+                await asyncio.sleep(_RETRY_AFTER_S)
+            else:
+                self._idle.put_nowait(slot)
+                return
+
+    async def warm_up(self) -> None:
+        """Start the workers; return when each can start a task at once."""
+        if self._ready:
+            return
+        if self._warming is None:
+            self._warming = asyncio.create_task(self._warm_up())
+        await asyncio.shield(self._warming)
+
+    async def _warm_up(self) -> None:
+        here, there = socket.socketpair(socket.AF_UNIX, socket.SOCK_DGRAM)
+        here.setblocking(False)
+        self._reports = here, there
+        asyncio.get_running_loop().add_reader(here, self._read_reports)
+        self._slots = [WorkerSlot(self._memory_bytes, there) for _ in range(self._workers)]
+        # This process itself lists and describes the robots.
+        await asyncio.gather(
+            asyncio.to_thread(tasks.robots_document), *(slot.fill() for slot in self._slots)
+        )
+        for slot in self._slots:
+            self._idle.put_nowait(slot)
+        self._ready = True
+        _log.info("ready")
+
+    def _read_reports(self) -> None:
+        """Pass on the workers' progress reports."""
+        assert self._reports is not None
+        with contextlib.suppress(BlockingIOError):
+            while True:
+                task, stage, done, total = json.loads(self._reports[0].recv(4096))
+                if report := self._progress_of.get(task):
+                    report(stage, done, total)
+
+    async def close(self) -> None:
+        """Stop the workers and cancel their tasks."""
+        self._closed = True
+        self._idle.put_nowait(None)
+        if self._warming is not None:
+            # Even after a failure: workers that it started must be stopped.
+            await asyncio.wait([self._warming])
+        for filling in list(self._filling):
+            await asyncio.wait([filling])
+        await asyncio.gather(*(slot.empty() for slot in self._slots))
+        if self._reports is not None:
+            asyncio.get_running_loop().remove_reader(self._reports[0])
+            for end in self._reports:
+                end.close()
+            self._reports = None
+
+
+def _stopping() -> ServiceUnavailable:
+    return ServiceUnavailable("the service is stopping", status_code=ServiceUnavailable.status)
+
+
+class _TaskProgress:
+    """Latest stage of a task; passes its progress on."""
+
+    def __init__(self, progress: Progress | None) -> None:
+        self._progress = progress
+        self.stage = ""
+
+    def __call__(self, stage: str, done: int, total: int) -> None:
+        self.stage = stage
+        if self._progress is not None:
+            self._progress(stage, done, total)

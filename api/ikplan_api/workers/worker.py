@@ -1,0 +1,159 @@
+"""The code that runs inside a worker process."""
+
+from __future__ import annotations
+
+import contextlib
+import functools
+import json
+import multiprocessing
+import os
+import resource
+import signal
+import socket
+import threading
+import time
+import traceback
+from typing import NamedTuple
+
+from ikplan.errors import IkplanError
+from ikplan_api.workers import shared_memory, tasks
+from ikplan_api.workers.tasks import TaskInput, TaskResult
+
+__all__ = [
+    "OUT_OF_MEMORY",
+    "READY_S",
+    "TaskFault",
+    "WorkerReply",
+    "initialize",
+    "prepare",
+    "ready",
+    "run",
+]
+
+OUT_OF_MEMORY = 76
+"""Exit code of a worker that ran out of memory."""
+READY_S = 300.0
+"""Time to load or compile kernels before a task's clock starts [s]; not part of its budget."""
+_EVERY_S = 0.05
+_SHORT = 32 * 1024
+"""Longest document that a pipe carries in one piece [bytes]."""
+_reports: list[socket.socket] = []
+_documents: list[socket.socket] = []
+
+
+class WorkerReply(NamedTuple):
+    """The reply of a worker to a task.
+
+    Attributes:
+        result: The result.
+        shared_bytes: Length of the document if it is sent in shared memory [bytes], else 0.
+    """
+
+    result: TaskResult
+    shared_bytes: int
+
+
+class TaskFault(Exception):
+    """An unexpected failure of a task; holds the traceback as text, which can always be pickled."""
+
+
+@functools.cache
+def prepare() -> None:
+    """Load or compile the kernels and load the robots, once per process."""
+    tasks.warm_up()
+
+
+def initialize(memory_bytes: int, reports: socket.socket, documents: socket.socket) -> None:
+    """Set up a new worker.
+
+    Args:
+        memory_bytes: Private memory that it may allocate [bytes]; 0: no limit.
+        reports: Socket for progress reports.
+        documents: Socket for long documents.
+    """
+    # SIGTERM must end the process at once, even inside a kernel.
+    signal.signal(signal.SIGTERM, signal.SIG_DFL)
+    if memory_bytes:
+        resource.setrlimit(resource.RLIMIT_DATA, (memory_bytes, memory_bytes))
+    reports.setblocking(False)
+    _reports[:] = [reports]
+    _documents[:] = [documents]
+    threading.Thread(target=_end_with_service, daemon=True).start()
+
+
+def _end_with_service() -> None:
+    """End this worker when the service ends, even if the service was killed."""
+    service = multiprocessing.parent_process()
+    if service is not None:
+        service.join()
+        os._exit(1)
+
+
+def ready() -> int:
+    """Return the process id once everything is loaded."""
+    prepare()
+    return os.getpid()
+
+
+class _Reporter:
+    """Sends progress to the service; starts the task's clock at its first stage."""
+
+    def __init__(self, task: int, limit_s: float) -> None:
+        self._task = task
+        self._limit_s = limit_s
+        self._stage = ""
+        self._next = 0.0
+
+    def __call__(self, stage: str, done: int, total: int) -> None:
+        now = time.monotonic()
+        if not self._stage:
+            _set_alarm(self._limit_s)
+        elif stage == self._stage and now < self._next:
+            return
+        self._stage, self._next = stage, now + _EVERY_S
+        # The reader may be slower: the next report replaces a lost one.
+        with contextlib.suppress(BlockingIOError):
+            for reports in _reports:
+                reports.send(json.dumps([self._task, stage, done, total]).encode())
+
+
+def _set_alarm(seconds: float) -> None:
+    """End this process after a time [s]: no handler catches the signal."""
+    signal.setitimer(signal.ITIMER_REAL, seconds)
+
+
+def run(task: int, kind: str, document: bytes, robot: bytes | None, limit_s: float) -> WorkerReply:
+    """Run a task.
+
+    Args:
+        task: Number of the task in progress reports.
+        kind: Name of the task.
+        document: The request document.
+        robot: An uploaded robot, or None.
+        limit_s: Time limit from the start of the first stage [s].
+
+    Raises:
+        IkplanError: The verdict on the request.
+        TaskFault: An unexpected failure.
+    """
+    _set_alarm(READY_S + limit_s)
+    try:
+        return _reply(tasks.run_task(kind, TaskInput(document, robot, _Reporter(task, limit_s))))
+    except IkplanError:
+        raise
+    except MemoryError:
+        os._exit(OUT_OF_MEMORY)  # the state of this process is unreliable now
+    except Exception:
+        raise TaskFault(traceback.format_exc()) from None
+    finally:
+        # Before the reply is sent: a worker that ends while it sends breaks the pipe.
+        _set_alarm(0.0)
+
+
+def _reply(result: TaskResult) -> WorkerReply:
+    length = len(result.document)
+    if length > _SHORT:
+        with contextlib.suppress(OSError):  # then the pipe carries it
+            shared_memory.send(_documents[0], result.document)
+            return WorkerReply(result._replace(document=b""), length)
+    return WorkerReply(result, 0)

@@ -1,0 +1,67 @@
+"""How far the tool is off its path between samples, by the certificate's own evaluation."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from ikplan.certificate.claim import Claim
+from ikplan.certificate.deviation import Tool, follow_legs, timed_legs
+from ikplan.certificate.offsets import Allowance
+from ikplan.certificate.requested import read_motion
+from ikplan.documents.plan_request import PlanRequest
+from ikplan.limits.motion_limits import MotionLimits
+from ikplan.pipeline.identity import with_tool
+from ikplan.plans.plan import Plan
+from ikplan.robots import load_robot
+
+__all__ = ["as_polynomial", "share_between"]
+
+MOST = 40_000
+"""Most times that are looked at."""
+
+
+def as_polynomial(request: dict[str, Any]) -> dict[str, Any]:
+    """Return a request whose plan can be evaluated at any time."""
+    return {**request, "sampling": {**request.get("sampling", {}), "form": "polynomial"}}
+
+
+def share_between(request: dict[str, Any], plan: Plan, finer: int) -> float:
+    """Return the largest share of the path's tolerances used at times between the samples.
+
+    Args:
+        request: The request, asked as :func:`as_polynomial`.
+        plan: Its plan.
+        finer: How many times denser than the samples to look.
+
+    Returns:
+        The share; 0 where there is no tool path.
+    """
+    document = PlanRequest.model_validate(request)
+    robot = with_tool(load_robot(document.robot), document.tool)
+    q_start = None if document.start == "free" else plan.q[0]
+    motion = read_motion(robot, document.path, q_start)
+    if not motion.legs or plan.duration == 0.0:
+        return 0.0
+    count = min(finer * len(plan.time), MOST)
+    time = np.linspace(0.0, plan.duration, count)
+    limits = MotionLimits.of(robot, document.limits)
+    waypoints = plan.waypoints
+    claim = Claim(
+        robot,
+        document.path,
+        q_start,
+        np.asarray(waypoints.q),
+        np.asarray(waypoints.time),
+        time,
+        *plan.at(time),
+        limits,
+    )
+    allowance = Allowance(document.path)
+    legs = follow_legs(claim, timed_legs(claim, motion), Tool.of(claim, samples=True))
+    shares = [
+        np.maximum(leg.distance / allowance.position, leg.angle / allowance.orientation).max()
+        for leg in legs
+    ]
+    return float(max(shares, default=0.0))

@@ -1,0 +1,68 @@
+"""What is to be certified: a timed trajectory, and the request that it answers."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ikplan.documents.limits import StretchLimits
+from ikplan.documents.path import PathRequest
+from ikplan.limits.motion_limits import MotionLimits
+from ikplan.robots import Robot
+
+__all__ = ["Claim", "LimitedWaypoints"]
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class LimitedWaypoints:
+    """Limits that a request asks for between two waypoints of a joint path.
+
+    Attributes:
+        field: The field of the request, such as ``segments[0]``.
+        first: Waypoint at which they begin.
+        last: Waypoint at which they end.
+        limits: The limits, on top of those of the whole motion.
+    """
+
+    field: str
+    first: int
+    last: int
+    limits: StretchLimits
+
+
+@dataclass(frozen=True, eq=False)
+class Claim:
+    """A timed trajectory and the request that it answers.
+
+    The trajectory, and when it passes which waypoint, are all that the certificate takes from the
+    planner: where the waypoints and the path are, it reads from the request.
+
+    Attributes:
+        robot: The robot, with its tool.
+        path: The path asked for; None: the waypoints are joint values.
+        q_start: Start that was asked for, shape (dof,); None: any.
+        waypoint_q: Joint values at the waypoints, shape (n, dof) [rad or m].
+        waypoint_time: When each waypoint is passed, shape (n,) [s].
+        time: Sample times, shape (m,) [s].
+        q: Joint values, shape (m, dof) [rad or m].
+        dq: Joint velocities, shape (m, dof) [rad/s or m/s].
+        ddq: Joint accelerations, shape (m, dof) [rad/s^2 or m/s^2].
+        limits: The limits of the whole motion.
+        segments: Parts of a joint path with limits of their own; those of a path are read from it.
+    """
+
+    robot: Robot
+    path: PathRequest | None
+    q_start: Array | None
+    waypoint_q: Array
+    waypoint_time: Array
+    time: Array
+    q: Array
+    dq: Array
+    ddq: Array
+    limits: MotionLimits
+    segments: tuple[LimitedWaypoints, ...] = ()

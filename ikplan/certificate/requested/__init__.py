@@ -1,0 +1,11 @@
+"""A second reading of the request: the tool path in plain numpy, from the words of the document.
+
+It shares nothing with the path that the planner follows: other formulas, other code. The words:
+``docs/paths.md``.
+"""
+
+from ikplan.certificate.requested.motion import RequestedMotion, RequestedWaypoint, ToolLeg
+from ikplan.certificate.requested.path import RequestedPath
+from ikplan.certificate.requested.reading import read_motion
+
+__all__ = ["RequestedMotion", "RequestedPath", "RequestedWaypoint", "ToolLeg", "read_motion"]

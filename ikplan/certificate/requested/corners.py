@@ -1,0 +1,118 @@
+"""Corners of a requested path: where they are, and how they are rounded.
+
+A corner is where the direction, or the angular rate, jumps. Rounded within a radius: at most that
+much of either side is replaced by the quintic that has the position, direction and curvature of
+both sides where it meets them, run through at twice the replaced length a unit of its parameter;
+as much as keeps its control points within the ball about the corner, found by steps of a fifth.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ikplan.certificate.requested.arc_length import ArcLength
+from ikplan.certificate.requested.curves import QuinticCurve
+from ikplan.certificate.requested.pieces import TURN_LENGTH, CurvePiece, End, Piece
+from ikplan.certificate.requested.turning import BlendTurn
+
+__all__ = ["Item", "Rounding", "corner_radius", "round_corner"]
+
+Array = NDArray[np.float64]
+
+_JUMP = 1e-6
+"""A change of direction, or of angular rate times TURN_LENGTH, by more than this is a corner."""
+_BACK = 1e-3
+"""Directions this near to opposite turn back [rad]."""
+
+
+@dataclass(eq=False)
+class Item:
+    """A piece with what the request says of it.
+
+    Attributes:
+        piece: The piece.
+        field: The field of the request that it comes from.
+        blend: Radius of the corner at its end [m]; None: that of the path.
+        marks: Length on the piece [m] and row of each waypoint on it.
+    """
+
+    piece: Piece
+    field: str
+    blend: float | None = None
+    marks: list[tuple[float, int]] = dataclasses.field(default_factory=list)
+
+
+@dataclass(frozen=True, eq=False)
+class Rounding:
+    """A rounded corner.
+
+    Attributes:
+        piece: The curve.
+        reach: How much of either side it replaces [m].
+        nearest: Length on the curve at which it is nearest to the corner [m].
+    """
+
+    piece: CurvePiece
+    reach: float
+    nearest: float
+
+
+def corner_radius(before: Item, after: Item, default: float) -> float:
+    """Return the radius within which the corner between two items is rounded [m]; 0: not at all.
+
+    Args:
+        before: The item that ends there.
+        after: The item that begins there.
+        default: Radius of the path [m]; for corners only, and none where the path turns back or
+            the tool turns on the spot.
+    """
+    if before.blend is not None:
+        return before.blend
+    if default == 0.0 or before.piece.spot or after.piece.spot:
+        return 0.0
+    a, b = before.piece.end(before.piece.length), after.piece.end(0.0)
+    if np.arctan2(np.linalg.norm(np.cross(a.v, b.v)), a.v @ b.v) > np.pi - _BACK:
+        return 0.0
+    turn = 0.0
+    if a.R is not None and b.R is not None:
+        turn = TURN_LENGTH * float(np.linalg.norm(a.w - b.w))
+    jumps = float(np.linalg.norm(a.v - b.v)) > _JUMP or turn > _JUMP
+    return default if jumps else 0.0
+
+
+def round_corner(before: Piece, after: Piece, radius: float) -> Rounding:
+    """Round the corner between two pieces within a ball of a radius [m] about it."""
+    corner, reach = after.end(0.0).p, radius
+    for _ in range(40):
+        a, b = before.end(before.length - reach), after.end(reach)
+        curve = QuinticCurve(_scaled(a, 2.0 * reach), _scaled(b, 2.0 * reach))
+        away = np.linalg.norm(curve.control_points - corner, axis=1)
+        if (away <= radius * (1.0 + 1e-9)).all():
+            break
+        reach *= 0.8
+    arc, law = ArcLength(curve), None
+    if a.R is not None and b.R is not None:
+        rates = [2.0 * reach * (end.R.T @ end.w) for end in (a, b) if end.R is not None]
+        law = BlendTurn(arc, a.R, rates[0], b.R, rates[1])
+    piece = CurvePiece(arc, 0.0, arc.length, law)
+    return Rounding(piece, reach, _nearest(arc, corner))
+
+
+def _scaled(end: End, scale: float) -> Array:
+    """Position and derivatives by a parameter of which one unit is ``scale`` metres."""
+    return np.array([end.p, scale * end.v, scale * scale * end.bend])
+
+
+def _nearest(arc: ArcLength, corner: Array) -> float:
+    """Length at which a curve is nearest to the corner [m]: a grid, then finer and finer ones."""
+    t = np.linspace(0.0, 1.0, 65)
+    for _ in range(12):
+        away = np.linalg.norm(arc.curve.derivatives(t)[0] - corner, axis=1)
+        k = int(np.argmin(away))
+        low, high = t[max(k - 1, 0)], t[min(k + 1, len(t) - 1)]
+        t = np.linspace(low, high, 9)
+    return float(arc.at(np.array([0.5 * (low + high)]))[0])

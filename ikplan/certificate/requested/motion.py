@@ -1,0 +1,77 @@
+"""What a request asks of a motion: waypoints, tool paths, segments with limits of their own."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ikplan.certificate.requested.path import RequestedPath
+
+__all__ = ["JointRange", "RequestedMotion", "RequestedWaypoint", "ToolLeg"]
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class RequestedWaypoint:
+    """A waypoint of a request.
+
+    Attributes:
+        p: Position of the tool in the base, shape (3,) [m].
+        R: Rotation of the tool in the base, shape (3, 3); None: free.
+        q: Joint values, shape (dof,) [rad or m]; None: the pose is asked for.
+        ball: Radius of the ball about it that the rounded path passes through [m]; 0: the tool
+            passes the waypoint itself.
+    """
+
+    p: Array
+    R: Array | None
+    q: Array | None = None
+    ball: float = 0.0
+
+
+@dataclass(frozen=True, eq=False)
+class ToolLeg:
+    """A tool path within the motion.
+
+    Attributes:
+        path: The path.
+        begin_row: Waypoint at which it begins; None: the begin of the motion.
+    """
+
+    path: RequestedPath
+    begin_row: int | None
+
+
+@dataclass(frozen=True)
+class JointRange:
+    """A joint segment: the motion from one waypoint to the next.
+
+    Attributes:
+        field: The field, such as ``path.segments[3]``.
+        begin_row: Waypoint at which it begins; None: the begin of the motion.
+        end_row: Waypoint at which it ends.
+    """
+
+    field: str
+    begin_row: int | None
+    end_row: int
+
+
+@dataclass(frozen=True, eq=False)
+class RequestedMotion:
+    """A request read from its first word to its last.
+
+    Attributes:
+        waypoints: The waypoints, in order.
+        legs: The tool paths, in order.
+        joint_ranges: The joint segments.
+        last_rows: Waypoint at which each segment ends, by its field.
+    """
+
+    waypoints: tuple[RequestedWaypoint, ...]
+    legs: tuple[ToolLeg, ...]
+    joint_ranges: tuple[JointRange, ...]
+    last_rows: dict[str, int]

@@ -1,0 +1,168 @@
+"""A requested tool path: pieces end to end, and the waypoints on them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ikplan.certificate.requested.pieces import BendPiece, CurvePiece, Piece, line
+from ikplan.certificate.requested.rotations import exp
+
+__all__ = ["Places", "RequestedPath", "SegmentRange"]
+
+Array = NDArray[np.float64]
+Index = NDArray[np.int64]
+
+
+@dataclass(frozen=True, eq=False)
+class Places:
+    """Poses of a path and their derivatives by its length.
+
+    Attributes:
+        R: Rotations, shape (m, 3, 3); the identity where the orientation is free.
+        p: Positions, shape (m, 3) [m].
+        v: dp/ds, shape (m, 3).
+        w: Angular rate in the base, shape (m, 3) [rad/m].
+    """
+
+    R: Array
+    p: Array
+    v: Array
+    w: Array
+
+
+@dataclass(frozen=True)
+class SegmentRange:
+    """The part of a path that one field of the request asks for, rounded corners included.
+
+    Attributes:
+        field: The field, such as ``path.segments[3]``.
+        begin: Path length at which it begins [m].
+        end: Path length at which it ends [m].
+        rounded_begin: Whether it begins where the corner before it begins to be rounded.
+        rounded_end: Whether it ends where the corner after it ends to be rounded.
+    """
+
+    field: str
+    begin: float
+    end: float
+    rounded_begin: bool
+    rounded_end: bool
+
+
+@dataclass(frozen=True, eq=False)
+class RequestedPath:
+    """Pieces joined end to end.
+
+    Attributes:
+        pieces: The pieces, at least one.
+        marks: Path length [m] and row of each waypoint on the path, in order.
+        ranges: What of the request each part comes from.
+    """
+
+    pieces: tuple[Piece, ...]
+    marks: tuple[tuple[float, int], ...]
+    ranges: tuple[SegmentRange, ...]
+
+    @cached_property
+    def begins(self) -> Array:
+        """Path length at which each piece begins, and the whole length, shape (n + 1,) [m]."""
+        return np.concatenate([[0.0], np.cumsum([piece.length for piece in self.pieces])])
+
+    @property
+    def length(self) -> float:
+        """Length of the path [m]."""
+        return float(self.begins[-1])
+
+    @cached_property
+    def oriented(self) -> NDArray[np.bool_]:
+        """Whether each piece asks for an orientation, shape (n,)."""
+        return np.array([piece.oriented for piece in self.pieces])
+
+    @cached_property
+    def spots(self) -> NDArray[np.bool_]:
+        """Whether each piece is a turn on the spot, shape (n,)."""
+        return np.array([piece.spot for piece in self.pieces])
+
+    @cached_property
+    def _bends(self) -> tuple[Array, ...]:
+        """The attributes of the bend pieces as stacks, rows of others unused."""
+        zero, unturned = np.zeros(3), np.eye(3)
+        unused = line(zero, zero)
+        rows = [piece if isinstance(piece, BendPiece) else unused for piece in self.pieces]
+        return (
+            np.array([b.p0 for b in rows]),
+            np.array([b.t for b in rows]),
+            np.array([b.n for b in rows]),
+            np.array([b.c for b in rows]),
+            np.array([b.h for b in rows]),
+            np.array([b.k for b in rows]),
+            np.array([unturned if b.R0 is None else b.R0 for b in rows]),
+            np.array([zero if b.R0 is None else b.w for b in rows]),
+        )
+
+    @cached_property
+    def _curved(self) -> NDArray[np.bool_]:
+        return np.array([isinstance(piece, CurvePiece) for piece in self.pieces])
+
+    @cached_property
+    def nodes(self) -> Array:
+        """Path lengths between which the path is smooth and alike, shape (k,) [m]."""
+        inner = [
+            begin + piece.nodes
+            for begin, piece in zip(self.begins, self.pieces, strict=False)
+            if isinstance(piece, CurvePiece)
+        ]
+        return np.sort(np.concatenate([self.begins, *inner]))
+
+    @cached_property
+    def curved_and_oriented(self) -> NDArray[np.bool_]:
+        """Whether each piece is a curve without closed arc length that turns the tool, (n,)."""
+        return self._curved & self.oriented
+
+    def piece_at(self, s: Array) -> Index:
+        """Return the piece at path lengths s, shape (m,); where two meet, the later one."""
+        return np.clip(np.searchsorted(self.begins, s, "right") - 1, 0, len(self.pieces) - 1)
+
+    def places(self, piece: Index, s: Array) -> Places:
+        """Return poses and derivatives at lengths s from the begins of pieces, both (m,) [m]."""
+        curved = self._curved[piece]
+        if not curved.any():
+            return self._on_bends(piece, s)
+        m = len(s)
+        out = Places(np.empty((m, 3, 3)), np.empty((m, 3)), np.empty((m, 3)), np.zeros((m, 3)))
+        groups = [np.flatnonzero(piece == k) for k in np.unique(piece[curved])]
+        if not curved.all():
+            groups.append(np.flatnonzero(~curved))
+        for here in groups:
+            k = piece[here[0]]
+            found = self._on_curve(k, s[here]) if curved[here[0]] else None
+            found = found or self._on_bends(piece[here], s[here])
+            out.R[here], out.p[here] = found.R, found.p
+            out.v[here], out.w[here] = found.v, found.w
+        return out
+
+    def _on_bends(self, piece: Index, s: Array) -> Places:
+        p0, t, n, c, h, k, R0, w = (stack[piece] for stack in self._bends)
+        half = 0.5 * k * s
+        chord = h * s * np.sinc(half / np.pi)
+        p = (
+            p0
+            + (chord * np.cos(half))[:, None] * t
+            + (chord * np.sin(half))[:, None] * n
+            + s[:, None] * c
+        )
+        v = (h * np.cos(k * s))[:, None] * t + (h * np.sin(k * s))[:, None] * n + c
+        if not w.any():
+            return Places(R0, p, v, np.zeros_like(p))
+        R = R0 @ exp(s[:, None] * w)
+        return Places(R, p, v, (R @ w[:, :, None])[:, :, 0])
+
+    def _on_curve(self, k: int, s: Array) -> Places:
+        piece = self.pieces[k]
+        if not isinstance(piece, CurvePiece):
+            raise TypeError(f"piece {k} is no curve")
+        return Places(*piece.places(s))

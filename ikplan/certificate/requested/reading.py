@@ -1,0 +1,182 @@
+"""Reads the path of a request: the order of the waypoints, tool paths and joint motions.
+
+Waypoints are numbered in the order in which they are passed: each of ``path.waypoints``; or
+``path.begin``, the end of each segment, each pose of a spline, the first point of each named curve.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ikplan.certificate.requested.building import PathReader
+from ikplan.certificate.requested.motion import (
+    JointRange,
+    RequestedMotion,
+    RequestedWaypoint,
+    ToolLeg,
+)
+from ikplan.certificate.requested.poses import PathFrame, RequestedPose
+from ikplan.documents.curve import CurveSegment
+from ikplan.documents.path import PathRequest
+from ikplan.documents.segment import ArcSegment, JointSegment, LineSegment, SplineSegment
+from ikplan.robots import Robot
+
+__all__ = ["read_motion"]
+
+Array = NDArray[np.float64]
+
+
+def read_motion(robot: Robot, path: PathRequest, q_start: Array | None) -> RequestedMotion:
+    """Return what a path asks of a motion.
+
+    Args:
+        robot: The robot, with its tool.
+        path: The path of the request.
+        q_start: Joint values at the start, shape (dof,) [rad or m]; None: any.
+    """
+    reader = _Reader(robot, path, q_start)
+    if path.waypoints is not None:
+        reader.waypoints()
+    else:
+        reader.segments()
+    return reader.motion()
+
+
+class _Reader:
+    """Goes along a path."""
+
+    def __init__(self, robot: Robot, path: PathRequest, q_start: Array | None) -> None:
+        self._robot, self._path = robot, path
+        self._frame = PathFrame(path)
+        self._at = None if q_start is None else self._pose_of(q_start)
+        self._leaves = q_start is None or path.approach == "joint"
+        self._rows: list[RequestedWaypoint] = []
+        self._legs: list[ToolLeg] = []
+        self._joint_ranges: list[JointRange] = []
+        self._last_rows: dict[str, int] = {}
+        self._open: PathReader | None = None
+        self._begin_row: int | None = None
+
+    def motion(self) -> RequestedMotion:
+        """What has been read."""
+        self._close()
+        return RequestedMotion(
+            tuple(self._rows), tuple(self._legs), tuple(self._joint_ranges), self._last_rows
+        )
+
+    def waypoints(self) -> None:
+        """Read plain waypoints."""
+        path = self._path
+        poses = [self._frame.pose(waypoint) for waypoint in path.waypoints or ()]
+        if path.interpolation == "joint":
+            for pose in poses:
+                self._joint_to(pose)
+            return
+        if self._leaves:
+            self._go_to(poses.pop(0))
+        if path.interpolation == "line":
+            for pose in poses:
+                self._tool().go_straight(pose, None)
+        elif poses:
+            self._tool().spline(poses, "")
+
+    def segments(self) -> None:
+        """Read segments."""
+        path = self._path
+        if path.begin is not None:
+            begin = self._frame.pose(path.begin)
+            if self._leaves:
+                self._go_to(begin)
+            else:
+                self._tool().go_straight(begin, "path.begin")
+        for k, segment in enumerate(path.segments or ()):
+            field = f"path.segments[{k}]"
+            first = self._leaves and k == 0 and path.begin is None
+            if isinstance(segment, JointSegment):
+                self._joint_segment(segment, field)
+            elif isinstance(segment, LineSegment):
+                self._tool().line(segment, field)
+            elif isinstance(segment, ArcSegment):
+                self._tool().arc(segment, field)
+            elif isinstance(segment, SplineSegment):
+                self._spline(segment, field, first)
+            else:
+                self._curve(segment, field, first)
+            self._last_rows[field] = len(self._rows) - 1
+
+    def _spline(self, segment: SplineSegment, field: str, first: bool) -> None:
+        poses = [self._frame.pose(waypoint) for waypoint in segment.through]
+        if first:
+            self._go_to(poses.pop(0))
+        if poses:
+            self._tool().spline(poses, field, segment.blend)
+
+    def _curve(self, segment: CurveSegment, field: str, first: bool) -> None:
+        if first:
+            before = self._at or RequestedPose(np.zeros(3), None)
+            self._go_to(self._reader(before).curve_begin(segment))
+        self._tool().curve(segment, field, not first)
+
+    def _joint_segment(self, segment: JointSegment, field: str) -> None:
+        self._close()
+        begin = len(self._rows) - 1 if self._rows else None
+        if segment.q is not None:
+            q = np.clip(np.array(segment.q), self._robot.lower, self._robot.upper)
+            pose = self._pose_of(q)
+            self._row(replace(_waypoint(pose), q=q))
+            self._at, self._begin_row = pose, len(self._rows) - 1
+        elif segment.to is not None:
+            self._joint_to(self._frame.pose(segment.to))
+        self._joint_ranges.append(JointRange(field, begin, len(self._rows) - 1))
+
+    def _joint_to(self, pose: RequestedPose) -> None:
+        self._close()
+        self._row(_waypoint(pose))
+        self._at, self._begin_row = pose, len(self._rows) - 1
+
+    def _go_to(self, pose: RequestedPose) -> None:
+        """Begin a tool path at a pose: by a joint motion, or there where the start is free."""
+        if self._at is None:
+            self._at = pose
+            self._tool().pass_begin()
+        else:
+            self._joint_to(pose)
+
+    def _tool(self) -> PathReader:
+        """The tool path that is being read."""
+        if self._open is None:
+            if self._at is None:
+                raise TypeError("a tool path begins at a pose: the planner refuses others")
+            self._open = self._reader(self._at)
+        return self._open
+
+    def _reader(self, begin: RequestedPose) -> PathReader:
+        return PathReader(self._frame, begin, self._new_row, self._path.blend)
+
+    def _close(self) -> None:
+        if self._open is None:
+            return
+        path, balls = self._open.path()
+        for row, radius in balls.items():
+            self._rows[row] = replace(self._rows[row], ball=radius)
+        self._legs.append(ToolLeg(path, self._begin_row))
+        self._at, self._open, self._begin_row = self._open.at, None, len(self._rows) - 1
+
+    def _new_row(self, pose: RequestedPose) -> int:
+        return self._row(_waypoint(pose))
+
+    def _row(self, waypoint: RequestedWaypoint) -> int:
+        self._rows.append(waypoint)
+        return len(self._rows) - 1
+
+    def _pose_of(self, q: Array) -> RequestedPose:
+        T = self._robot.fk(q)
+        free = self._frame.positions_only
+        return RequestedPose(T.translation.copy(), None if free else T.rotation.copy())
+
+
+def _waypoint(pose: RequestedPose) -> RequestedWaypoint:
+    return RequestedWaypoint(pose.p, pose.R)

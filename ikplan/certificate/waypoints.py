@@ -1,0 +1,80 @@
+"""Whether a motion meets the waypoints of its request."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ikplan.certificate.claim import Claim
+from ikplan.certificate.deviation import Tool
+from ikplan.certificate.offsets import Allowance
+from ikplan.certificate.requested import RequestedWaypoint
+
+__all__ = ["Misses", "missed_waypoints", "waypoint_misses"]
+
+Array = NDArray[np.float64]
+
+_ROUNDING = 1e-9
+"""What joint values asked for may be missed by through rounding [rad or m]."""
+
+
+@dataclass(frozen=True, eq=False)
+class Misses:
+    """How far outside what is allowed the tool is at the waypoints.
+
+    Attributes:
+        distance: Distances, shape (n,) [m].
+        angle: Angles, shape (n,) [rad]; 0 where no orientation is asked for.
+        oriented: Whether an orientation is asked for, shape (n,).
+        joints: Largest difference from joint values asked for, shape (n,) [rad or m]; 0: none are.
+    """
+
+    distance: Array
+    angle: Array
+    oriented: NDArray[np.bool_]
+    joints: Array
+
+
+def waypoint_misses(
+    claim: Claim, asked: Sequence[RequestedWaypoint], allowance: Allowance, tool: Tool
+) -> Misses:
+    """Measure the tool at the waypoints against what the request asks for there.
+
+    Args:
+        claim: The trajectory.
+        asked: The waypoints of the request, one a row of ``claim.waypoint_q``.
+        allowance: What is allowed at them.
+        tool: Poses of the tool.
+    """
+    free = np.eye(3)
+    oriented = np.array([w.R is not None for w in asked]) & (not allowance.positions_only)
+    R = np.array([free if w.R is None else w.R for w in asked])
+    p = np.array([w.p for w in asked])
+    found = allowance.offsets(tool.p_waypoint, tool.R_waypoint, p, R, oriented)
+    joints = [
+        0.0 if w.q is None else float(np.abs(q - w.q).max())
+        for w, q in zip(asked, claim.waypoint_q, strict=True)
+    ]
+    return Misses(found.distance, found.angle, oriented, np.array(joints))
+
+
+def missed_waypoints(
+    asked: Sequence[RequestedWaypoint], allowance: Allowance, misses: Misses
+) -> list[str]:
+    """Return which waypoints are missed by more than the tolerance, in words.
+
+    A waypoint at a rounded corner is passed within the radius of its corner instead.
+    """
+    missed = []
+    for k, waypoint in enumerate(asked):
+        distance, angle = float(misses.distance[k]), float(misses.angle[k])
+        if distance > allowance.position + waypoint.ball:
+            missed.append(f"waypoint {k} is missed by {distance:.3g} m")
+        if waypoint.ball == 0.0 and angle > allowance.orientation:
+            missed.append(f"waypoint {k} is missed by {angle:.3g} rad")
+        if misses.joints[k] > _ROUNDING:
+            missed.append(f"the joint values of waypoint {k} are missed by {misses.joints[k]:.3g}")
+    return missed

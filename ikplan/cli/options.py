@@ -1,0 +1,154 @@
+"""Options that commands share."""
+
+from __future__ import annotations
+
+import argparse
+
+from ikplan.points.choices import INTERPOLATIONS
+from ikplan.points.poses import TOOL_AXES
+from ikplan.points.units import ANGLES, LENGTHS
+
+__all__ = [
+    "add_changes",
+    "add_json",
+    "add_outputs",
+    "add_path",
+    "add_robot",
+    "add_robot_frames",
+    "add_server",
+    "add_talk",
+]
+
+
+def add_talk(parser: argparse.ArgumentParser) -> None:
+    """How much a command tells beside its answer."""
+    group = parser.add_mutually_exclusive_group()
+    group.add_argument(
+        "-q", "--quiet", action="store_true", help="tell nothing but the answer and what is wrong"
+    )
+    group.add_argument(
+        "-v", "--verbose", action="store_true", help="tell what is being done, and how long it took"
+    )
+
+
+def add_json(parser: argparse.ArgumentParser) -> None:
+    """Documents instead of text."""
+    parser.add_argument(
+        "--json",
+        action="store_true",
+        help="print the JSON document instead; where there is none, the problem document",
+    )
+
+
+def add_server(parser: argparse.ArgumentParser) -> None:
+    """Who plans."""
+    parser.add_argument("--server", metavar="URL", help="let the service at that address plan")
+
+
+def add_robot_frames(parser: argparse.ArgumentParser) -> None:
+    """The chain of a URDF file."""
+    parser.add_argument("--base", metavar="LINK", help="base link of a URDF file")
+    parser.add_argument("--tip", metavar="LINK", help="tip link of a URDF file")
+
+
+def add_robot(parser: argparse.ArgumentParser) -> None:
+    """Another robot than the request's."""
+    parser.add_argument(
+        "--robot",
+        dest="robot_override",
+        metavar="ROBOT",
+        help="the robot: a name, or a URDF file; instead of that of the request",
+    )
+    add_robot_frames(parser)
+
+
+def add_outputs(parser: argparse.ArgumentParser) -> None:
+    """Where an answer goes."""
+    parser.add_argument(
+        "-o",
+        "--output",
+        action="append",
+        default=[],
+        metavar="FILE",
+        help="write the plan there, - for standard output; the suffix names the format (.json, "
+        ".csv, .npz, .ros.json, .script)",
+    )
+    parser.add_argument(
+        "--format", metavar="NAME", help="the format instead; for standard output: json if absent"
+    )
+    parser.add_argument("--plot", metavar="FILE", help="draw the plan there (.png, .svg, .pdf)")
+    parser.add_argument(
+        "--plot-timing", metavar="FILE", help="draw what it uses of its limits there"
+    )
+    add_server(parser)
+
+
+def add_changes(parser: argparse.ArgumentParser) -> None:
+    """Changes of the request."""
+    parser.add_argument("--rate", type=float, metavar="HZ", help="samples per second")
+    parser.add_argument(
+        "--set",
+        action="append",
+        default=[],
+        metavar="FIELD=VALUE",
+        help="set a field of the request, such as limits.tool_speed=0.25 or path.blend=0.01",
+    )
+
+
+def add_path(parser: argparse.ArgumentParser) -> None:
+    """A file of points, and the rest of a request for it."""
+    points = parser.add_argument_group(
+        "files of points", "what the file itself does not say; see docs/points.md"
+    )
+    points.add_argument(
+        "--units", metavar="UNIT", help=f"unit of lengths in the file: {', '.join(LENGTHS)}"
+    )
+    points.add_argument(
+        "--angles", metavar="UNIT", help=f"unit of angles in the file: {', '.join(ANGLES)}"
+    )
+    points.add_argument(
+        "--columns",
+        metavar="NAMES",
+        help="names of the columns in order, such as x,y,z,qx,qy,qz,qw; - for one to pass over",
+    )
+    path = parser.add_argument_group("path", "metres and radians")
+    path.add_argument(
+        "--free-axis",
+        metavar="AXIS",
+        help="axis of the tool about which it may turn; the one that columns i, j, k give: "
+        f"{', '.join(TOOL_AXES)} (write --free-axis=-z)",
+    )
+    path.add_argument(
+        "--interpolation",
+        metavar="HOW",
+        help=f"how points are joined: {', '.join(INTERPOLATIONS)}",
+    )
+    path.add_argument(
+        "--approach",
+        metavar="HOW",
+        help="how the first point is reached: path, or joint for a joint motion",
+    )
+    path.add_argument(
+        "--start", nargs="+", metavar="Q", help="joint values at the start; or free, or home"
+    )
+    path.add_argument(
+        "--frame",
+        nargs="+",
+        type=float,
+        metavar="N",
+        help="the frame of the points: x y z, x y z rx ry rz (a rotation vector), or x y z qx qy "
+        "qz qw",
+    )
+    path.add_argument(
+        "--base-frame",
+        metavar="LINK",
+        help="a link fixed to the base, in whose frame the points (and --frame) are; controller: "
+        "the base of the pendant",
+    )
+    path.add_argument(
+        "--tool",
+        nargs="+",
+        type=float,
+        metavar="N",
+        help="the tool in the tip frame, as numbers like those of --frame",
+    )

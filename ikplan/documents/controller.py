@@ -1,0 +1,113 @@
+"""The document of a robot's controller: what runs the samples and the programs of a plan.
+
+SI units: metres, radians, seconds.
+"""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, model_validator
+
+from ikplan.documents.base import Document, plain
+from ikplan.documents.poses import Frame
+
+__all__ = ["Controller", "ControllerInfo", "LanguageInfo", "ProgramLanguage", "Source"]
+
+Interpolation = Literal["none", "linear", "cubic", "quintic"]
+Jerks = Annotated[
+    list[Annotated[float, Field(gt=0, le=1e9)]],
+    BeforeValidator(plain),
+    Field(min_length=1, max_length=64),
+]
+_Text = Annotated[str, Field(min_length=1, max_length=1000)]
+
+_CYCLE = "Time between two samples that it takes [s]."
+_INTERPOLATION = (
+    'What it puts between two samples: "none" (it takes one a cycle and holds it), "linear", '
+    '"cubic" or "quintic".'
+)
+_JERK = "Highest joint jerks that the maker publishes, one each [rad/s^3 or m/s^3]; null: none."
+_ZERO_ENDS = "Whether a motion has to begin and end with zero acceleration; this needs jerk limits."
+_BASE_FRAME = "The controller's own base frame in the robot's base; null: not known."
+_LONGEST = "Most samples of a program; null: not known."
+
+
+class Source(Document):
+    """A fact and the document it comes from."""
+
+    fact: _Text
+    source: _Text
+
+    def __str__(self) -> str:
+        return f"{self.fact}: {self.source}"
+
+
+class ProgramLanguage(Document):
+    """A language of programs that a controller runs."""
+
+    name: Literal["urscript"] = Field(description="Name of the language.")
+    variant: Literal["cb3", "e-series"] = Field(
+        description="Generation of the controller: CB3, or e-Series and later."
+    )
+    longest_program: int | None = Field(None, ge=2, le=10_000_000, description=_LONGEST)
+
+
+class Controller(Document):
+    """A robot's controller, as its description gives it."""
+
+    title: _Text = Field(description="Its name, for people.")
+    cycle: float = Field(ge=1e-4, le=1.0, description=_CYCLE)
+    interpolation: Interpolation = Field("none", description=_INTERPOLATION)
+    jerk: Jerks | None = Field(None, description=_JERK)
+    zero_end_acceleration: bool = Field(False, description=_ZERO_ENDS)
+    languages: list[ProgramLanguage] = Field(
+        [], max_length=16, description="Languages of the programs that it runs."
+    )
+    base_frame: Frame | None = Field(None, description=_BASE_FRAME)
+    sources: list[Source] = Field([], max_length=64, description="Where these facts come from.")
+
+    @model_validator(mode="after")
+    def _ends(self) -> Controller:
+        if self.zero_end_acceleration and self.jerk is None:
+            raise ValueError("zero_end_acceleration needs jerk limits")
+        return self
+
+    def info(self) -> ControllerInfo:
+        """Return what a plan says of the controller: all but the sources."""
+        return ControllerInfo.model_validate(self.model_dump(exclude={"sources"}))
+
+
+class _Result(BaseModel):
+    model_config = ConfigDict(frozen=True, extra="ignore")
+
+
+class LanguageInfo(_Result):
+    """A language of programs that a controller runs."""
+
+    name: str = Field(description='Name of the language: "urscript".')
+    variant: str = Field(description='Generation of the controller: "cb3" or "e-series".')
+    longest_program: int | None = Field(None, description=_LONGEST)
+
+
+class FrameInfo(_Result):
+    """A frame given by its origin and orientation in another frame."""
+
+    position: list[float] = Field(description="Origin [m].")
+    quaternion_xyzw: list[float] = Field(description="Orientation, unit quaternion (x, y, z, w).")
+
+
+class ControllerInfo(_Result):
+    """The controller that a plan is for."""
+
+    title: str = Field(description="Its name, for people.")
+    cycle: float = Field(description=_CYCLE)
+    interpolation: str = Field("none", description=_INTERPOLATION)
+    jerk: list[float] | None = Field(None, description=_JERK)
+    zero_end_acceleration: bool = Field(False, description=_ZERO_ENDS)
+    languages: list[LanguageInfo] = Field([], description="Languages of the programs that it runs.")
+    base_frame: FrameInfo | None = Field(None, description=_BASE_FRAME)
+
+    def language(self, name: str) -> LanguageInfo | None:
+        """Return the language of that name, None if it runs no such programs."""
+        return next((known for known in self.languages if known.name == name), None)

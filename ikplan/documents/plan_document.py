@@ -1,0 +1,66 @@
+"""The document of a plan: what is kept, sent and read back."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import Field
+
+from ikplan.documents.certificate import Certificate, Result
+from ikplan.documents.controller import ControllerInfo
+from ikplan.documents.timing_report import PathMotion, TimingReport
+from ikplan.documents.trajectory import Stats, Trajectory, WaypointResults
+
+__all__ = ["PlanDocument"]
+
+
+class PlanDocument(Result):
+    """A certified joint trajectory, as data."""
+
+    id: str = Field(description="Hash of the canonical request, the robot and the version.")
+    version: str = Field(description="Version of ikplan that made the plan.")
+    robot: str = Field(description="Name of the robot.")
+    joint_names: list[str] = Field(description="Names of the columns of q, dq and ddq.")
+    joint_units: list[Literal["rad", "m"]] = Field(
+        description='Unit of each column of q: "rad" for a turning joint, "m" for a sliding one.'
+    )
+    waypoints: WaypointResults
+    trajectory: Trajectory
+    certificate: Certificate
+    timing: TimingReport | None = Field(
+        None, description="Why the motion takes as long as it does; null: not told."
+    )
+    motion: PathMotion | None = Field(
+        None, description='The motion as polynomials; only with sampling.form "polynomial".'
+    )
+    controller: ControllerInfo | None = Field(
+        None, description="The robot's controller; null: none is known."
+    )
+    stats: Stats
+
+    @property
+    def duration(self) -> float:
+        """Time of the last sample [s]."""
+        return float(self.trajectory.time[-1])
+
+    @property
+    def time(self) -> NDArray[np.float64]:
+        """Sample times, shape (m,) [s]."""
+        return np.asarray(self.trajectory.time)
+
+    @property
+    def q(self) -> NDArray[np.float64]:
+        """Joint values, shape (m, dof) [rad or m]."""
+        return np.asarray(self.trajectory.q)
+
+    @property
+    def dq(self) -> NDArray[np.float64]:
+        """Joint velocities, shape (m, dof) [rad/s or m/s]."""
+        return np.asarray(self.trajectory.dq)
+
+    @property
+    def ddq(self) -> NDArray[np.float64]:
+        """Joint accelerations, shape (m, dof) [rad/s^2 or m/s^2]."""
+        return np.asarray(self.trajectory.ddq)

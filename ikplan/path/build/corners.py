@@ -1,0 +1,140 @@
+"""The joints between the pieces of a path, and the radii within which they are rounded."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ikplan.errors import InvalidRequest
+from ikplan.path.build.items import Item
+from ikplan.path.pieces.piece import TURN_LENGTH, dot
+from ikplan.path.tool_path import ToolPath
+
+__all__ = ["Joints", "blend_radii"]
+
+Array = NDArray[np.float64]
+
+_JUMP = 1e-6
+"""A change of direction, or of angular rate times TURN_LENGTH, by more than this is a corner."""
+_BACK = 1e-3
+"""Two directions this near to opposite turn back, and cannot be blended [rad]."""
+_MAX_TURN = 0.9 * np.pi
+"""How much both sides of a blend together may turn within its radius [rad]."""
+_ROUNDING = 1.0 + 1e-12
+
+
+class Joints(NamedTuple):
+    """What the path does where its pieces meet, one row a joint.
+
+    Attributes:
+        jump: Whether direction or angular rate jump, so that the motion must stop.
+        back: Whether the path turns back.
+        spot: Whether the tool turns on the spot before or after it.
+        rate: Angular rates of both sides added, 0 where one is free [rad/m].
+    """
+
+    jump: NDArray[np.bool_]
+    back: NDArray[np.bool_]
+    spot: NDArray[np.bool_]
+    rate: Array
+
+    @classmethod
+    def between(cls, items: Sequence[Item]) -> Joints:
+        """Return the joints between items, in order."""
+        raw = ToolPath(tuple(item.piece for item in items))
+        k = np.arange(len(items) - 1)
+        before = raw.motion_on(k, np.array([item.piece.length for item in items])[:-1])
+        after = raw.motion_on(k + 1, np.zeros(len(k)))
+        oriented = np.array([item.piece.oriented for item in items])
+        spots = np.array([item.piece.turns for item in items])
+        both = oriented[1:] & oriented[:-1]
+        turn = np.where(both, TURN_LENGTH * np.linalg.norm(before.w - after.w, axis=1), 0.0)
+        across = np.linalg.norm(np.cross(before.v, after.v), axis=1)
+        rates = np.linalg.norm(before.w, axis=1) + np.linalg.norm(after.w, axis=1)
+        return cls(
+            (np.linalg.norm(before.v - after.v, axis=1) > _JUMP) | (turn > _JUMP),
+            np.arctan2(across, dot(before.v, after.v)) > np.pi - _BACK,
+            spots[1:] | spots[:-1],
+            np.where(both, rates, 0.0),
+        )
+
+
+def blend_radii(items: Sequence[Item], joints: Joints, default: float) -> list[float]:
+    """Return the radius within which each joint is rounded [m]; 0: not at all.
+
+    Args:
+        items: The items of the path.
+        joints: The joints between them.
+        default: Radius of the corners that have none of their own [m]. Joints that are no
+            corners, turn back or belong to a turn on the spot are then left as they are.
+
+    Raises:
+        InvalidRequest: A radius does not fit, a corner cannot be rounded, or there is none.
+    """
+    radii = [_radius(item, joints, k, default) for k, item in enumerate(items[:-1])]
+    last = items[-1]
+    same = [r for item, r in zip(items, radii, strict=False) if item.field == last.field]
+    if last.blend and not any(same):
+        raise InvalidRequest(
+            f"{last.field}.blend: there is no corner: the tool's path ends there",
+            field=f"{last.field}.blend",
+            allowed="0 or null",
+        )
+    around = [0.0, *radii, 0.0]
+    for k, item in enumerate(items):
+        _refuse_overlap(items, k, around[k], around[k + 1], item.blend == items[k - 1].blend)
+    for k, radius in enumerate(radii):
+        if radius * joints.rate[k] > _MAX_TURN:
+            _refuse_radius(items, k, radius, _MAX_TURN / float(joints.rate[k]), items[k])
+    return radii
+
+
+def _radius(item: Item, joints: Joints, k: int, default: float) -> float:
+    sharp = joints.spot[k] or joints.back[k]
+    if item.blend is None:
+        return 0.0 if sharp or not joints.jump[k] else default
+    if item.blend > 0.0 and sharp:
+        why = "the tool turns on the spot there" if joints.spot[k] else "the path turns back there"
+        raise InvalidRequest(
+            f"{item.field}.blend: this corner cannot be rounded: {why}",
+            field=f"{item.field}.blend",
+            allowed="0",
+        )
+    return item.blend
+
+
+def _refuse_overlap(items: Sequence[Item], k: int, begin: float, end: float, alike: bool) -> None:
+    """Refuse radii at the begin and the end of an item that do not fit on it."""
+    piece = items[k].piece
+    length = piece.length
+    # Waypoints and folds inside the item must stay on the path.
+    inside = [m.s for m in items[k].marks if 0.0 < m.s < length] + list(piece.folds)
+    rooms = min(inside, default=length), length - max(inside, default=0.0)
+    shared = begin > 0.0 and end > 0.0 and begin + end > length * _ROUNDING
+    for radius, other, room, joint in (
+        (begin, end, rooms[0], k - 1),
+        (end, begin, rooms[1], k),
+    ):
+        limit = room
+        if shared:
+            left = 0.5 * length if alike or other >= length else length - other
+            limit = min(room, left)
+        if radius > limit * _ROUNDING:
+            _refuse_radius(items, joint, radius, limit, items[k])
+
+
+def _refuse_radius(
+    items: Sequence[Item], joint: int, radius: float, limit: float, item: Item
+) -> None:
+    before, after = items[joint], items[joint + 1]
+    name = "path.blend" if before.blend is None else f"{before.field}.blend"
+    raise InvalidRequest(
+        f"{name}: {radius:.6g} m does not fit at the corner from {before.field} to {after.field}: "
+        f"the largest radius that fits on {item.field} ({item.piece.length:.6g} m long) is "
+        f"{limit:.6g} m",
+        field=name,
+        allowed=f"at most {limit:.9g}",
+    )

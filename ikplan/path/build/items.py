@@ -1,0 +1,46 @@
+"""The parts that a tool path is assembled from."""
+
+from __future__ import annotations
+
+import dataclasses
+from dataclasses import dataclass
+
+from ikplan.path.pieces.piece import Piece, Pose
+
+__all__ = ["Item", "Mark"]
+
+
+@dataclass(frozen=True)
+class Mark:
+    """A waypoint on an item.
+
+    Attributes:
+        s: Its length from the item's begin [m].
+        row: Its row among the waypoints of the request.
+        name: What the request calls it.
+        pose: The pose asked for.
+    """
+
+    s: float
+    row: int
+    name: str
+    pose: Pose
+
+
+@dataclass
+class Item:
+    """A piece with what belongs to it.
+
+    Attributes:
+        piece: The piece.
+        marks: The waypoints on it, those at its end included.
+        field: Field of the request that it comes from.
+        blend: Radius of the corner at its end [m]; None: that of the path.
+        empty: Fields of the request that lead nowhere, at its end.
+    """
+
+    piece: Piece
+    marks: list[Mark] = dataclasses.field(default_factory=list)
+    field: str = ""
+    blend: float | None = None
+    empty: list[str] = dataclasses.field(default_factory=list)

@@ -1,0 +1,219 @@
+"""From the path of a request to legs: tool paths, and joint motions between them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from itertools import count
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ikplan.documents.curve import CurveSegment
+from ikplan.documents.segment import ArcSegment, JointSegment, LineSegment, SplineSegment
+from ikplan.errors import InvalidRequest
+from ikplan.path.build.builder import PathBuilder
+from ikplan.path.build.path_frame import PathFrame
+from ikplan.path.pieces.piece import Pose
+from ikplan.path.tool_path import ToolPath
+from ikplan.documents.plan_request import PathRequest
+
+__all__ = ["JointLeg", "JointTarget", "Leg", "ToolLeg", "legs_of"]
+
+Array = NDArray[np.float64]
+ForwardKinematics = Callable[[Array], tuple[Array, Array]]
+
+
+@dataclass(frozen=True)
+class JointTarget:
+    """What a joint motion goes to: joint values or a tool pose.
+
+    Attributes:
+        index: Its row among the waypoints of the request.
+        name: Where the request asks for it.
+        q: Joint values, shape (dof,) [rad or m]; None: a pose is asked for.
+        pose: The tool pose in the base; None: joint values are asked for.
+        field: The joint segment that ends there; empty: none.
+    """
+
+    index: int
+    name: str
+    q: Array | None = None
+    pose: Pose | None = None
+    field: str = ""
+
+
+@dataclass(frozen=True)
+class JointLeg:
+    """A joint spline through targets, from where the leg before ended."""
+
+    targets: tuple[JointTarget, ...]
+
+
+@dataclass(frozen=True)
+class ToolLeg:
+    """A tool path, from where the leg before ended."""
+
+    path: ToolPath
+
+
+Leg = JointLeg | ToolLeg
+
+
+def legs_of(path: PathRequest, start: Pose | None, fk: ForwardKinematics) -> list[Leg]:
+    """Return the legs of a path, in order.
+
+    The waypoints are numbered through all legs in the order in which they are passed. Rows are:
+    each of ``path.waypoints``; ``path.begin``; the end of each segment; each pose of a spline; the
+    first point of each named curve.
+
+    Args:
+        path: The path of a request.
+        start: The tool's pose in the base at the start; None: the start is free.
+        fk: Returns rotation (3, 3) and position (3,) [m] of the tool in the base for joint values
+            of shape (dof,); asked for what comes after a joint segment to ``q``.
+
+    Raises:
+        InvalidRequest: The path makes no sense; names the field.
+    """
+    walk = _Walk(path, start, fk)
+    if path.waypoints is not None:
+        walk.waypoints()
+    else:
+        walk.segments()
+    return walk.legs
+
+
+class _Walk:
+    """Goes along a request and collects legs."""
+
+    def __init__(self, path: PathRequest, start: Pose | None, fk: ForwardKinematics) -> None:
+        self._path = path
+        self._frame = PathFrame(path)
+        self._fk = fk
+        self._row = count().__next__
+        self._at = start if start is None else self._stripped(*start)
+        self._name = "the start"
+        self._builder: PathBuilder | None = None
+        self._targets: list[JointTarget] = []
+        self.legs: list[Leg] = []
+
+    def waypoints(self) -> None:
+        """Walk along plain waypoints."""
+        path = self._path
+        poses = [self._frame.pose(waypoint) for waypoint in path.waypoints or ()]
+        names = [f"path.waypoints[{k}]" for k in range(len(poses))]
+        if path.interpolation == "joint":
+            for pose, name in zip(poses, names, strict=True):
+                self._joint_to(name, pose=pose)
+        elif self._at is None or path.approach == "joint":
+            self._go_to(poses.pop(0), names.pop(0))
+        if path.interpolation == "line":
+            for pose, name in zip(poses, names, strict=True):
+                self._tool().add_line(pose, name)
+        elif path.interpolation == "spline" and poses:
+            self._tool().add_spline(poses, names)
+        self._close()
+
+    def segments(self) -> None:
+        """Walk along segments."""
+        path, segments = self._path, self._path.segments or []
+        leaves = self._at is None or path.approach == "joint"
+        if path.begin is not None:
+            pose = self._frame.pose(path.begin)
+            if leaves:
+                self._go_to(pose, "path.begin")
+            else:
+                self._tool().add_line(pose, "path.begin")
+        elif leaves and isinstance(segments[0], LineSegment | ArcSegment):
+            raise InvalidRequest(
+                f"path.segments[0]: where does this {segments[0].type} begin? With a free start "
+                "or a joint approach, path.begin must say",
+                field="path.begin",
+                allowed="the pose at which the first segment begins",
+            )
+        for k, segment in enumerate(segments):
+            field = f"path.segments[{k}]"
+            first = leaves and k == 0 and path.begin is None
+            if isinstance(segment, JointSegment):
+                self._joint_segment(segment, field)
+            elif isinstance(segment, LineSegment):
+                self._tool().add_line_segment(segment, field)
+            elif isinstance(segment, ArcSegment):
+                self._tool().add_arc(segment, field)
+            elif isinstance(segment, SplineSegment):
+                self._spline(segment, field, first)
+            else:
+                self._curve(segment, field, first)
+        self._close()
+
+    def _spline(self, segment: SplineSegment, field: str, first: bool) -> None:
+        poses = [self._frame.pose(waypoint) for waypoint in segment.through]
+        names = [f"{field}.through[{k}]" for k in range(len(poses))]
+        if first:
+            self._go_to(poses.pop(0), names.pop(0))
+        if poses:
+            self._tool().add_spline(poses, names, field, segment.blend)
+
+    def _curve(self, segment: CurveSegment, field: str, first: bool) -> None:
+        if first:
+            before = self._at or Pose(None, np.zeros(3))
+            begin = self._new_builder(before).curve_begin(segment)
+            self._go_to(begin, f"the first point of {field}")
+        self._tool().add_curve(segment, field, mark_first=not first)
+
+    def _joint_segment(self, segment: JointSegment, field: str) -> None:
+        if segment.q is not None:
+            self._joint_to(f"{field}.q", q=np.array(segment.q), field=field)
+        elif segment.to is not None:
+            self._joint_to(f"{field}.to", pose=self._frame.pose(segment.to), field=field)
+
+    def _go_to(self, pose: Pose, name: str) -> None:
+        """Begin the tool path at a pose: by a joint motion, or there if the start is free."""
+        if self._at is None:
+            self._at, self._name = pose, name
+            self._tool().mark_begin()
+        else:
+            self._joint_to(name, pose=pose)
+
+    def _joint_to(
+        self, name: str, q: Array | None = None, pose: Pose | None = None, field: str = ""
+    ) -> None:
+        self._close_tool()
+        self._targets.append(JointTarget(self._row(), name, q, pose, field))
+        self._name = name
+
+    def _tool(self) -> PathBuilder:
+        """The builder of the tool path that is being built."""
+        self._close_joint()
+        if self._builder is None:
+            if self._at is None:
+                raise TypeError("a tool path needs a pose to begin at")
+            self._builder = self._new_builder(self._at)
+        return self._builder
+
+    def _new_builder(self, begin: Pose) -> PathBuilder:
+        free = self._path.orientation_free
+        axis = None if free is None or free == "all" else free.about
+        return PathBuilder(self._frame, begin, self._name, self._row, axis, self._path.blend)
+
+    def _close(self) -> None:
+        self._close_tool()
+        self._close_joint()
+
+    def _close_tool(self) -> None:
+        if self._builder is not None:
+            self.legs.append(ToolLeg(self._builder.finish()))
+            self._at, self._builder = self._builder.end, None
+
+    def _close_joint(self) -> None:
+        if not self._targets:
+            return
+        self.legs.append(JointLeg(tuple(self._targets)))
+        last = self._targets[-1]
+        # Only a tool path needs the pose, and only after joint values it takes kinematics.
+        self._at = self._stripped(*self._fk(last.q)) if last.q is not None else last.pose
+        self._targets = []
+
+    def _stripped(self, R: Array | None, p: Array) -> Pose:
+        return Pose(None if self._frame.positions_only else R, p)

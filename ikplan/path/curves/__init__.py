@@ -1,0 +1,1 @@
+"""Curves: arcs, splines, waves and roses, and their arc length."""

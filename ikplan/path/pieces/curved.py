@@ -1,0 +1,71 @@
+"""Pieces along curves without a closed arc length: splines, waves, roses, blends."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ikplan.path.curves.arc_length import ArcLength
+from ikplan.path.pieces.piece import Motion, Piece
+from ikplan.path.pieces.turning import HeadingTurning, SteadyTurning, Turning
+
+__all__ = ["CurvedPiece"]
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class CurvedPiece(Piece):
+    """A part of a curve, with a law for the orientation or none.
+
+    Attributes:
+        curve: The whole curve.
+        begin: Arc length of the curve at which the piece begins [m].
+        length: Length of the piece [m].
+        turning: The law of the orientation; None: free.
+    """
+
+    curve: ArcLength
+    begin: float
+    length: float
+    turning: Turning | None = None
+    turns: bool = False
+
+    @classmethod
+    def whole(cls, curve: ArcLength, turning: Turning | None = None) -> CurvedPiece:
+        """Return the piece that is all of a curve."""
+        return cls(curve, 0.0, curve.length, turning)
+
+    @property
+    def oriented(self) -> bool:  # type: ignore[override]
+        """Whether an orientation is asked for."""
+        return self.turning is not None
+
+    @property
+    def folds(self) -> tuple[float, ...]:  # type: ignore[override]
+        """Lengths from the piece's begin at which the curve turns back within a point [m]."""
+        inside = (s - self.begin for s in self.curve.folds)
+        return tuple(s for s in inside if 0.0 < s < self.length)
+
+    def evaluate(self, s: Array) -> Motion:
+        """Return poses and derivatives; see :meth:`Piece.evaluate`."""
+        points = self.curve.points(self.begin + s)
+        if self.turning is None:
+            R, w = np.tile(np.eye(3), (len(s), 1, 1)), np.zeros((len(s), 3))
+        else:
+            R, w = self.turning.evaluate(points)
+        return Motion(R, points.p, points.v, w, points.bend)
+
+    def trimmed(self, begin: float, end: float) -> CurvedPiece:
+        """Return a part; see :meth:`Piece.trimmed`."""
+        return replace(self, begin=self.begin + begin, length=end - begin)
+
+    def with_turning(self, R0: Array, rate: Array) -> CurvedPiece:
+        """Return an oriented copy; see :meth:`Piece.with_turning`."""
+        return replace(self, turning=SteadyTurning(self.begin, R0, rate))
+
+    def following(self, R0: Array, axis: Array) -> CurvedPiece:
+        """Return an oriented copy; see :meth:`Piece.following`."""
+        return replace(self, turning=HeadingTurning(self.curve, self.begin, R0, axis))

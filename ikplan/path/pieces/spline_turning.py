@@ -1,0 +1,90 @@
+"""Orientations led smoothly through rotations."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.interpolate import CubicSpline, PPoly
+
+from ikplan.path.curves.arc_length import CurvePoints
+from ikplan.path.pieces.piece import dot
+from ikplan.path.rotation.so3 import rotation_of
+
+__all__ = ["SplineTurning"]
+
+Array = NDArray[np.float64]
+
+_SWINGS = 0.4
+"""Farther than this from unit length, the quaternions turn back and forth when scaled to it."""
+
+
+class SplineTurning:
+    """Leads the orientation through rotations with continuous angular acceleration.
+
+    The natural cubic spline of the unit quaternions in R^4, each on the side of the one before,
+    brought back to unit length. Left and right multiplication by a unit quaternion are isometries
+    of R^4, so that the curve depends on no frame; neither does it on the direction of travel.
+    (Interpolation in the embedding space: Gawlik and Leok, Found. Comput. Math. 18, 2018.)
+
+    Its knots are the arc lengths. Where much turning on a short way is next to a long way, such a
+    spline would swing far to and fro; its knots are then the sum of the shares of length and of
+    turning, and a monotone quintic, C2 as well, leads from arc length to that parameter.
+
+    Args:
+        s: Arc lengths of the rotations, shape (k,), k >= 2, increasing [m].
+        quaternions: Unit quaternions (x, y, z, w), shape (k, 4), neighbours less than pi apart.
+
+    Attributes:
+        off_sphere: How far the spline in R^4 gets from unit length.
+        worst_span: Where, 0 for the span between the first two rotations.
+    """
+
+    def __init__(self, s: Array, quaternions: Array) -> None:
+        q = quaternions.copy()
+        signs = np.cumprod(np.where(dot(q[1:], q[:-1]) < 0.0, -1.0, 1.0))
+        q[1:] *= signs[:, None]
+        self._warp: PPoly | None = None
+        self._fit(s, q)
+        if self.off_sphere > _SWINGS:
+            angles = 2.0 * np.arccos(np.minimum(dot(q[1:], q[:-1]), 1.0))
+            steps = np.diff(s) / (s[-1] - s[0]) + angles / angles.sum()
+            knots = np.concatenate([[0.0], np.cumsum(steps)])
+            self._warp = _monotone(s, knots)
+            self._fit(knots, q)
+
+    def _fit(self, knots: Array, q: Array) -> None:
+        self._spline = CubicSpline(knots, q, axis=0, bc_type="natural")
+        between = self._spline(np.linspace(knots[:-1], knots[1:], 9).ravel())
+        off = np.abs(np.linalg.norm(between, axis=1) - 1.0).reshape(9, -1).max(axis=0)
+        self.worst_span, self.off_sphere = int(np.argmax(off)), float(off.max())
+
+    def evaluate(self, points: CurvePoints) -> tuple[Array, Array]:
+        """See :class:`~ikplan.path.pieces.turning.Turning`."""
+        at, speed = points.s, np.ones_like(points.s)
+        if self._warp is not None:
+            at, speed = self._warp(points.s), self._warp(points.s, 1)
+        q, dq = self._spline(at), self._spline(at, 1) * speed[:, None]
+        norm = np.linalg.norm(q, axis=1)[:, None]
+        q, dq = q / norm, dq / norm
+        # Angular rate 2 dq q*, of which the part of dq along q adds only to the real part.
+        v, w = q[:, :3], q[:, 3:]
+        rate = 2.0 * (w * dq[:, :3] - dq[:, 3:] * v - np.cross(dq[:, :3], v))
+        return rotation_of(q), rate
+
+
+def _monotone(x: Array, y: Array) -> PPoly:
+    """The C2 piecewise quintic through increasing points, increasing too.
+
+    Slopes are harmonic means of those of the chords on either side, so at most twice the smaller,
+    and second derivatives 0: by the Bernstein form of its slope such a quintic does not fall.
+    """
+    h, chord = np.diff(x), np.diff(y) / np.diff(x)
+    slope = np.concatenate(
+        [chord[:1], 2.0 * chord[1:] * chord[:-1] / (chord[1:] + chord[:-1]), chord[-1:]]
+    )
+    a, b = slope[:-1] - chord, slope[1:] - chord
+    nil = np.zeros_like(h)
+    # In powers of t = (x - x_k) / h: the chord, and what the slopes differ from it.
+    rows = [-3.0 * (a + b), 8.0 * a + 7.0 * b, -6.0 * a - 4.0 * b, nil, slope[:-1]]
+    powers = [row * h ** (-power) for row, power in zip(rows, (4, 3, 2, 1, 0), strict=True)]
+    return PPoly(np.array([*powers, y[:-1]]), x)

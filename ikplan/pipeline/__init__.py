@@ -1,0 +1,1 @@
+"""The stages in the order they run: plans, timings, poses, warm-up and ids."""

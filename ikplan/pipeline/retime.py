@@ -1,0 +1,193 @@
+"""Timing without planning: a joint path in, a certified joint trajectory out."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ikplan._version import __version__
+from ikplan.certificate import Claim, LimitedWaypoints, certify
+from ikplan.documents import parse
+from ikplan.documents.timing_request import TimingRequest
+from ikplan.documents.trajectory import Stats, WaypointResults
+from ikplan.errors import InvalidRequest
+from ikplan.joint_path import JointPath
+from ikplan.limits.motion_limits import LimitedStretch, MotionLimits
+from ikplan.pipeline.identity import plan_id, with_tool
+from ikplan.pipeline.timing_stage import joint_limits, time_motion, warm_up_timing
+from ikplan.planning import Progress, TimeBudget
+from ikplan.plans.plan import Plan
+from ikplan.robots import Robot, catalogue_robot
+
+__all__ = ["time_path", "time_request"]
+
+Array = NDArray[np.float64]
+
+
+def time_path(
+    robot: Robot,
+    joint_waypoints: ArrayLike,
+    *,
+    rate_hz: float | None = None,
+    velocity_scale: float = 1.0,
+    acceleration_scale: float = 1.0,
+    limits: Mapping[str, Any] | None = None,
+    rest_at: Sequence[int] = (),
+    segments: Sequence[Mapping[str, Any]] = (),
+) -> Plan:
+    """Move through joint waypoints as fast as the limits allow, from rest to rest.
+
+    Args:
+        robot: The robot, with its tool.
+        joint_waypoints: Joint values, waypoints or samples of a path, shape (n, dof), n >= 1
+            [rad or m]. A cubic spline is laid through them.
+        rate_hz: Samples per second [Hz]; None: one a cycle of the robot's controller, or 250.
+        velocity_scale: Share of the robot's velocity limits.
+        acceleration_scale: Share of the robot's acceleration limits.
+        limits: More limits, as in a request: ``{"jerk": 100, "tool_speed": 0.25, ...}``; without
+            ``jerk``, the maker's jerk limits hold where published, ``False``: none.
+        rest_at: Indices of waypoints where the motion stops and may turn a sharp corner.
+        segments: Parts with limits of their own, as in a request:
+            ``{"first": 2, "last": 5, "limits": {"tool_speed": 0.1}}``, by indices of waypoints.
+
+    Returns:
+        The certified trajectory: ``.time``, ``.q``, ``.dq``, ``.ddq``, ``.certificate``, ...
+
+    Raises:
+        InvalidRequest: A limit, the rate or the waypoints are wrong: which, and why.
+        TimingFailed: No timing under the limits.
+        CertificateViolated: The finished trajectory broke a promise: a bug.
+    """
+    options = {
+        "velocity_scale": velocity_scale,
+        "acceleration_scale": acceleration_scale,
+        **(limits or {}),
+    }
+    document = {
+        "robot": robot.name or "robot",
+        "waypoints": joint_waypoints,
+        "rest_at": list(rest_at),
+        "limits": options,
+        "segments": list(segments),
+        "sampling": {"rate_hz": rate_hz},
+        "budget_s": 3600,
+    }
+    return time_request(document, robot=robot)
+
+
+def time_request(
+    request: Mapping[str, Any] | TimingRequest,
+    *,
+    robot: Robot | None = None,
+    progress: Progress | None = None,
+) -> Plan:
+    """Time the joint path of a request.
+
+    Args:
+        request: The request document.
+        robot: The robot, for one that is not in the catalogue; None: load it by name. Its tool
+            stands unless the request has one.
+        progress: Is called with the name of each stage as it begins: ``progress("timing", 0, 0)``.
+
+    Returns:
+        The certified trajectory. The same request gives the same id and the same trajectory.
+
+    Raises:
+        InvalidRequest: A field of the request is wrong.
+        RobotNotFound: No robot of that name.
+        TimingFailed: No timing under the limits.
+        BudgetExceeded: ``budget_s`` ran out.
+        CertificateViolated: The finished trajectory broke a promise: a bug.
+    """
+    request = parse(TimingRequest, request)
+    robot = robot or catalogue_robot(request.robot)
+    robot = with_tool(robot, request.tool)
+    limits = MotionLimits.of(robot, request.limits)
+    asked = _rows(request.waypoints, robot)
+    stretches = _stretches(request, robot, limits)
+    segments = tuple(
+        LimitedWaypoints(f"segments[{k}]", part.first, part.last, part.limits)
+        for k, part in enumerate(request.segments)
+    )
+    warm_up_timing(any(x.jerk is not None for x in (limits, *(s.limits for s in stretches))))
+    clock = TimeBudget(request.budget_s, progress)
+    with clock.stage("planning"):
+        path = JointPath.through(asked, joint_limits(robot, limits), rest_at=request.rest_at)
+        # Waypoints too close to tell apart are passed as one.
+        waypoints = path.q_knots[path.knot_of_waypoint]
+    with clock.stage("timing"):
+        timing = time_motion(path, robot, limits, request.sampling, stretches, clock.check)
+        waypoint_time = timing.timed.times
+    with clock.stage("certificate"):
+        samples = timing.samples
+        certificate = certify(
+            Claim(
+                robot,
+                None,
+                waypoints[0],
+                waypoints,
+                waypoint_time,
+                samples.time,
+                samples.q,
+                samples.dq,
+                samples.ddq,
+                limits,
+                segments,
+            )
+        )
+    distances = [
+        float(np.linalg.norm(robot.fk(wanted).translation - robot.fk(passed).translation))
+        for wanted, passed in zip(asked, waypoints, strict=True)
+    ]
+    steps = np.diff(np.vstack([waypoints[:1], waypoints]), axis=0)
+    return Plan(
+        id=plan_id(request, robot),
+        version=__version__,
+        robot=request.robot,
+        joint_names=list(robot.joint_names),
+        joint_units=["m" if slides else "rad" for slides in robot.prismatic],
+        waypoints=WaypointResults(
+            q=waypoints,
+            time=waypoint_time,
+            position_error=np.array(distances),
+            orientation_error=[None] * len(waypoints),
+            elongation=np.linalg.norm(steps, axis=1),
+        ),
+        trajectory=timing.trajectory,
+        certificate=certificate,
+        timing=timing.report,
+        motion=timing.motion,
+        controller=None if robot.controller is None else robot.controller.info(),
+        stats=Stats(ik_evaluations=0, seconds=clock.seconds),
+    )
+
+
+def _stretches(request: TimingRequest, robot: Robot, limits: MotionLimits) -> list[LimitedStretch]:
+    """The parts of the path with limits of their own."""
+    found, count = [], len(request.waypoints)
+    for k, part in enumerate(request.segments):
+        if part.last >= count:
+            raise InvalidRequest(
+                f"segments[{k}].last: there is no waypoint {part.last}",
+                field=f"segments[{k}].last",
+                allowed=f"1 to {count - 1}",
+            )
+        own = limits.within(robot, part.limits, f"segments[{k}].limits")
+        found.append(LimitedStretch(f"segments[{k}]", part.first, part.last, own))
+    return found
+
+
+def _rows(waypoints: list[list[float]], robot: Robot) -> Array:
+    """The waypoints as an array of shape (n, dof)."""
+    for i, row in enumerate(waypoints):
+        if len(row) != robot.dof:
+            raise InvalidRequest(
+                f"waypoints[{i}]: {robot.dof} values wanted ({', '.join(robot.joint_names)}), "
+                f"got {len(row)}",
+                field=f"waypoints[{i}]",
+                allowed=f"{robot.dof} numbers",
+            )
+    return np.array(waypoints, dtype=np.float64)

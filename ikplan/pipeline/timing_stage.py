@@ -1,0 +1,259 @@
+"""The timing stage: a joint path and its limits to a timed, sampled motion and why it takes so."""
+
+from __future__ import annotations
+
+import functools
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import pinocchio as pin
+
+from ikplan.documents.limits import LimitOptions, SamplingOptions
+from ikplan.documents.timing_report import BindingLimit, PathMotion, TimingReport, WiderLimit
+from ikplan.documents.trajectory import Trajectory
+from ikplan.joint_path import JointPath
+from ikplan.limits import JointLimits
+from ikplan.limits.motion_limits import LimitedStretch, MotionLimits
+from ikplan.robots import Robot, catalogue_robot
+from ikplan.timing import (
+    PathConstraint,
+    Samples,
+    SegmentLimits,
+    TimedPath,
+    ToolLimits,
+    TorqueLimits,
+    binding,
+    knots,
+    periods,
+    sampled_within_limits,
+    time_joint_path,
+    what_if,
+)
+from ikplan.timing.constraints.models import inverse_dynamics, tool_motion
+from ikplan.timing.engines.engine import Check, unlimited
+
+__all__ = ["Timing", "joint_limits", "sampling_rate", "time_motion", "warm_up_timing"]
+
+DEFAULT_RATE_HZ = 250.0
+"""Samples per second where neither the request nor a controller says [Hz]."""
+
+# How many of the limits that bind are asked what they cost, and how much of the time they must.
+_ASKED = 3
+_ASKED_OF_SLOW = 1  # where timing again takes long: limits of jerks, torques and the tool
+_LEAST_SHARE = 0.05
+_WIDER = 1.1
+
+
+@dataclass(frozen=True, eq=False)
+class Timing:
+    """A timed joint path.
+
+    Attributes:
+        timed: The motion.
+        samples: Samples at the controller's period, and where the trajectory has others, those
+            too: what the certificate looks at.
+        trajectory: Samples in the form asked for.
+        motion: The motion as polynomials, if they were asked for.
+        report: Why it takes as long as it does.
+    """
+
+    timed: TimedPath
+    samples: Samples
+    trajectory: Trajectory
+    motion: PathMotion | None
+    report: TimingReport
+
+
+def joint_limits(robot: Robot, limits: MotionLimits) -> JointLimits:
+    """Return what bounds the joints of a motion."""
+    return JointLimits(
+        lower=robot.lower,
+        upper=robot.upper,
+        velocity=limits.velocity,
+        velocity_lower=limits.velocity_lower,
+        acceleration=limits.acceleration,
+        acceleration_lower=limits.acceleration_lower,
+        jerk=limits.jerk,
+        joint_names=tuple(robot.joint_names),
+    )
+
+
+def sampling_rate(robot: Robot, sampling: SamplingOptions) -> tuple[float, str]:
+    """Return how many samples a second a trajectory has [Hz], and who says so.
+
+    Args:
+        robot: The robot.
+        sampling: Samples asked for.
+
+    Returns:
+        The rate, and "request", "controller" (one sample a cycle) or "default".
+    """
+    if sampling.rate_hz is not None:
+        return sampling.rate_hz, "request"
+    if robot.controller is not None:
+        return 1.0 / robot.controller.cycle, "controller"
+    return DEFAULT_RATE_HZ, "default"
+
+
+def time_motion(
+    path: JointPath,
+    robot: Robot,
+    limits: MotionLimits,
+    sampling: SamplingOptions,
+    stretches: Sequence[LimitedStretch] = (),
+    check: Check = unlimited,
+) -> Timing:
+    """Move along a joint path as fast as the limits allow, and sample the motion.
+
+    Args:
+        path: The path.
+        robot: The robot, with its tool.
+        limits: What the motion has to keep.
+        sampling: Samples wanted.
+        stretches: Stretches between waypoints of the path with limits of their own.
+        check: Is called now and then, and may end the stage by an error of its own.
+
+    Returns:
+        The motion.
+
+    Raises:
+        InvalidRequest: The motion is too long for the rate.
+        TimingFailed: No timing under the limits: where, which joint, which limit.
+    """
+    constraints = _constraints(robot, limits)
+    segments = []
+    for stretch in stretches:
+        start, end = (float(s) for s in path.s_waypoints[[stretch.first, stretch.last]])
+        if start < end:
+            segments.append(SegmentLimits(start, end, joint_limits(robot, stretch.limits)))
+            constraints += _constraints(robot, stretch.limits, limits, start, end)
+    free = time_joint_path(
+        path,
+        joint_limits(robot, limits),
+        segments=segments,
+        constraints=constraints,
+        check=check,
+    )
+    rate_hz, rate_source = sampling_rate(robot, sampling)
+    at_nodes = sampling.form == "knots"
+    timed, samples = sampled_within_limits(free, rate_hz, constraints, at_nodes, check)
+    shown = knots(timed) if at_nodes else samples
+    return Timing(
+        timed=timed,
+        samples=samples,
+        trajectory=Trajectory(time=shown.time, q=shown.q, dq=shown.dq, ddq=shown.ddq),
+        motion=_motion(timed) if sampling.form == "polynomial" else None,
+        report=_report(
+            free,
+            check,
+            duration=timed.duration,
+            rate_hz=rate_hz,
+            rate_source=rate_source,
+            grid_factor=timed.duration / free.duration if free.duration > 0.0 else 1.0,
+            jerk_source=limits.jerk_source,
+            zero_end_acceleration=not samples.ddq[[0, -1]].any(),
+        ),
+    )
+
+
+def _constraints(
+    robot: Robot,
+    limits: MotionLimits,
+    known: MotionLimits | None = None,
+    start: float = 0.0,
+    end: float = np.inf,
+) -> list[PathConstraint]:
+    """Return the limits on the tool and on the torques in a range; not those ``known`` has too."""
+    constraints: list[PathConstraint] = []
+    rates = (*limits.tool_speed, *limits.tool_acceleration)
+    same = known is not None and rates == (*known.tool_speed, *known.tool_acceleration)
+    if np.isfinite(rates).any() and not same:
+        v, w, dv, dw = (value if np.isfinite(value) else None for value in rates)
+        constraints.append(ToolLimits(tool_motion(robot), v, w, dv, dw, start, end))
+    if limits.torque is not None and (known is None or _more_torque(limits, known)):
+        payload = None
+        if limits.payload_mass > 0.0:
+            payload = pin.Inertia(limits.payload_mass, limits.payload_position, np.zeros((3, 3)))
+        dynamics = inverse_dynamics(robot, payload)
+        names = tuple(robot.joint_names)
+        constraints.append(TorqueLimits(dynamics, limits.torque, names, start, end))
+    return constraints
+
+
+def _more_torque(limits: MotionLimits, known: MotionLimits) -> bool:
+    """Whether limits ask more of the torques than others that hold as well."""
+    load = (limits.payload_mass, *limits.payload_position)
+    return limits.torque is not known.torque or load != (
+        known.payload_mass,
+        *known.payload_position,
+    )
+
+
+def _report(
+    timed: TimedPath, check: Check, *, duration: float, rate_hz: float, **said: Any
+) -> TimingReport:
+    """Say why a motion takes as long as it does.
+
+    Args:
+        timed: The motion, before it is slowed to end at a sample.
+        check: As for :func:`time_motion`.
+        duration: Its duration after that [s].
+        rate_hz: Samples per second [Hz].
+        said: What else the report says.
+    """
+    found = binding(timed)
+    shares = found.summary()
+    slow = timed.jerk_limited or any(span.problem.constraints for span in timed.spans)
+    most = _ASKED_OF_SLOW if slow else _ASKED
+    asked = [s for s in shares if s.share >= _LEAST_SHARE][:most]
+    wider = [what_if(timed, s.limit, s.joint, _WIDER, check) for s in asked]
+    return TimingReport(
+        duration=duration,
+        unlimited_duration=timed.unlimited_duration if timed.jerk_limited else duration,
+        rate_hz=rate_hz,
+        **said,
+        binding=[BindingLimit(limit=s.limit, joint=s.joint, share=s.share) for s in shares],
+        summary=found.sentence(),
+        what_if=[
+            WiderLimit(
+                limit=w.limit,
+                joint=w.joint,
+                factor=w.factor,
+                duration=periods(w.duration, rate_hz) / rate_hz,
+            )
+            for w in wider
+        ],
+    )
+
+
+def _motion(timed: TimedPath) -> PathMotion:
+    path = timed.path
+    return PathMotion(
+        s_knots=path.s_knots,
+        q_knots=path.q_knots,
+        tangents_start=path.tangents_start,
+        tangents_end=path.tangents_end,
+        node_time=timed.node_times,
+        node_s=timed.s,
+        node_sdot=timed.sdot,
+        node_sddot=timed.sddot,
+        pieces=[] if timed.jerk_limited else [int(p) for p in timed.pieces],
+    )
+
+
+@functools.cache
+def warm_up_timing(jerk: bool) -> None:
+    """Load, or compile, the kernels of the timing once a process: no part of any budget.
+
+    Args:
+        jerk: Whether those of jerk-limited timing too.
+    """
+    robot = catalogue_robot("ur5")
+    options = LimitOptions(
+        jerk=100.0 if jerk else False, tool_speed=1.0, tool_acceleration=50.0, torque=True
+    )
+    limits = MotionLimits.of(robot, options)
+    path = JointPath.through([robot.home, robot.home + 0.1], joint_limits(robot, limits))
+    time_motion(path, robot, limits, SamplingOptions())

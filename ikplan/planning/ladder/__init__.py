@@ -1,0 +1,1 @@
+"""The ladder graph of IK solutions, the shortest paths through it, and their shortening."""

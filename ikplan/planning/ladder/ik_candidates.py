@@ -1,0 +1,164 @@
+"""For each waypoint a diverse set of solutions.
+
+Seeds are the solutions of the waypoint before (which follow their branch), the members of a
+metaheuristic's last population, and points spread evenly over the joint space (which find new
+branches, and new places on the self-motion manifold of a redundant arm). Each is refined, brought
+to the 2 pi copy nearest to the start, and kept unless it doubles another.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ikplan._jit import kernel
+from ikplan.ik.levenberg_marquardt import Effort, Workspace, new_workspace, refine
+from ikplan.ik.restarts import nearest_turns, restart_into
+from ikplan.kinematics.chain import Chain
+from ikplan.kinematics.target import Freedom, Target, constraint_rows
+
+__all__ = ["Candidates", "Targets", "sample_ik_solutions", "target_at"]
+
+Array = NDArray[np.float64]
+
+_FAR = 0.6
+"""Where every solution moves a joint by more than this on the way to the next waypoint, the ones
+found there are no guide to all there are [rad or m]."""
+
+
+class Targets(NamedTuple):
+    """The targets of a path as arrays.
+
+    Attributes:
+        R: Rotations wanted in the base, shape (n, 3, 3).
+        p: Positions wanted in the base, shape (n, 3) [m].
+        oriented: Whether the rotation counts, shape (n,).
+        weight: What one radian weighs against one metre, shape (n,) [m/rad].
+        freedom: What need not hold at any of them.
+    """
+
+    R: Array
+    p: Array
+    oriented: NDArray[np.bool_]
+    weight: Array
+    freedom: Freedom
+
+
+class Candidates(NamedTuple):
+    """Solutions of each waypoint.
+
+    Attributes:
+        q: Solutions, shape (n, cap, dof) [rad or m].
+        counts: How many each waypoint has, shape (n,).
+        evaluations: Forward-kinematics evaluations spent, shape (1,).
+    """
+
+    q: Array
+    counts: NDArray[np.int64]
+    evaluations: NDArray[np.int64]
+
+
+@kernel
+def target_at(targets: Targets, k: int) -> Target:
+    """Return target k."""
+    return Target(
+        targets.R[k], targets.p[k], targets.oriented[k], targets.weight[k], targets.freedom
+    )
+
+
+@kernel
+def _apart(a: Array, b: Array) -> float:
+    """Return the largest difference of a joint."""
+    apart = 0.0
+    for k in range(a.shape[0]):
+        apart = max(apart, abs(a[k] - b[k]))
+    return apart
+
+
+@kernel
+def _keep(q: Array, spacing: float, row: Array, count: int) -> int:
+    """Add q to the solutions of a waypoint unless one is nearer than ``spacing``; the new count."""
+    if count == row.shape[0]:
+        return count
+    for i in range(count):
+        if _apart(row[i], q) < spacing:
+            return count
+    row[count] = q
+    return count + 1
+
+
+@kernel
+def sample_ik_solutions(
+    chain: Chain,
+    targets: Targets,
+    seeds: Array,
+    q_start: Array,
+    lower: Array,
+    upper: Array,
+    cap: int,
+    first: int,
+    fresh: int,
+    shift: float,
+    tolerance: float,
+) -> Candidates:
+    """Find solutions of every waypoint.
+
+    Args:
+        chain: The chain from base to tool, with dof joint values.
+        targets: The n targets.
+        seeds: Further seeds of each waypoint, shape (n, k, dof) [rad or m].
+        q_start: Configuration to be near to, shape (dof,) [rad or m].
+        lower: Lower position limits, -inf for a joint without, shape (dof,) [rad or m].
+        upper: Upper position limits, inf for a joint without, shape (dof,) [rad or m].
+        cap: Most solutions kept of a waypoint.
+        first: Evenly spread seeds of the first waypoint, and of one far from the one before.
+        fresh: Evenly spread seeds of every other waypoint.
+        shift: Shift of the spread seeds, in [0, 1).
+        tolerance: Error that counts as solved [m and rad].
+
+    Returns:
+        The solutions, each joint at its 2 pi copy nearest to the start; those that follow the ones
+        before come first, in their order.
+    """
+    n, dof = targets.p.shape[0], q_start.shape[0]
+    found = Candidates(
+        np.empty((n, cap, dof)), np.zeros(n, dtype=np.int64), np.zeros(1, dtype=np.int64)
+    )
+    w: Workspace = new_workspace(chain)
+    q = np.empty(dof)
+    spread_lower, spread_upper = lower.copy(), upper.copy()
+    for d in range(dof):
+        if not math.isfinite(upper[d] - lower[d]):
+            spread_lower[d], spread_upper[d] = q_start[d] - math.pi, q_start[d] + math.pi
+    spread = 0
+    for k in range(n):
+        target = target_at(targets, k)
+        redundant = dof > constraint_rows(target)
+        spacing = 0.08 if redundant else 1e-4
+        before = found.counts[k - 1] if k > 0 else 0
+        given = before + 1 + seeds.shape[1]
+        count, nearest = 0, np.inf
+        for s in range(given + max(first, fresh)):
+            if s == given + fresh and nearest <= _FAR:
+                break
+            if s < before:
+                q[:] = found.q[k - 1, s]
+            elif s == before:
+                q[:] = q_start
+            elif s < given:
+                q[:] = seeds[k, s - before - 1]
+            else:
+                restart_into(spread, shift, spread_lower, spread_upper, q)
+                spread += 1
+            distance, angle, spent = refine(chain, target, q, lower, upper, Effort(25, 5), w)
+            found.evaluations[0] += spent
+            if distance <= tolerance and angle <= tolerance:
+                if s < before:
+                    nearest = min(nearest, _apart(q, found.q[k - 1, s]))
+                nearest_turns(chain, q, q_start, lower, upper)
+                count = _keep(q, spacing, found.q[k], count)
+        found.counts[k] = count
+    return found

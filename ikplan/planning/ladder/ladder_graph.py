@@ -1,0 +1,204 @@
+"""The least joint motion through one candidate per waypoint: shortest paths over the ladder.
+
+The shortest path over the candidates is not always the one that is shortest after the polish, so
+several that really differ are offered.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ikplan._jit import kernel
+from ikplan.kinematics.chain import Chain
+from ikplan.planning.ladder.equivalent_configurations import (
+    joints_with_full_turn,
+    nearest_copy,
+    shortest_over_equivalents,
+)
+from ikplan.planning.ladder.ik_candidates import Candidates
+from ikplan.planning.ladder.joint_length import joint_path_length
+
+__all__ = ["diverse_shortest_paths"]
+
+Array = NDArray[np.float64]
+Indices = NDArray[np.int64]
+
+
+@kernel
+def _step_to(
+    q: Array, q_before: Array, turns: NDArray[np.bool_], lower: Array, upper: Array
+) -> float:
+    """Return the distance to q, each joint at its copy nearest to where it is."""
+    total = 0.0
+    for d in range(q.shape[0]):
+        value = nearest_copy(q[d], q_before[d], lower[d], upper[d]) if turns[d] else q[d]
+        total += (value - q_before[d]) ** 2
+    return math.sqrt(total)
+
+
+@kernel
+def _turn_to(
+    q: Array, q_before: Array, turns: NDArray[np.bool_], lower: Array, upper: Array, out: Array
+) -> None:
+    """Write q with each joint at its copy nearest to where it is."""
+    for d in range(q.shape[0]):
+        out[d] = nearest_copy(q[d], q_before[d], lower[d], upper[d]) if turns[d] else q[d]
+
+
+@kernel
+def _climb(
+    candidates: Candidates,
+    q_start: Array,
+    start_free: bool,
+    turns: NDArray[np.bool_],
+    lower: Array,
+    upper: Array,
+) -> tuple[Array, Indices, Array]:
+    """Least joint motion from the start to every candidate, and the candidate before it there.
+
+    Turns are chosen on the way: each joint goes to the copy nearest to where the motion has
+    brought it.
+
+    Returns:
+        Costs, shape (n, cap), inf where there is no candidate; parents, shape (n, cap); and the
+        candidates turned as they are reached, shape (n, cap, dof).
+    """
+    n, cap, _ = candidates.q.shape
+    cost = np.full((n, cap), np.inf)
+    parent = np.zeros((n, cap), dtype=np.int64)
+    reached = candidates.q.copy()
+    for j in range(candidates.counts[0]):
+        if start_free:
+            cost[0, j] = 0.0
+        else:
+            cost[0, j] = _step_to(candidates.q[0, j], q_start, turns, lower, upper)
+            _turn_to(candidates.q[0, j], q_start, turns, lower, upper, reached[0, j])
+    for k in range(1, n):
+        for j in range(candidates.counts[k]):
+            q = candidates.q[k, j]
+            for i in range(candidates.counts[k - 1]):
+                if cost[k - 1, i] < cost[k, j]:
+                    total = cost[k - 1, i] + _step_to(q, reached[k - 1, i], turns, lower, upper)
+                    if total < cost[k, j]:
+                        cost[k, j] = total
+                        parent[k, j] = i
+            _turn_to(q, reached[k - 1, parent[k, j]], turns, lower, upper, reached[k, j])
+    return cost, parent, reached
+
+
+@kernel
+def _descend(candidates: Candidates, turns: NDArray[np.bool_]) -> tuple[Array, Indices]:
+    """Least joint motion from every candidate to the end, and the candidate after it there.
+
+    As if no limit stood in the way of a turn: where the motion will have brought a joint by then
+    is not known yet.
+    """
+    n, cap, _ = candidates.q.shape
+    cost = np.full((n, cap), np.inf)
+    child = np.zeros((n, cap), dtype=np.int64)
+    for j in range(candidates.counts[n - 1]):
+        cost[n - 1, j] = 0.0
+    endless = np.full(turns.shape[0], np.inf)
+    for back in range(n - 1):
+        k = n - 2 - back
+        for j in range(candidates.counts[k]):
+            q = candidates.q[k, j]
+            for i in range(candidates.counts[k + 1]):
+                if cost[k + 1, i] < cost[k, j]:
+                    step = _step_to(candidates.q[k + 1, i], q, turns, -endless, endless)
+                    if cost[k + 1, i] + step < cost[k, j]:
+                        cost[k, j] = cost[k + 1, i] + step
+                        child[k, j] = i
+    return cost, child
+
+
+@kernel
+def diverse_shortest_paths(
+    chain: Chain,
+    candidates: Candidates,
+    q_start: Array,
+    start_free: bool,
+    lower: Array,
+    upper: Array,
+    most: int,
+    apart: float,
+    slack: float,
+) -> Array:
+    """Return the shortest paths over the ladder that really differ, shortest first.
+
+    Every candidate has a shortest path through it; they are taken in order of length, leaving out
+    candidates near to a path taken already.
+
+    Args:
+        chain: The chain from base to tool.
+        candidates: Candidates of each waypoint; each waypoint has at least one.
+        q_start: The start, shape (dof,) [rad or m].
+        start_free: Whether the motion may begin at any candidate of the first waypoint.
+        lower: Lower position limits, -inf for a joint without, shape (dof,) [rad or m].
+        upper: Upper position limits, inf for a joint without, shape (dof,) [rad or m].
+        most: Most paths to return.
+        apart: Paths differ when some joint is this far apart at some waypoint [rad or m].
+        slack: Paths longer than (1 + slack) times the shortest are left out.
+
+    Returns:
+        Paths, shape (m, n, dof), 1 <= m <= most [rad or m].
+    """
+    n, cap, dof = candidates.q.shape
+    turns = joints_with_full_turn(chain, lower, upper)
+    up, parent, reached = _climb(candidates, q_start, start_free, turns, lower, upper)
+    down, child = _descend(candidates, turns)
+    through = (up + down).reshape(n * cap)
+    order = np.argsort(through, kind="mergesort")
+    paths = np.empty((most, n, dof))
+    found = 0
+    for at in order:
+        if found == most or not through[at] <= (1.0 + slack) * through[order[0]]:
+            break
+        middle, j = at // cap, at % cap
+        if not _away(paths[:found, middle], reached[middle, j], apart):
+            continue  # and where the path through it is away, its candidate there comes by itself
+        i = j
+        for back in range(middle + 1):
+            k = middle - back
+            paths[found, k] = reached[k, i]
+            i = parent[k, i]
+        i = j
+        for k in range(middle + 1, n):
+            i = child[k - 1, i]
+            _turn_to(candidates.q[k, i], paths[found, k - 1], turns, lower, upper, paths[found, k])
+        found += 1
+    if _has_copies(turns, lower, upper):
+        best, length = 0, np.inf
+        for i in range(found):
+            total = joint_path_length(paths[i], q_start, start_free)
+            if total < length:
+                best, length = i, total
+        shortest = shortest_over_equivalents(
+            candidates.q, candidates.counts, down, q_start, start_free, turns, lower, upper,
+            paths[best].copy(), length * (1.0 + 1e-12)
+        )  # fmt: skip
+        for i in range(best):
+            paths[best - i] = paths[best - i - 1]
+        paths[0] = shortest
+    return paths[:found]
+
+
+@kernel
+def _away(rows: Array, q: Array, apart: float) -> bool:
+    """Whether a configuration differs from each of the rows by so much in some joint."""
+    for i in range(rows.shape[0]):
+        largest = 0.0
+        for d in range(q.shape[0]):
+            largest = max(largest, abs(rows[i, d] - q[d]))
+        if largest < apart:
+            return False
+    return True
+
+
+@kernel
+def _has_copies(turns: NDArray[np.bool_], lower: Array, upper: Array) -> bool:
+    """Whether a joint with limits has room for a full turn."""
+    return bool(np.any(turns & np.isfinite(upper - lower)))

@@ -1,0 +1,164 @@
+"""The continuous polish: every waypoint slides on its own solution set, all of them together.
+
+Minimises sum ||q_k - q_k-1|| subject to every target and the limits, by Newton steps in the tangent
+spaces of the solution sets. The Hessian is block tridiagonal, so that a step costs time linear in
+the number of waypoints.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ikplan._jit import kernel
+from ikplan.ik.levenberg_marquardt import (
+    Effort,
+    Workspace,
+    differentiate,
+    new_workspace,
+    refine,
+    residual,
+)
+from ikplan.kinematics.chain import Chain
+from ikplan.kinematics.target import Target
+from ikplan.planning.ladder.banded_newton import newton_step
+from ikplan.planning.ladder.ik_candidates import Targets, target_at
+from ikplan.planning.ladder.joint_length import joint_path_length
+
+__all__ = ["polish"]
+
+Array = NDArray[np.float64]
+
+
+@kernel
+def _directions(q: Array, q_start: Array, start_free: bool, u: Array, length: Array) -> None:
+    """Write the direction and the length of the step into each waypoint."""
+    for k in range(q.shape[0]):
+        total = 0.0
+        for d in range(q.shape[1]):
+            before = q_start[d] if k == 0 else q[k - 1, d]
+            u[k, d] = q[k, d] - before
+            total += u[k, d] ** 2
+        length[k] = math.sqrt(total)
+        if k == 0 and start_free:
+            length[k] = np.inf  # no step: no gradient, no curvature
+        scale = 1.0 / length[k] if length[k] > 1e-12 else 0.0
+        for d in range(q.shape[1]):
+            u[k, d] *= scale
+
+
+@kernel
+def _slide(
+    chain: Chain,
+    target: Target,
+    q: Array,
+    basis: Array,
+    step: Array,
+    scale: float,
+    lower: Array,
+    upper: Array,
+    out: Array,
+    w: Workspace,
+) -> int:
+    """Write the waypoint moved by its step and brought back onto its target; the evaluations.
+
+    A step that the limits bar is shortened on its own, so that one waypoint does not hold up all.
+    """
+    evaluations = 0
+    for _ in range(3):
+        for d in range(q.shape[0]):
+            value = q[d]
+            for i in range(step.shape[0]):
+                value += scale * step[i] * basis[i, d]
+            out[d] = min(max(value, lower[d]), upper[d])
+        distance, angle, spent = refine(chain, target, out, lower, upper, Effort(12, 8), w)
+        evaluations += spent
+        if distance <= 1e-9 and angle <= 1e-9:
+            return evaluations
+        scale *= 0.3
+    out[:] = q
+    return evaluations
+
+
+@kernel
+def polish(
+    chain: Chain,
+    targets: Targets,
+    q: Array,
+    q_start: Array,
+    start_free: bool,
+    lower: Array,
+    upper: Array,
+    iterations: int,
+    tolerance: float,
+) -> tuple[float, int]:
+    """Shorten the joint motion through the targets, in place, to a local minimum.
+
+    Args:
+        chain: The chain from base to tool.
+        targets: The n targets.
+        q: In: a solution of each target, out: the shortened ones, shape (n, dof) [rad or m].
+        q_start: The start, shape (dof,) [rad or m].
+        start_free: Whether the motion begins at the first waypoint.
+        lower: Lower bounds, shape (dof,) [rad or m].
+        upper: Upper bounds, shape (dof,) [rad or m].
+        iterations: Largest number of Newton steps.
+        tolerance: Relative gain below which it ends.
+
+    Returns:
+        Sum of the joint distances [rad or m] and evaluations spent.
+    """
+    n, dof = q.shape
+    w: Workspace = new_workspace(chain)
+    basis, rank = np.zeros((n, dof, dof)), np.zeros(n, dtype=np.int64)
+    fixed, place = np.zeros((n, dof), dtype=np.bool_), np.zeros(n + 1, dtype=np.int64)
+    u, length, Jt, trial = (
+        np.empty((n, dof)),
+        np.empty(n),
+        np.empty((n, dof, 6)),
+        np.empty((n, dof)),
+    )
+    best = joint_path_length(q, q_start, start_free)
+    evaluations = 0
+    damping = 1e-3
+    for _ in range(iterations):
+        _directions(q, q_start, start_free, u, length)
+        for k in range(n):
+            residual(chain, target_at(targets, k), q[k], w.e, w)
+            differentiate(chain, target_at(targets, k), w)
+            Jt[k] = w.Jt
+        evaluations += n
+        regular, b = newton_step(u, length, q, Jt, lower, upper, damping, basis, rank, place, fixed)
+        if b.shape[0] == 0:
+            break
+        if not regular:
+            damping = 10.0 * damping
+            continue
+        # No waypoint slides by more than half a radian at once.
+        longest = 0.0
+        for k in range(n):
+            total = 0.0
+            for i in range(rank[k]):
+                total += b[place[k] + i] ** 2
+            longest = max(longest, math.sqrt(total))
+        scale = min(1.0, 0.5 / longest) if longest > 0.0 else 1.0
+        gained = False
+        for _half in range(5):
+            for k in range(n):
+                evaluations += _slide(
+                    chain, target_at(targets, k), q[k], basis[k], b[place[k] : place[k + 1]],
+                    scale, lower, upper, trial[k], w
+                )  # fmt: skip
+            total = joint_path_length(trial, q_start, start_free)
+            if total < best:
+                gained = best - total > tolerance * best
+                best = total
+                q[:] = trial
+                break
+            scale *= 0.4
+        if not gained:
+            break
+        damping = max(0.3 * damping, 1e-6)
+    return best, evaluations

@@ -1,0 +1,80 @@
+"""Ways through targets one after the other: candidates of each, and the shortest joint motions."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ikplan.kinematics.arm import Arm
+from ikplan.planning.ladder.ik_candidates import Candidates, Targets, sample_ik_solutions
+from ikplan.planning.ladder.ladder_graph import diverse_shortest_paths
+from ikplan.planning.ladder.path_shortening import polish
+
+__all__ = ["candidates_of", "polished_ways"]
+
+Array = NDArray[np.float64]
+
+_CAP = 40
+"""Candidates kept of a target."""
+_FIRST = 100
+"""Evenly spread seeds of the first target, and of one far from the one before."""
+_FRESH = 4
+"""Evenly spread seeds of every further target."""
+_PATHS = 6
+"""Paths over the ladder that are polished."""
+_EXACT = 1e-9
+"""Error that counts as none [m and rad]."""
+
+
+def candidates_of(
+    arm: Arm, targets: Targets, q_start: Array, seeds: Array | None = None, seed: int = 0
+) -> Candidates:
+    """Return a diverse set of solutions of each of n targets.
+
+    Args:
+        arm: The arm.
+        targets: The targets.
+        q_start: Where the arm is, shape (dof,) [rad or m].
+        seeds: Configurations to begin from at each target, shape (n, k, dof); None: none.
+        seed: Which series of evenly spread seeds.
+    """
+    if seeds is None:
+        seeds = np.empty((len(targets.p), 0, arm.dof))
+    return sample_ik_solutions(
+        arm.chain,
+        targets,
+        seeds,
+        q_start,
+        arm.lower,
+        arm.upper,
+        _CAP,
+        _FIRST,
+        _FRESH,
+        (0.5 + seed * 0.6180339887498949) % 1.0,
+        _EXACT,
+    )
+
+
+def polished_ways(
+    arm: Arm, targets: Targets, candidates: Candidates, q_start: Array, start_free: bool
+) -> Iterator[tuple[float, Array, int]]:
+    """Yield the shortest paths over the candidates that really differ, each polished.
+
+    Args:
+        arm: The arm.
+        targets: The n targets.
+        candidates: Solutions of each, one at least.
+        q_start: Where the arm is, shape (dof,) [rad or m].
+        start_free: Whether the motion begins at the first target.
+
+    Yields:
+        Joint motion [rad or m], configurations, shape (n, dof), and evaluations spent.
+    """
+    lower, upper = arm.lower, arm.upper
+    for q in diverse_shortest_paths(
+        arm.chain, candidates, q_start, start_free, lower, upper, _PATHS, 0.6, 0.1
+    ):
+        length, spent = polish(arm.chain, targets, q, q_start, start_free, lower, upper, 60, 1e-5)
+        yield length, q, spent

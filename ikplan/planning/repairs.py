@@ -1,0 +1,254 @@
+"""What would make a path feasible: changes of the request, each tried before it is offered."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ikplan.documents.plan_request import Frame, PathRequest
+from ikplan.errors import BudgetExceeded, Disconnected, InvalidRequest, Unreachable
+from ikplan.ik.solve import NoSolution, PoseSolver
+from ikplan.kinematics.forward import forward
+from ikplan.kinematics.target import Target, pose_target
+from ikplan.path import JointLeg, Pose, ToolLeg, legs_of
+from ikplan.planning.joint_planner import plan_joint_path
+from ikplan.planning.joint_route import JointPathProblem
+from ikplan.planning.ladder.equivalent_configurations import with_equivalents
+from ikplan.planning.ladder.ik_candidates import sample_ik_solutions
+from ikplan.planning.task_freedom import counts_orientation, freedom_of
+from ikplan.planning.tracking.tracked_path import TrackingFailed
+from ikplan.planning.unit_mistake import in_millimetres, name_unit_mistake
+from ikplan.planning.waypoints.least_motion import stack_targets
+
+__all__ = ["find_repairs"]
+
+Array = NDArray[np.float64]
+
+_MOST_BRANCHES = 12
+_SAMPLES = 12
+"""Places on each tool path at which a shift of the path is tried first; of the targets that are out
+of reach, how many a round of it examines."""
+_ROUNDS = 8
+_FARTHEST = 0.5
+"""Longest shift that is offered [m]."""
+
+
+@dataclass(frozen=True)
+class _Repair:
+    change: dict[str, Any]
+    detail: str
+
+
+def find_repairs(
+    problem: JointPathProblem, error: Unreachable | Disconnected
+) -> list[dict[str, Any]]:
+    """Return changes of the request that make the path feasible.
+
+    Coordinates in millimetres where all are far beyond reach, of which the error then tells too;
+    else another branch to start in, a free tool axis, free orientation, and the smallest shift of
+    the path frame found. Every one was planned before it is offered; none is, when the time budget
+    is used up.
+
+    Args:
+        problem: The path that has no plan.
+        error: Why.
+
+    Returns:
+        Repairs as ``{"change": fields of the request, "detail": in words}``.
+    """
+    repairs: list[dict[str, Any]] = []
+    try:
+        for repair in _repairs(replace(problem, brief=True), error):
+            repairs.append({"change": repair.change, "detail": repair.detail})
+    except BudgetExceeded:
+        return repairs
+    return repairs
+
+
+def _lays(problem: JointPathProblem) -> bool:
+    """Whether there is a route."""
+    try:
+        plan_joint_path(problem)
+    except (Unreachable, Disconnected, InvalidRequest, TrackingFailed):
+        return False
+    return True
+
+
+def _repairs(problem: JointPathProblem, error: Unreachable | Disconnected) -> Iterator[_Repair]:
+    """Yield changes with which the path was laid."""
+    if isinstance(error, Unreachable) and name_unit_mistake(problem, error):
+        yield from _in_millimetres(problem)
+        return
+    if isinstance(error, Disconnected):  # what is out of reach is so in every branch
+        yield from _other_branch(problem)
+    yield from _free_orientation(problem)
+    if isinstance(error, Unreachable) and error.position_error <= _FARTHEST:
+        yield from _shifted(problem)
+
+
+def _in_millimetres(problem: JointPathProblem) -> Iterator[_Repair]:
+    """The coordinates as millimetres."""
+    path = in_millimetres(problem.path)
+    if path is not None and _lays(replace(problem, path=path)):
+        kind = "waypoints" if path.waypoints is not None else "segments"
+        change = path.model_dump(mode="json", include={kind, "begin"}, exclude_unset=True)
+        yield _Repair({"path": change}, "read the coordinates as millimetres")
+
+
+def _other_branch(problem: JointPathProblem) -> Iterator[_Repair]:
+    """The same tool pose at the start, in another branch, where a tool path begins there."""
+    if problem.start_free or not isinstance(_legs(problem)[0], ToolLeg):
+        return
+    arm = problem.solver.arm
+    R, p = forward(arm.chain, problem.q_start)
+    found = sample_ik_solutions(
+        arm.chain,
+        stack_targets([pose_target(p, R)]),
+        np.empty((1, 0, arm.dof)),
+        problem.q_start,
+        arm.lower,
+        arm.upper,
+        40,
+        100,
+        0,
+        0.5,
+        1e-9,
+    )
+    branches = with_equivalents(arm, found.q[0, : found.counts[0]])
+    order = np.argsort(np.linalg.norm(branches - problem.q_start, axis=1), kind="stable")
+    for q in branches[order][:_MOST_BRANCHES]:
+        if np.abs(q - problem.q_start).max() < 1e-3:
+            continue
+        attempt = replace(problem, q_start=np.ascontiguousarray(q))
+        if _lays(attempt):
+            detail = "start with the tool at the same pose in another branch of the arm"
+            yield _Repair({"start": q.tolist()}, detail)
+            return
+
+
+def _free_orientation(problem: JointPathProblem) -> Iterator[_Repair]:
+    """A free tool axis, or else free orientation."""
+    path = problem.path
+    if path.orientation_free is not None or path.tolerance.box is not None:
+        return
+    document = path.model_dump(mode="json")
+    freedoms: list[Any] = [{"about": f"tool_{axis}"} for axis in "zxy"]
+    for freedom in [*freedoms, "all"]:
+        free = PathRequest.model_validate({**document, "orientation_free": freedom})
+        attempt = replace(problem, path=free)
+        if _unreached(attempt, _targets(attempt)).size == 0 and _lays(attempt):
+            what = (
+                "any orientation" if freedom == "all" else f"a free turn about {freedom['about']}"
+            )
+            change = {"path": {"orientation_free": freedom}}
+            yield _Repair(change, f"allow {what}")
+            return
+
+
+def _shifted(problem: JointPathProblem) -> Iterator[_Repair]:
+    """The smallest shift of the path frame found."""
+    shift = np.zeros(3)
+    for _ in range(_ROUNDS):
+        step = _needed_shift(_moved(problem, shift))
+        if step is None:
+            break
+        shift = shift + 1.05 * step
+        if np.linalg.norm(shift) > _FARTHEST:
+            return
+    if not shift.any():
+        return
+    feasible, low = 1.0, 0.0
+    if not _lays(_moved(problem, shift)):
+        return
+    for _ in range(5):
+        middle = 0.5 * (low + feasible)
+        if _lays(_moved(problem, middle * shift)):
+            feasible = middle
+        else:
+            low = middle
+    attempt = _moved(problem, feasible * shift)
+    position = attempt.path.frame.position
+    length = float(np.linalg.norm(feasible * shift))
+    detail = f"move the path by {length * 1e3:.1f} mm in the base"
+    yield _Repair({"path": {"frame": {"position": position}}}, detail)
+
+
+def _moved(problem: JointPathProblem, shift: Array) -> JointPathProblem:
+    """The problem with its path frame moved in the base."""
+    frame = problem.path.frame
+    moved = Frame(
+        position=[float(a + b) for a, b in zip(frame.position, shift, strict=True)],
+        quaternion_xyzw=frame.quaternion_xyzw,
+    )
+    return replace(problem, path=problem.path.model_copy(update={"frame": moved}))
+
+
+def _needed_shift(problem: JointPathProblem) -> Array | None:
+    """The longest way that a target of the path is out of reach, shape (3,) [m], or None.
+
+    A quick look with few restarts: what it passes is planned in full before it is offered.
+    """
+    solver = PoseSolver(problem.solver.arm, "lm", params={"restarts": 60})
+    worst: Array | None = None
+    targets = _targets(problem)
+    unreached = _unreached(problem, targets)
+    # Those left out are looked at in the next round, if they are still out of reach by then.
+    for k in unreached[:: -(-len(unreached) // _SAMPLES) or 1]:
+        problem.clock.check()
+        target = targets[k]
+        try:
+            solver.solve(target, problem.q_start)
+        except NoSolution as verdict:
+            _, p = forward(problem.solver.arm.chain, verdict.miss.q)
+            way = p - target.p
+            if worst is None or np.linalg.norm(way) > np.linalg.norm(worst):
+                worst = np.asarray(way)
+    return worst
+
+
+def _unreached(problem: JointPathProblem, targets: list[Target]) -> NDArray[np.intp]:
+    """Indices of the targets for which a quick look finds no configuration."""
+    arm = problem.solver.arm
+    found = sample_ik_solutions(
+        arm.chain,
+        stack_targets(targets),
+        np.empty((len(targets), 0, arm.dof)),
+        problem.q_start,
+        arm.lower,
+        arm.upper,
+        4,
+        60,
+        4,
+        0.5,
+        1e-9,
+    )
+    return np.flatnonzero(found.counts == 0)
+
+
+def _legs(problem: JointPathProblem) -> list[Any]:
+    def fk(q: Array) -> tuple[Array, Array]:
+        R, p = forward(problem.solver.arm.chain, np.ascontiguousarray(q))
+        return R, p
+
+    start = None if problem.start_free else Pose(*fk(problem.q_start))
+    return list(legs_of(problem.path, start, fk))
+
+
+def _targets(problem: JointPathProblem) -> list[Target]:
+    """The waypoints of the path, and places along its tool paths."""
+    freedom = freedom_of(problem.path)
+    counts = counts_orientation(problem.path)
+    poses: list[tuple[Any, Array]] = []
+    for leg in _legs(problem):
+        if isinstance(leg, JointLeg):
+            poses += [(t.pose.R, t.pose.p) for t in leg.targets if t.pose is not None]
+            continue
+        s = np.linspace(0.0, leg.path.length, _SAMPLES)
+        R, p = leg.path.poses(s)
+        mask = leg.path.orientation_mask(s)
+        poses += [(R[k] if mask[k] else None, p[k]) for k in range(len(s))]
+    return [pose_target(p, R if counts else None, freedom=freedom) for R, p in poses]

@@ -1,0 +1,35 @@
+"""What a request leaves free at its targets, as the kernels see it."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ikplan.documents.plan_request import PathRequest
+from ikplan.kinematics.target import Freedom, no_freedom
+from ikplan.path import rotation_of
+
+__all__ = ["counts_orientation", "freedom_of"]
+
+_AXES = {"tool_x": 0, "tool_y": 1, "tool_z": 2}
+
+
+def counts_orientation(path: PathRequest) -> bool:
+    """Whether the orientations of a path count at all."""
+    return path.orientation_free != "all"
+
+
+def freedom_of(path: PathRequest) -> Freedom:
+    """Return what a path leaves free at each of its targets."""
+    freedom = no_freedom()
+    free = path.orientation_free
+    if free is not None and free != "all":
+        freedom = freedom._replace(axis=_AXES[free.about], cone=float(free.cone or 0.0))
+    box = path.tolerance.box
+    if box is not None:
+        freedom = freedom._replace(
+            boxed=True,
+            box=np.array([*box.position, *box.orientation], dtype=np.float64),
+            in_tool=box.frame == "tool",
+            R_box=np.ascontiguousarray(rotation_of(path.frame.quaternion_xyzw)),
+        )
+    return freedom

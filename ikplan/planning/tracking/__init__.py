@@ -1,0 +1,1 @@
+"""Path tracking: a continuous joint motion along a tool path."""

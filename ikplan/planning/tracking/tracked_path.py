@@ -1,0 +1,52 @@
+"""What comes of leading an arm along a tool path: stations to its end, or where it was lost."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+__all__ = ["TrackedPath", "TrackingFailed"]
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class TrackedPath:
+    """Stations of a path that was followed to its end.
+
+    Attributes:
+        s: Path positions, shape (m,).
+        q: Configurations, shape (m, dof) [rad or m].
+        rest: Indices of the stations where the motion stops.
+        waypoint: Indices of the stations of the waypoints, shape (n,).
+        length: Sum of the joint distances, the move to the first station included.
+        evaluations: Forward-kinematics evaluations spent.
+    """
+
+    s: Array
+    q: Array
+    rest: list[int]
+    waypoint: NDArray[np.int64]
+    length: float
+    evaluations: int
+
+
+class TrackingFailed(Exception):
+    """The arm could not be led farther along the path.
+
+    Attributes:
+        s: Path position of the last station reached.
+        q: Its configuration, shape (dof,) [rad or m].
+        evaluations: Forward-kinematics evaluations spent.
+        beyond: The configuration next on the path, which it cannot move on to, shape (dof,); None:
+            none was found.
+    """
+
+    def __init__(self, s: float, q: Array, evaluations: int, beyond: Array | None = None) -> None:
+        super().__init__(f"lost the path at {s:.6g}")
+        self.s = s
+        self.q = q
+        self.evaluations = evaluations
+        self.beyond = beyond

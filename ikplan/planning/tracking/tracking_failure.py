@@ -1,0 +1,120 @@
+"""The verdict on a tool path that the arm could not be led along to its end."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ikplan.errors import Disconnected, Unreachable
+from ikplan.ik.solve import NoSolution, PoseSolver, unreachable
+from ikplan.path import ToolPath
+from ikplan.path.rotation.so3 import log
+from ikplan.planning.ladder.ik_candidates import target_at
+from ikplan.planning.tracking.path_tracker import PathTracker
+from ikplan.planning.tracking.tracked_path import TrackingFailed
+from ikplan.robots import Robot
+
+__all__ = ["explain_tracking_failure"]
+
+Array = NDArray[np.float64]
+
+_NEXT = 2e-4
+"""How far along the path the next motion is reported, at most [m]."""
+_AT_LIMIT = 1e-4
+"""How near to its limit a joint is at it [rad or m]."""
+_SINGULAR = 0.02
+"""Smallest singular value below which a configuration is near a singular one."""
+_PROBES = (2e-4, 1e-3, 5e-3, 2e-2)
+"""Where past the last station another solution is looked for, as shares of the path."""
+
+
+def explain_tracking_failure(
+    robot: Robot, solver: PoseSolver, follower: PathTracker, path: ToolPath, lost: TrackingFailed
+) -> Unreachable | Disconnected:
+    """Return why a tool path cannot be followed past the place where the arm was lost.
+
+    Unreachable where the path leaves what the arm can reach in any branch; Disconnected where
+    another branch goes on, with the jump it would take.
+
+    Args:
+        robot: The robot, with its tool.
+        solver: Solves single targets.
+        follower: Led the arm.
+        path: The tool path.
+        lost: Where it was lost.
+    """
+    before, after = _neighbours(path, lost.s)
+    end = next((w.s for w in path.waypoints if w.index == after), path.length)
+    where = f"{lost.s * 1e3:.1f} mm of {path.length * 1e3:.1f} mm along the path"
+    target = target_at(follower.targets_at(path, np.array([end])), 0)
+    try:
+        solver.solve(target, lost.q)
+    except NoSolution as verdict:
+        subject = f"waypoint {after} (the path to it is followed for {where})"
+        return unreachable(robot, verdict.miss, after, subject, target)
+    ahead = [lost.s + share * path.length for share in _PROBES]
+    ahead = [s for s in ahead if s < path.length] or [path.length]
+    others = [] if lost.beyond is None else [lost.beyond]
+    for s in ahead:
+        target = target_at(follower.targets_at(path, np.array([s])), 0)
+        try:
+            solution = solver.solve(target, lost.q).q[0]
+        except NoSolution as verdict:
+            subject = f"the path to waypoint {after}, from {where} on,"
+            return unreachable(robot, verdict.miss, after, subject, target)
+        if lost.beyond is None:
+            others.append(solution)
+    # The nearest solutions ahead may still be of this branch, which ends a little later.
+    gap = max((other - lost.q for other in others), key=lambda gap: float(np.abs(gap).max()))
+    joint = int(np.argmax(np.abs(gap)))
+    reason = _cause(robot, lost.q, _next_motion(robot, follower, path, lost))
+    return Disconnected(
+        f"no continuous motion leads from waypoint {before} to waypoint {after}: the arm gets to "
+        f"{where}, where {reason}; going on takes another branch, {robot.joint_names[joint]} "
+        f"{gap[joint]:+.3f} {'m' if robot.prismatic[joint] else 'rad'} away",
+        waypoints=[before, after],
+        jump=float(np.abs(gap).max()),
+        reason=reason,
+        q=lost.q.tolist(),
+    )
+
+
+def _neighbours(path: ToolPath, s: float) -> tuple[int, int]:
+    """Rows of the waypoints before and after a place; -1 stands for the start."""
+    behind = [w.index for w in path.waypoints if w.s <= s]
+    ahead = [w.index for w in path.waypoints if w.s > s]
+    before = behind[-1] if behind else (ahead[0] - 1 if ahead else -1)
+    return before, ahead[0] if ahead else before
+
+
+def _next_motion(
+    robot: Robot, follower: PathTracker, path: ToolPath, lost: TrackingFailed
+) -> Array:
+    """How the joints would have to move for the next bit of the path, shape (dof,) [rad or m]."""
+    s = min(lost.s + min(_NEXT, 2.0**-12 * path.length), path.length)
+    target = target_at(follower.targets_at(path, np.array([s])), 0)
+    T = robot.fk(lost.q)
+    R = target.R if target.oriented else T.rotation
+    rows = 6 if target.oriented else 3
+    twist = np.concatenate([T.rotation.T @ (target.p - T.translation), log(T.rotation.T @ R)])
+    return np.asarray(np.linalg.pinv(robot.jacobian(lost.q)[:rows], rcond=1e-6) @ twist[:rows])
+
+
+def _cause(robot: Robot, q: Array, dq: Array) -> str:
+    """What holds the arm: a joint limit, in reach of the motion dq, or a singularity."""
+    smallest = float(np.linalg.svd(robot.jacobian(q), compute_uv=False)[-1])
+    near = f"the smallest singular value is {smallest:.2g}"
+    singular = smallest < _SINGULAR
+    ahead = np.zeros(robot.dof) if singular else dq  # by a singularity it is without bounds
+    held = [
+        name
+        for name, value, step, lower, upper in zip(
+            robot.joint_names, q, ahead, robot.lower, robot.upper, strict=True
+        )
+        if min(value, value + step) <= lower + _AT_LIMIT
+        or max(value, value + step) >= upper - _AT_LIMIT
+    ]
+    if held:
+        is_at = "is at its" if len(held) == 1 else "are at their"
+        return f"{', '.join(held)} {is_at} limit ({near})"
+    return f"it is singular: {near}" if singular else f"its branch ends ({near})"

@@ -1,0 +1,1 @@
+"""One configuration for each of some waypoints, far apart from one another."""

@@ -1,0 +1,35 @@
+"""Waypoint by waypoint: at each, the solution nearest to the one before."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ikplan.planning.waypoints.waypoint_ik import solve_waypoint
+from ikplan.planning.waypoints.waypoint_problem import Chosen, WaypointProblem
+
+__all__ = ["choose_greedily"]
+
+
+def choose_greedily(problem: WaypointProblem) -> Chosen:
+    """Choose the nearest solution found at each waypoint, in order.
+
+    Args:
+        problem: The targets.
+
+    Returns:
+        One configuration per waypoint.
+
+    Raises:
+        Unreachable: A waypoint has no solution; names every such waypoint.
+        BudgetExceeded: The time budget ran out; carries the waypoints solved.
+    """
+    q = np.empty((len(problem.targets), problem.robot.dof))
+    q_before = problem.q_start
+    evaluations = 0
+    for k in range(len(problem.targets)):
+        problem.clock.check({"waypoints_solved": k, "q": q[:k].tolist()})
+        problem.clock.advance(problem.first_row + k)
+        q_before, spent = solve_waypoint(problem, k, q_before)
+        q[k] = q_before
+        evaluations += spent
+    return Chosen(q, evaluations)

@@ -1,0 +1,93 @@
+"""The whole path at once: the sequence of configurations of least joint motion."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ikplan.kinematics.target import Target
+from ikplan.planning.ladder.ik_candidates import Candidates, Targets
+from ikplan.planning.ladder.shortest_sequences import candidates_of, polished_ways
+from ikplan.planning.waypoints.waypoint_ik import solve_waypoint
+from ikplan.planning.waypoints.waypoint_problem import Array, Chosen, WaypointProblem
+
+__all__ = ["choose_least_motion", "stack_targets"]
+
+
+def choose_least_motion(problem: WaypointProblem) -> Chosen:
+    """Choose the configurations that move the joints least over the whole path.
+
+    Candidates of each waypoint, the shortest paths over their ladder that really differ, and a
+    polish of each; the shortest after the polish is taken.
+
+    Args:
+        problem: The targets.
+
+    Returns:
+        One configuration per waypoint.
+
+    Raises:
+        Unreachable: A waypoint has no solution; names every such waypoint.
+        BudgetExceeded: The time budget ran out.
+    """
+    arm = problem.solver.arm
+    lower, upper = arm.search_bounds(problem.q_start)
+    targets = stack_targets(problem.targets)
+    seeds, evaluations = _metaheuristic_seeds(problem, lower, upper)
+    candidates = candidates_of(arm, targets, problem.q_start, seeds, problem.solver.seed)
+    problem.clock.check()
+    evaluations += int(candidates.evaluations[0]) + _rescue(problem, candidates)
+    best, best_length = candidates.q[:, 0], np.inf
+    for length, q, spent in polished_ways(
+        arm, targets, candidates, problem.q_start, problem.start_free
+    ):
+        evaluations += spent
+        if length < best_length:
+            best, best_length = q, length
+        problem.clock.check({"q": best.tolist()})
+    return Chosen(best, evaluations)
+
+
+def stack_targets(targets: list[Target]) -> Targets:
+    """Return targets, which share their freedom, as arrays."""
+    return Targets(
+        np.array([t.R for t in targets]),
+        np.array([t.p for t in targets]),
+        np.array([t.oriented for t in targets]),
+        np.array([t.weight for t in targets]),
+        targets[0].freedom,
+    )
+
+
+def _metaheuristic_seeds(problem: WaypointProblem, lower: Array, upper: Array) -> tuple[Array, int]:
+    """The best of the last populations of the method, shape (n, k, dof), and its evaluations.
+
+    Each search starts from the best of the one before, as the papers track a path.
+    """
+    searcher = problem.solver.searcher
+    if searcher is None:
+        return np.empty((len(problem.targets), 0, problem.robot.dof)), 0
+    rows, evaluations, q_s = [], 0, problem.q_start
+    for k, target in enumerate(problem.targets):
+        problem.clock.check()
+        problem.clock.advance(problem.first_row + k)
+        seeds, spent = searcher.seeds(target, q_s, lower, upper)
+        rows.append(seeds)
+        evaluations += spent
+        q_s = np.clip(seeds[0], lower, upper)
+    return np.array(rows), evaluations
+
+
+def _rescue(problem: WaypointProblem, candidates: Candidates) -> int:
+    """Find a candidate for every waypoint without one, in place; the evaluations.
+
+    Raises:
+        Unreachable: There is none within tolerance.
+    """
+    evaluations = 0
+    for k in np.flatnonzero(candidates.counts == 0):
+        problem.clock.check()
+        q_near = candidates.q[k - 1, 0] if k > 0 else problem.q_start
+        candidates.q[k, 0], spent = solve_waypoint(problem, int(k), q_near)
+        candidates.counts[k] = 1
+        evaluations += spent
+    return evaluations

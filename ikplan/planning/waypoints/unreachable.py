@@ -1,0 +1,67 @@
+"""The verdict on a path with waypoints out of reach: all of them, not only the first."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from ikplan.documents.plan_request import Tolerance
+from ikplan.errors import Unreachable
+from ikplan.ik.closest_approach import Miss
+from ikplan.ik.solve import NoSolution, place, unreachable
+from ikplan.kinematics.target import Target
+from ikplan.planning.waypoints.waypoint_problem import Array, WaypointProblem
+
+__all__ = ["unreachable_path", "within_tolerance"]
+
+_MOST_EXAMINED = 200
+"""Waypoints after the first unreachable one that are examined as well."""
+
+
+def unreachable_path(
+    problem: WaypointProblem, first: int, miss: Miss, q_before: Array
+) -> Unreachable:
+    """Return the error of a path whose waypoint ``first`` is out of reach.
+
+    The waypoints after it are examined too, so that a user sees in one answer how much of the path
+    is out of reach.
+    """
+    count = len(problem.targets)
+    misses = {first: miss}
+    most = 0 if problem.brief else _MOST_EXAMINED
+    examined = range(first + 1, min(count, first + 1 + most))
+    for k in examined:
+        problem.clock.check({"waypoints_solved": first})
+        problem.clock.advance(problem.first_row + k)
+        try:
+            q_before = problem.solver.solve(problem.targets[k], q_before).q[0]
+        except NoSolution as verdict:
+            if not within_tolerance(verdict.miss, problem.tolerance):
+                misses[k] = verdict.miss
+    unexamined = count - 1 - examined[-1] if examined else 0
+    row = problem.first_row
+    subject = f"waypoint {row + first} of {row + count} (counted from 0)"
+    if len(misses) > 1:
+        others = ", ".join(str(row + k) for k in list(misses)[1:12]) + (
+            ", ..." if len(misses) > 12 else ""
+        )
+        subject += f", as {'are' if len(misses) > 2 else 'is'} {others}"
+        subject += f" ({unexamined} more not examined)," if unexamined else ","
+    error = unreachable(problem.robot, miss, row + first, subject, problem.targets[first])
+    error.waypoints = [_row(row + k, m, problem.targets[k]) for k, m in misses.items()]
+    return error
+
+
+def within_tolerance(miss: Miss, tolerance: Tolerance) -> bool:
+    """Whether the closest configuration to a target is close enough."""
+    angle = miss.orientation_error or 0.0
+    return miss.position_error <= tolerance.position and angle <= tolerance.orientation
+
+
+def _row(k: int, miss: Miss, target: Target) -> dict[str, Any]:
+    return {
+        "waypoint": k,
+        "position_error": miss.position_error,
+        "orientation_error": miss.orientation_error,
+        "reason": miss.reason,
+        "target": place(target),
+    }

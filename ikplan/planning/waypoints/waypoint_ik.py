@@ -1,0 +1,66 @@
+"""One waypoint: a solution, or a configuration within tolerance, or the verdict."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ikplan.errors import Unreachable
+from ikplan.ik.solve import NoSolution, place
+from ikplan.planning.waypoints.unreachable import unreachable_path, within_tolerance
+from ikplan.planning.waypoints.waypoint_problem import Array, WaypointProblem
+
+__all__ = ["solve_waypoint"]
+
+
+def solve_waypoint(problem: WaypointProblem, k: int, q_before: Array) -> tuple[Array, int]:
+    """Return a configuration of waypoint k, near to ``q_before``, and the evaluations spent.
+
+    Args:
+        problem: The targets.
+        k: Index of the waypoint.
+        q_before: Configuration to be near to, shape (dof,) [rad or m].
+
+    Raises:
+        Unreachable: None is within tolerance; names every waypoint from k on that has none.
+    """
+    target = problem.targets[k]
+    tolerance = problem.tolerance
+    try:
+        solved = problem.solver.solve(target, q_before)
+    except NoSolution as verdict:
+        if within_tolerance(verdict.miss, tolerance):
+            return verdict.miss.q, verdict.evaluations
+        raise unreachable_path(problem, k, verdict.miss, q_before) from verdict
+    distance, angle = float(solved.position_error[0]), float(solved.orientation_error[0])
+    if distance > tolerance.position or angle > tolerance.orientation:
+        # Only an unrefined solver ends here: its best is what it is.
+        raise Unreachable(
+            f"waypoint {problem.first_row + k}: {problem.solver.method} without refinement ends "
+            f"{distance * 1e3:.3g} mm and {angle:.3g} rad away, outside the tolerance of "
+            f"{tolerance.position * 1e3:.3g} mm and {tolerance.orientation:.3g} rad; "
+            "set ik.refine, or a larger budget or tolerance",
+            waypoint=problem.first_row + k,
+            position_error=distance,
+            orientation_error=angle if target.oriented else None,
+            q=[float(v) for v in solved.q[0]],
+            reason="the solver was not refined and did not converge to the tolerance",
+            target=place(target),
+        )
+    q = solved.q[0]
+    robot = problem.robot
+    outside = np.flatnonzero((q < robot.lower) | (q > robot.upper))
+    if len(outside):
+        # The decoupled search of the paper ignores the limits of the wrist.
+        names = ", ".join(robot.joint_names[j] for j in outside)
+        raise Unreachable(
+            f"waypoint {problem.first_row + k}: {problem.solver.method} without refinement ends "
+            f"outside the limits of {names}; set ik.refine or params.wrist_limits",
+            waypoint=problem.first_row + k,
+            position_error=distance,
+            orientation_error=angle if target.oriented else None,
+            q=[float(v) for v in q],
+            reason="the solver was not refined and left the position limits",
+            limits=[robot.joint_names[j] for j in outside],
+            target=place(target),
+        )
+    return solved.q[0], solved.evaluations

@@ -1,0 +1,58 @@
+"""What the choice along the path works on, and what it returns."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ikplan.documents.plan_request import Tolerance
+from ikplan.ik.solve import PoseSolver
+from ikplan.kinematics.target import Target
+from ikplan.robots import Robot
+from ikplan.time_budget import TimeBudget
+
+__all__ = ["Chosen", "WaypointProblem"]
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class WaypointProblem:
+    """Targets to be met one after the other.
+
+    Attributes:
+        robot: The robot, with its tool.
+        solver: Solves single targets.
+        targets: The targets, in order.
+        q_start: Where the arm is, shape (dof,); with a free start, where it would rather be.
+        start_free: Whether the path may begin anywhere.
+        tolerance: Deviation allowed where a target cannot be met exactly.
+        clock: The time budget.
+        first_row: Number of the first target among the waypoints of the path.
+        brief: Whether a refusal may name the first waypoint out of reach only.
+    """
+
+    robot: Robot
+    solver: PoseSolver
+    targets: list[Target]
+    q_start: Array
+    start_free: bool
+    tolerance: Tolerance
+    clock: TimeBudget
+    first_row: int = 0
+    brief: bool = False
+
+
+@dataclass(frozen=True)
+class Chosen:
+    """One configuration per waypoint.
+
+    Attributes:
+        q: Joint values, shape (n, dof) [rad or m].
+        evaluations: Forward-kinematics evaluations spent.
+    """
+
+    q: Array
+    evaluations: int

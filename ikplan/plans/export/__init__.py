@@ -1,0 +1,107 @@
+"""Plans as files and bytes: one file a format, looked up by name, suffix or media type."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from ikplan.errors import InvalidRequest
+from ikplan.plans.export import as_csv, as_json, as_npz, as_ros, as_ros_goal, as_urscript
+from ikplan.plans.export.formats import Arm
+
+if TYPE_CHECKING:
+    from ikplan.documents.plan_document import PlanDocument
+    from ikplan.plans.export.formats import Format
+    from ikplan.robots import RobotInfo
+
+__all__ = ["FORMATS", "check_format", "encode", "format_for", "format_named", "save"]
+
+FORMATS: tuple[Format, ...] = (
+    as_json.FORMAT,
+    as_csv.FORMAT,
+    as_npz.FORMAT,
+    as_ros.FORMAT,
+    as_ros_goal.FORMAT,
+    as_urscript.FORMAT,
+)
+"""Every format; a new one is a module with a ``FORMAT`` and a line here."""
+
+
+def format_for(path: str | Path) -> Format:
+    """Return the format that a file's suffix names.
+
+    Raises:
+        InvalidRequest: No format has that suffix; lists those there are.
+    """
+    name = Path(path).name.lower()
+    matches = [f for f in FORMATS for suffix in f.suffixes if name.endswith(suffix)]
+    if not matches:
+        suffixes = [suffix for f in FORMATS for suffix in f.suffixes]
+        raise InvalidRequest(
+            f"cannot tell a format from the file name {str(path)!r}; "
+            f"name it with one of {', '.join(suffixes)}",
+            field="output",
+            allowed=suffixes,
+        )
+    return max(matches, key=lambda f: max(len(s) for s in f.suffixes if name.endswith(s)))
+
+
+def format_named(name: str) -> Format:
+    """Return the format of that name.
+
+    Raises:
+        InvalidRequest: No such format; lists those there are.
+    """
+    for known in FORMATS:
+        if known.name == name:
+            return known
+    names = [f.name for f in FORMATS]
+    raise InvalidRequest(
+        f"no format named {name!r}; known formats: {', '.join(names)}",
+        field="format",
+        allowed=names,
+    )
+
+
+def check_format(
+    robot: RobotInfo | Mapping[str, Any], path: str | Path, name: str | None = None
+) -> Format:
+    """Return the format of a file for plans of a robot: to be asked before there is a plan.
+
+    Args:
+        robot: What is known of the robot: ``robot.info()``, or the document of a service.
+        path: The file.
+        name: Name of the format; None: the one that the file's suffix names.
+
+    Raises:
+        InvalidRequest: No such format, or no plan of this robot can be written in it.
+    """
+    chosen = format_for(path) if name is None else format_named(name)
+    chosen.check(Arm.of_robot(robot))
+    return chosen
+
+
+def encode(plan: PlanDocument, name: str) -> bytes:
+    """Return the bytes of a plan in the format of that name.
+
+    Raises:
+        InvalidRequest: No such format, or it cannot hold this plan.
+    """
+    return format_named(name).encode(plan)
+
+
+def save(plan: PlanDocument, path: str | Path, name: str | None = None) -> None:
+    """Write a plan to a file.
+
+    Args:
+        plan: The plan.
+        path: The file.
+        name: Name of the format; None: the one that the file's suffix names.
+
+    Raises:
+        InvalidRequest: No such format, or it cannot hold this plan.
+        OSError: The file cannot be written.
+    """
+    chosen = format_for(path) if name is None else format_named(name)
+    Path(path).write_bytes(chosen.encode(plan))

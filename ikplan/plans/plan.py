@@ -1,0 +1,87 @@
+"""A plan: its document, and what is made of it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from numpy.typing import ArrayLike
+
+from ikplan.documents.plan_document import PlanDocument
+
+if TYPE_CHECKING:
+    from ikplan.documents.limits import LimitOptions
+    from ikplan.plans.playback import Moment
+
+__all__ = ["Plan"]
+
+
+class Plan(PlanDocument):
+    """A certified joint trajectory."""
+
+    def at(self, t: ArrayLike) -> Moment:
+        """Evaluate the motion at any times.
+
+        Exact where the plan has its motion as polynomials (``sampling.form`` "polynomial"),
+        otherwise exact at the samples and between them by the cubics that have their positions
+        and velocities, with accelerations linear between those of the samples.
+
+        Args:
+            t: A time, or times of shape (m,) [s]; clipped to [0, duration].
+
+        Returns:
+            Joint positions, velocities and accelerations, each of shape (dof,) or (m, dof).
+
+        Raises:
+            InvalidRequest: A time is not a finite number.
+        """
+        from ikplan.plans.playback import evaluate
+
+        return evaluate(self, t)
+
+    def save(self, path: str | Path, format: str | None = None) -> None:
+        """Write the plan to a file.
+
+        Args:
+            path: The file.
+            format: "json", "csv", "npz", "ros", "ros-goal" or "urscript"; None: the one that the
+                suffix names (.json, .csv, .npz, .ros.json, .goal.yaml, .script).
+
+        Raises:
+            InvalidRequest: No such format, or the format cannot hold a plan for this robot.
+            OSError: The file cannot be written.
+        """
+        from ikplan.plans.export import save
+
+        save(self, Path(path), format)
+
+    def plot(self, path: str | Path) -> None:
+        """Draw joint positions, velocities against their limits, and the tool's path.
+
+        Args:
+            path: Image file; the suffix (png, svg, pdf) names the format.
+        """
+        from ikplan.plans.figures.plan import plot_plan
+
+        plot_plan(self, Path(path))
+
+    def plot_timing(
+        self, path: str | Path, limits: Mapping[str, Any] | LimitOptions | None = None
+    ) -> None:
+        """Draw what the motion uses of its limits, the tool's speed and the phase plane.
+
+        Args:
+            path: Image file; the suffix (png, svg, pdf) names the format.
+            limits: The limits of the request, which a plan does not tell; None: the robot's own.
+        """
+        from ikplan.plans.figures.timing import plot_timing
+
+        plot_timing(self, Path(path), limits=limits)
+
+    @classmethod
+    def load(cls, document: Mapping[str, Any] | str | bytes) -> Plan:
+        """Read a plan back from its JSON document or mapping."""
+        if isinstance(document, str | bytes):
+            return cls.model_validate_json(document)
+        return cls.model_validate(document)

@@ -1,0 +1,1 @@
+"""Robots by a definition of ours: robot.yaml, chains and DH tables."""

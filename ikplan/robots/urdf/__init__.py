@@ -1,0 +1,1 @@
+"""Robots from URDF and SRDF, read as XML that is not trusted."""

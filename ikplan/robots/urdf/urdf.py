@@ -1,0 +1,283 @@
+"""Reading and checking a URDF.
+
+Pinocchio accepts a zero axis, lower > upper and a zero velocity limit in silence, prints on its
+own, and needs time and memory that grow with the cube of the number of joints. So a document is
+read and checked here first, and Pinocchio is given only the kinematics and inertias that passed.
+"""
+
+from __future__ import annotations
+
+import math
+import xml.etree.ElementTree as ET
+
+from ikplan.errors import InvalidRobot
+from ikplan.robots.urdf.safe_xml import read_xml
+from ikplan.robots.urdf.tree import (
+    MOVABLE,
+    Inertial,
+    Joint,
+    JointLimit,
+    KinematicTree,
+    Link,
+    Vector,
+)
+
+__all__ = ["MAX_LINKS", "MAX_MOVABLE_JOINTS", "MIN_AXIS_LENGTH", "parse_urdf"]
+
+MAX_MOVABLE_JOINTS = 64
+MAX_LINKS = 1_000
+MIN_AXIS_LENGTH = 1e-3
+"""A shorter axis counts as zero; any other is normalised, as URDF readers do."""
+
+_MAX_NUMBER = 1e6
+_KINDS = (*MOVABLE, "fixed", "floating", "planar")
+
+
+def parse_urdf(document: bytes, *, robot: str) -> KinematicTree:
+    """Read a URDF into a tree of links and joints.
+
+    Args:
+        document: The bytes of the document.
+        robot: Name of the robot or file, for messages.
+
+    Returns:
+        The tree, with axes of unit length. Meshes, materials, transmissions and everything else
+        that kinematics does not need is ignored.
+
+    Raises:
+        InvalidRobot: The document is not XML, or not the URDF of one kinematic tree.
+    """
+    root = read_xml(document, robot=robot)
+    if root.tag != "robot":
+        raise InvalidRobot(
+            f"{robot}: not a URDF: the outermost element is <{root.tag}>, not <robot>",
+            robot=robot,
+            value=root.tag,
+        )
+    for element in root:
+        if element.tag.startswith("xacro:"):
+            raise InvalidRobot(
+                f"{robot}: <{element.tag}> is a xacro macro; run xacro on the file first",
+                robot=robot,
+                value=element.tag,
+            )
+    joint_elements = root.findall("joint")
+    movable = sum(e.get("type") not in ("fixed", None) for e in joint_elements)
+    if movable > MAX_MOVABLE_JOINTS:
+        raise InvalidRobot(
+            f"{robot}: {movable} movable joints; at most {MAX_MOVABLE_JOINTS} are read",
+            robot=robot,
+            value=movable,
+        )
+    link_elements = root.findall("link")
+    if len(link_elements) > MAX_LINKS:
+        raise InvalidRobot(
+            f"{robot}: {len(link_elements)} links; at most {MAX_LINKS} are read",
+            robot=robot,
+            value=len(link_elements),
+        )
+    links = tuple(_link(e, robot) for e in link_elements)
+    joints = tuple(_joint(e, robot) for e in joint_elements)
+    return KinematicTree(robot, _root(links, joints, robot), links, joints)
+
+
+def _root(links: tuple[Link, ...], joints: tuple[Joint, ...], robot: str) -> str:
+    """Name of the root link of what must be one tree."""
+    names = [link.name for link in links]
+    for what, values in (("link", names), ("joint", [j.name for j in joints])):
+        seen: set[str] = set()
+        for value in values:
+            if value in seen:
+                raise InvalidRobot(
+                    f"{robot}: two {what}s named {value!r}", robot=robot, value=value
+                )
+            seen.add(value)
+    if not names:
+        raise InvalidRobot(f"{robot}: no links", robot=robot)
+    known = set(names)
+    above: dict[str, Joint] = {}
+    for joint in joints:
+        for end, link in (("parent", joint.parent), ("child", joint.child)):
+            if link not in known:
+                raise InvalidRobot(
+                    f"{robot}: joint {joint.name!r} has no such {end} link: {link!r}",
+                    robot=robot,
+                    joint=joint.name,
+                    value=link,
+                    valid=names,
+                )
+        if joint.child in above:
+            raise InvalidRobot(
+                f"{robot}: link {joint.child!r} is the child of two joints, "
+                f"{above[joint.child].name!r} and {joint.name!r}",
+                robot=robot,
+                joint=joint.name,
+                value=joint.child,
+            )
+        above[joint.child] = joint
+    roots = [name for name in names if name not in above]
+    if len(roots) > 1:
+        raise InvalidRobot(
+            f"{robot}: not one tree: links without a parent: {', '.join(roots[:40])}",
+            robot=robot,
+            value=roots[1],
+        )
+    reached = set(roots)
+    pending = list(joints)
+    while pending:
+        rest = [j for j in pending if j.parent not in reached]
+        reached.update(j.child for j in pending if j.parent in reached)
+        if len(rest) == len(pending):
+            raise InvalidRobot(
+                f"{robot}: joint {rest[0].name!r} is part of a loop",
+                robot=robot,
+                joint=rest[0].name,
+            )
+        pending = rest
+    return roots[0]
+
+
+def _link(element: ET.Element, robot: str) -> Link:
+    name = _name(element, "link", robot)
+    inertial = element.find("inertial")
+    if inertial is None:
+        return Link(name)
+    where = f"link {name!r}"
+    origin = inertial.find("origin")
+    mass = inertial.find("mass")
+    inertia = inertial.find("inertia")
+    if mass is None or inertia is None:
+        raise InvalidRobot(
+            f"{robot}: the inertial of {where} needs <mass> and <inertia>", robot=robot
+        )
+    value = _number(mass, "value", where, robot)
+    if value is None or value < 0:
+        raise InvalidRobot(f"{robot}: the mass of {where} is {value}", robot=robot, value=value)
+    moments = [
+        _number(inertia, key, where, robot) or 0.0
+        for key in ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
+    ]
+    ixx, ixy, ixz, iyy, iyz, izz = moments
+    return Link(
+        name,
+        Inertial(
+            value,
+            _vector(origin, "xyz", where, robot),
+            _vector(origin, "rpy", where, robot),
+            (ixx, ixy, ixz, iyy, iyz, izz),
+        ),
+    )
+
+
+def _joint(element: ET.Element, robot: str) -> Joint:
+    name = _name(element, "joint", robot)
+    where = f"joint {name!r}"
+    kind = element.get("type") or ""
+    if kind not in _KINDS:
+        raise InvalidRobot(
+            f"{robot}: {where} has the type {kind!r}; URDF knows {', '.join(_KINDS)}",
+            robot=robot,
+            joint=name,
+            value=kind,
+            valid=_KINDS,
+        )
+    origin = element.find("origin")
+    mimic = element.find("mimic")
+    return Joint(
+        name=name,
+        kind=kind,
+        parent=_link_of(element, "parent", name, robot),
+        child=_link_of(element, "child", name, robot),
+        xyz=_vector(origin, "xyz", where, robot, joint=name),
+        rpy=_vector(origin, "rpy", where, robot, joint=name),
+        axis=_axis(element.find("axis"), name, robot) if kind in MOVABLE else (0.0, 0.0, 1.0),
+        limit=_limit(element.find("limit"), name, robot),
+        mimic=None if mimic is None else mimic.get("joint", ""),
+    )
+
+
+def _axis(element: ET.Element | None, joint: str, robot: str) -> Vector:
+    if element is None:
+        return (1.0, 0.0, 0.0)  # what the URDF specification says for a missing axis
+    x, y, z = _vector(element, "xyz", f"joint {joint!r}", robot, joint=joint)
+    length = math.sqrt(x * x + y * y + z * z)
+    if length < MIN_AXIS_LENGTH:
+        raise InvalidRobot(
+            f"{robot}: joint {joint!r} has a zero axis: {element.get('xyz')!r}",
+            robot=robot,
+            joint=joint,
+            value=element.get("xyz"),
+        )
+    if abs(length - 1.0) < 1e-15:
+        return (x, y, z)
+    return (x / length, y / length, z / length)
+
+
+def _limit(element: ET.Element | None, joint: str, robot: str) -> JointLimit:
+    if element is None:
+        return JointLimit()
+    keys = ("lower", "upper", "velocity", "effort", "acceleration")
+    where = f"joint {joint!r}"
+    return JointLimit(*(_number(element, key, where, robot, joint=joint) for key in keys))
+
+
+def _name(element: ET.Element, what: str, robot: str) -> str:
+    name = element.get("name", "")
+    if not name or len(name) > 200 or not name.isprintable():
+        raise InvalidRobot(
+            f"{robot}: a {what} has the name {name[:200]!r}; "
+            "a name has 1 to 200 printable characters",
+            robot=robot,
+            value=name[:200],
+        )
+    return name
+
+
+def _link_of(element: ET.Element, end: str, joint: str, robot: str) -> str:
+    found = element.find(end)
+    link = None if found is None else found.get("link")
+    if link is None:
+        raise InvalidRobot(f"{robot}: joint {joint!r} has no {end}", robot=robot, joint=joint)
+    return link
+
+
+def _number(
+    element: ET.Element, key: str, where: str, robot: str, joint: str | None = None
+) -> float | None:
+    """The attribute as a finite number of a sane size, None if it is absent."""
+    text = element.get(key)
+    return None if text is None else _parse(text, f"{key} of {where}", robot, joint)
+
+
+def _vector(
+    element: ET.Element | None, key: str, where: str, robot: str, joint: str | None = None
+) -> Vector:
+    text = None if element is None else element.get(key)
+    if text is None:
+        return (0.0, 0.0, 0.0)
+    values = [_parse(part, f"{key} of {where}", robot, joint) for part in text.split()]
+    if len(values) != 3:
+        raise InvalidRobot(
+            f"{robot}: {key} of {where} needs three numbers: {text!r}",
+            robot=robot,
+            joint=joint,
+            value=text,
+        )
+    return (values[0], values[1], values[2])
+
+
+def _parse(text: str, what: str, robot: str, joint: str | None) -> float:
+    try:
+        value = float(text)
+    except ValueError as error:
+        raise InvalidRobot(
+            f"{robot}: {what} is not a number: {text!r}", robot=robot, joint=joint, value=text
+        ) from error
+    if not abs(value) <= _MAX_NUMBER:  # NaN compares false
+        raise InvalidRobot(
+            f"{robot}: {what} is {text}; numbers must be finite and at most {_MAX_NUMBER:.0e}",
+            robot=robot,
+            joint=joint,
+            value=text,
+        )
+    return value

@@ -1,0 +1,117 @@
+"""The time budget of a plan, and how long its stages took."""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ikplan.errors import BudgetExceeded
+
+__all__ = ["Progress", "SearchCut", "TimeBudget"]
+
+Progress = Callable[[str, int, int], None]
+"""Called with a stage's name, and how many of how many waypoints are done; 0 of 0: begun."""
+
+
+_WATCHED = 20_000
+"""Evaluations of the shortest search that a thread watches: they take some 20 ms."""
+
+
+class SearchCut(Exception):
+    """A search was cut short by its clock; an answer would depend on the time, so there is none."""
+
+
+class TimeBudget:
+    """Counts a plan's time. It decides whether there is a plan, never which one.
+
+    Args:
+        budget_s: The time budget [s].
+        progress: Is told how far the plan is; None: nobody is.
+    """
+
+    def __init__(self, budget_s: float, progress: Progress | None = None) -> None:
+        self.budget_s = budget_s
+        self._progress = progress
+        self.seconds: dict[str, float] = {}
+        self._begin = time.perf_counter()
+        self._stage = ""
+        self._best: Mapping[str, Any] | None = None
+        self._waypoints = 0
+
+    @contextmanager
+    def stage(self, name: str) -> Iterator[None]:
+        """Time a stage, and refuse to begin it when the budget has run out.
+
+        Raises:
+            BudgetExceeded: The budget ran out before the stage.
+        """
+        self._stage = name
+        self.check()
+        self._waypoints = 0
+        self.advance(0)
+        begin = time.perf_counter()
+        try:
+            yield
+        finally:
+            self.seconds[name] = self.seconds.get(name, 0.0) + time.perf_counter() - begin
+
+    def expect(self, waypoints: int) -> None:
+        """Tell how many waypoints there are to do."""
+        self._waypoints = waypoints
+        self.advance(0)
+
+    def advance(self, done: int) -> None:
+        """Tell how many waypoints the stage has done."""
+        if self._progress is not None:
+            self._progress(self._stage, done, self._waypoints)
+
+    @property
+    def left(self) -> float:
+        """Time left of the budget [s]."""
+        return self.budget_s - (time.perf_counter() - self._begin)
+
+    def check(self, best: Mapping[str, Any] | None = None) -> None:
+        """Raise BudgetExceeded, with the best known so far, when the budget has run out."""
+        self._best = best or self._best
+        if self.left < 0.0:
+            raise self._exceeded()
+
+    @contextmanager
+    def cutting(self, cut: NDArray[np.bool_], evaluations: int) -> Iterator[None]:
+        """End long searches when the budget has run out.
+
+        Args:
+            cut: Shape (1,): the flag that searches look at.
+            evaluations: How long one search is; short ones are not worth a thread that watches
+                them: the clock is looked at between them.
+
+        Raises:
+            BudgetExceeded: A search was cut short; with the last best that was known.
+        """
+        if evaluations < _WATCHED:
+            yield
+            return
+        timer = threading.Timer(min(max(self.left, 0.0), threading.TIMEOUT_MAX), cut.fill, [True])
+        timer.daemon = True
+        timer.start()
+        try:
+            yield
+        except SearchCut as short:
+            raise self._exceeded() from short
+        finally:
+            timer.cancel()
+
+    def _exceeded(self) -> BudgetExceeded:
+        return BudgetExceeded(
+            f"the budget of {self.budget_s:g} s ran out in the stage {self._stage!r}; "
+            "a larger budget_s, fewer waypoints or a faster ik.method would help",
+            stage=self._stage,
+            budget_s=self.budget_s,
+            best=self._best,
+        )

@@ -1,0 +1,1 @@
+"""Limits other than those of single joints, as constraints along a path."""

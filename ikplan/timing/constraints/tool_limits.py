@@ -1,0 +1,143 @@
+"""Limits of the tool's speed and acceleration."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, fields, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ikplan.errors import InvalidRequest
+from ikplan.timing.constraints.constraints import (
+    MARGIN,
+    SPEED_MARGIN,
+    ConstraintRows,
+    Label,
+    PathPoints,
+)
+from ikplan.timing.constraints.tool_kernels import disc_rows, tool_demand
+
+__all__ = ["ToolLimits", "ToolMotion"]
+
+Array = NDArray[np.float64]
+Indices = NDArray[np.int64]
+# (q, dq, ddq), each (m, dof), to the twists of the tool and their time derivatives, (m, 6) each:
+# linear first [m/s, m/s^2], then angular [rad/s, rad/s^2], in axes that do not turn with the tool.
+ToolMotion = Callable[[Array, Array, Array], tuple[Array, Array]]
+
+# Directions in which an acceleration vector is bounded: a polygon inside the circle, by 0.2 % at
+# most.
+_DIRECTIONS = 48
+_KINDS = ("linear_speed", "angular_speed", "linear_acceleration", "angular_acceleration")
+
+
+@dataclass(frozen=True, eq=False)
+class ToolLimits:
+    """Upper bounds of the norms of the tool's velocity and acceleration.
+
+    Along a path, the twist of the tool is V sdot and its derivative V u + A x, where V and A are
+    the twist and its derivative for joint velocities q' and joint accelerations q''.
+
+    Attributes:
+        motion: The tool's velocity and acceleration for given joint motions.
+        linear_speed: [m/s], None: no limit.
+        angular_speed: [rad/s].
+        linear_acceleration: [m/s^2].
+        angular_acceleration: [rad/s^2].
+        start: Where the limits begin, as a path position s.
+        end: Where they end.
+
+    Raises:
+        InvalidRequest: A limit is not positive and finite, or there is none.
+    """
+
+    motion: ToolMotion
+    linear_speed: float | None = None
+    angular_speed: float | None = None
+    linear_acceleration: float | None = None
+    angular_acceleration: float | None = None
+    start: float = 0.0
+    end: float = np.inf
+
+    def __post_init__(self) -> None:
+        for kind in _KINDS:
+            value = getattr(self, kind)
+            if value is not None and not (np.isfinite(value) and value > 0.0):
+                raise InvalidRequest(
+                    f"the tool's {kind.replace('_', ' ')} limit must be positive and finite, "
+                    f"not {value!r}",
+                    field=f"limits.tool.{kind}",
+                    allowed="a positive number",
+                )
+        if not self.labels:
+            raise InvalidRequest(
+                "a tool limit needs one of " + ", ".join(_KINDS), field="limits.tool"
+            )
+
+    @property
+    def labels(self) -> tuple[Label, ...]:
+        """The limits that are set."""
+        names = [f.name for f in fields(self) if f.name in _KINDS]
+        return tuple((f"tool_{n}", None) for n in names if getattr(self, n) is not None)
+
+    def _limit(self, kind: str) -> float | None:
+        value = getattr(self, kind)
+        margin = SPEED_MARGIN if kind.endswith("speed") else MARGIN
+        return None if value is None else float(value) * (1.0 - margin)
+
+    def at(self, points: PathPoints) -> ConstraintRows:
+        """Write the limits at points of a path; see PathConstraint."""
+        V, A = self.motion(points.q, points.qs, points.qss)
+        x_max = np.full(len(points.s), np.inf)
+        for kind in ("linear_speed", "angular_speed"):
+            limit = self._limit(kind)
+            if limit is not None:
+                norm = np.sum(V[:, _part(kind)] ** 2, axis=1)
+                bound = np.full(len(x_max), np.inf)
+                np.divide(limit**2, norm, out=bound, where=norm > 0.0)
+                x_max = np.minimum(x_max, bound)
+        bounded = {
+            kind: limit
+            for kind in ("linear_acceleration", "angular_acceleration")
+            if (limit := self._limit(kind)) is not None
+        }
+        # Unset limits are infinite, and their shares zero.
+        limits = np.array([self._limit(kind) or np.inf for kind in _KINDS])
+        asked = np.isfinite(limits)
+
+        def coefficients(index: Indices) -> tuple[Array, Array]:
+            a, b = np.zeros((2, len(index), _DIRECTIONS * len(bounded)))
+            for k, (kind, limit) in enumerate(bounded.items()):
+                part, place = _part(kind), slice(k * _DIRECTIONS, (k + 1) * _DIRECTIONS)
+                P, R = (np.ascontiguousarray(rate[index, part]) for rate in (V, A))
+                a[:, place], b[:, place] = disc_rows(P, R, _DIRECTIONS, limit)
+            return a, b
+
+        def demand(index: Indices, u: Array, x: Array) -> Array:
+            found: Array = tool_demand(V, A, index, u, x, limits)[:, asked]
+            return found
+
+        return ConstraintRows(_DIRECTIONS * len(bounded), coefficients, x_max, demand)
+
+    def used(self, q: Array, dq: Array, ddq: Array) -> Array:
+        """Return how far joint motions use the limits; see PathConstraint."""
+        rates = dict(zip(("speed", "acceleration"), self.motion(q, dq, ddq), strict=True))
+        top = np.zeros(len(q))
+        for kind in _KINDS:
+            limit, rate = getattr(self, kind), kind.split("_")[1]
+            if limit is not None:
+                share = np.linalg.norm(rates[rate][:, _part(kind)], axis=1) / limit
+                top = np.maximum(top, np.square(share) if rate == "speed" else share)
+        return top
+
+    def scaled(self, label: Label, factor: float) -> ToolLimits:
+        """Return the limits with one multiplied; see PathConstraint."""
+        if label not in self.labels:
+            return self
+        kind = label[0].removeprefix("tool_")
+        return replace(self, **{kind: getattr(self, kind) * factor})
+
+
+def _part(kind: str) -> slice:
+    return slice(0, 3) if kind.startswith("linear") else slice(3, 6)

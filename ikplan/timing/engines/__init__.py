@@ -1,0 +1,1 @@
+"""The engines that time a path: toppra, and a compiled one."""

@@ -1,0 +1,192 @@
+"""The limits of the joints as linear rows in path acceleration and squared path velocity."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ikplan._jit import kernel
+from ikplan.timing.limit_ratios import velocity_share
+
+__all__ = ["StageRows", "acceleration_rows", "natural_units", "place_rows", "velocity_bounds"]
+
+Array = NDArray[np.float64]
+Indices = NDArray[np.int64]
+
+
+@dataclass(frozen=True, eq=False)
+class StageRows:
+    """Constraints a u + b x <= 1 in each interval and x <= x_max at each node.
+
+    u is the second time derivative of s, constant in an interval, and x the square of the first
+    at the interval's start; x at the interval's end is x + 2 u h. Rest (x = 0, u = 0) keeps all.
+
+    Attributes:
+        s: Path positions of the nodes, shape (n + 1,).
+        a: Coefficients of u, shape (n, m).
+        b: Coefficients of x, shape (n, m).
+        x_max: Upper bounds of x at the nodes, shape (n + 1,).
+    """
+
+    s: Array
+    a: Array
+    b: Array
+    x_max: Array
+
+
+@kernel
+def acceleration_rows(
+    h: Array, qs0: Array, qss0: Array, qss1: Array, upper: Array, lower: Array
+) -> tuple[Array, Array]:
+    """Bound the joint accelerations over whole intervals.
+
+    On an interval of a cubic path with constant path acceleration, a joint's acceleration is a
+    quadratic in s. Its three Bezier coefficients are linear in (u, x); bounding them bounds the
+    acceleration over the whole interval, and not at its ends alone.
+
+    Args:
+        h: Lengths of the intervals, shape (n,).
+        qs0: dq/ds at the starts, shape (n, dof).
+        qss0: d2q/ds2 at the starts, shape (n, dof).
+        qss1: d2q/ds2 at the ends, shape (n, dof).
+        upper: Upper acceleration limits, shape (n, dof).
+        lower: Lower acceleration limits, shape (n, dof), negative.
+
+    Returns:
+        Coefficients of u and of x in rows a u + b x <= 1, each of shape (n, 6 dof).
+    """
+    n, dof = qs0.shape
+    a, b = np.empty((n, 6 * dof)), np.empty((n, 6 * dof))
+    for i in range(n):
+        for j in range(dof):
+            qs, c0, c1 = qs0[i, j], qss0[i, j], qss1[i, j]
+            end = qs + 0.5 * h[i] * (c0 + c1)
+            for side in range(2):
+                scale = 1.0 / upper[i, j] if side == 0 else 1.0 / lower[i, j]
+                row = 3 * (2 * j + side)
+                a[i, row], b[i, row] = qs * scale, c0 * scale
+                a[i, row + 1] = (qs + 1.5 * h[i] * c0) * scale
+                b[i, row + 1] = 0.5 * (c0 + c1) * scale
+                a[i, row + 2] = (end + 2.0 * h[i] * c1) * scale
+                b[i, row + 2] = c1 * scale
+    return a, b
+
+
+@kernel
+def _largest_slopes(h: float, qs: float, qss0: float, qss1: float) -> tuple[float, float]:
+    """Return the greatest and the least dq/ds on an interval, zero where none has the sign."""
+    end = qs + 0.5 * h * (qss0 + qss1)
+    inner = qs + 0.5 * h * qss0 * qss0 / (qss0 - qss1) if qss0 * qss1 < 0.0 else qs
+    return max(qs, end, inner, 0.0), min(qs, end, inner, 0.0)
+
+
+@kernel
+def velocity_bounds(
+    h: Array,
+    qs0: Array,
+    qss0: Array,
+    qss1: Array,
+    velocity: Array,
+    velocity_lower: Array,
+) -> Array:
+    """Bound the squared path velocity at the nodes so that no joint is too fast between them.
+
+    x is linear between nodes. The bounds are first those of the nodes themselves; where the line
+    between two of them breaks a velocity limit in the interval, both are lowered to what fits.
+    Any x below the bounds is then below a line that keeps every limit.
+
+    Args:
+        h: Lengths of the intervals, shape (n,).
+        qs0: dq/ds at the starts, shape (n, dof).
+        qss0: d2q/ds2 at the starts, shape (n, dof).
+        qss1: d2q/ds2 at the ends, shape (n, dof).
+        velocity: Upper velocity limits, shape (n, dof).
+        velocity_lower: Lower velocity limits, shape (n, dof), negative.
+
+    Returns:
+        Upper bounds of x, shape (n + 1,).
+    """
+    n, dof = qs0.shape
+    x_max = np.full(n + 1, np.inf)
+    for i in range(n):
+        for j in range(dof):
+            up, down = velocity[i, j], velocity_lower[i, j]
+            end = qs0[i, j] + 0.5 * h[i] * (qss0[i, j] + qss1[i, j])
+            for node, qs in ((i, qs0[i, j]), (i + 1, end)):
+                if qs != 0.0:
+                    root = (up if qs > 0.0 else down) / qs
+                    x_max[node] = min(x_max[node], root * root)
+            # A node where the joints stand still would else allow any speed.
+            rise, fall = _largest_slopes(h[i], qs0[i, j], qss0[i, j], qss1[i, j])
+            for slope, limit in ((rise, up), (fall, down)):
+                if slope != 0.0:
+                    root = limit / slope
+                    for node in (i, i + 1):
+                        x_max[node] = min(x_max[node], 4.0 * root * root)
+    share = np.ones(n + 1)
+    for i in range(n):
+        highest = max(x_max[i], x_max[i + 1])
+        if not np.isfinite(highest):
+            continue
+        u = (x_max[i + 1] - x_max[i]) / (2.0 * h[i])
+        for j in range(dof):
+            up, down = velocity[i, j], velocity_lower[i, j]
+            rise, fall = _largest_slopes(h[i], qs0[i, j], qss0[i, j], qss1[i, j])
+            # Most joints are far from their limits, and need no closer look.
+            if max(rise / up, fall / down) ** 2 * highest > 1.0:
+                top = velocity_share(h[i], x_max[i], u, qs0[i, j], qss0[i, j], qss1[i, j], up, down)
+                share[i], share[i + 1] = max(share[i], top), max(share[i + 1], top)
+    for i in range(n + 1):
+        x_max[i] /= share[i] * share[i]
+    return x_max
+
+
+@kernel
+def place_rows(
+    a: Array, b: Array, of_u: Array, of_x: Array, inside: Indices, at: Indices, h: Array, first: int
+) -> None:
+    """Write rows at nodes, a u + b x <= 1, as rows at the starts and the ends of intervals.
+
+    Args:
+        a: Coefficients of u, shape (n, m); changed in place.
+        b: Coefficients of x at the starts of the intervals, shape (n, m); changed in place.
+        of_u: Coefficients of u at nodes, shape (k, r).
+        of_x: Coefficients of x at nodes, shape (k, r).
+        inside: The intervals, shape (p,).
+        at: Nodes at the starts and at the ends of those, shape (2, p).
+        h: Lengths of all intervals, shape (n,).
+        first: The first column.
+    """
+    r = of_u.shape[1]
+    for i in range(len(inside)):
+        row, start, end = inside[i], at[0, i], at[1, i]
+        for k in range(r):
+            a[row, first + k], b[row, first + k] = of_u[start, k], of_x[start, k]
+            a[row, first + r + k] = of_u[end, k] + 2.0 * h[row] * of_x[end, k]
+            b[row, first + r + k] = of_x[end, k]
+
+
+def natural_units(rows: StageRows) -> tuple[StageRows, float]:
+    """Scale a problem so that lengths, speeds and accelerations are about one.
+
+    toppra's solver has absolute tolerances, so that a motion of 1e-9 rad drowns in them.
+
+    Args:
+        rows: The problem.
+
+    Returns:
+        The scaled problem, and the factor that turns its x into the caller's.
+    """
+    length = float(rows.s[-1] - rows.s[0])
+    finite = rows.x_max[np.isfinite(rows.x_max)]
+    by_velocity = float(np.median(finite)) if len(finite) else np.inf
+    some = rows.a[:: max(1, len(rows.a) // 64)]
+    slope = float(np.median(np.abs(some).max(axis=1)))
+    by_acceleration = length / slope if slope > 0.0 else np.inf
+    unit = min(by_velocity, by_acceleration)
+    if not np.isfinite(unit):
+        unit = 1.0
+    s = (rows.s - rows.s[0]) / length
+    return StageRows(s, rows.a * (unit / length), rows.b * unit, rows.x_max / unit), unit

@@ -1,0 +1,1 @@
+"""Jerk-limited timing: smoothing, its kernels, and cubic motions."""

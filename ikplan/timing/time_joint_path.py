@@ -1,0 +1,147 @@
+"""Timing of a joint path under joint limits."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Sequence
+
+import numpy as np
+
+from ikplan.errors import InvalidRequest, TimingFailed
+from ikplan.joint_path.joint_path import JointPath
+from ikplan.limits.joint_limits import JointLimits
+from ikplan.timing.constraints.constraints import PathConstraint
+from ikplan.timing.engines.engine import Check, Engine, unlimited
+from ikplan.timing.jerk.jerk import Smoothed, smooth_span
+from ikplan.timing.profile import LimitProfile, SegmentLimits
+from ikplan.timing.span import SpanTiming, time_span
+from ikplan.timing.timed_path import TimedPath
+
+__all__ = ["check_inside", "time_joint_path"]
+
+
+def time_joint_path(
+    path: JointPath,
+    limits: JointLimits,
+    *,
+    segments: Sequence[SegmentLimits] = (),
+    constraints: Sequence[PathConstraint] = (),
+    engine: Engine | None = None,
+    check: Check = unlimited,
+) -> TimedPath:
+    """Move along a path as fast as the limits allow, from rest to rest.
+
+    Every span between rest points is solved on a grid on which joint accelerations are bounded
+    over whole intervals; what the result uses of each limit is then computed exactly, interval by
+    interval, and the span is slowed by any excess, so that no limit is exceeded at any time.
+
+    Args:
+        path: The path.
+        limits: Joint limits of the whole path.
+        segments: Joint limits of ranges of the path; the strictest holds.
+        constraints: Limits other than those of single joints: of the tool, of torques.
+        engine: Chooses the path speed; None: toppra, with a compiled twin to stand in for it.
+        check: Is called now and then, and may end the timing by an error of its own.
+
+    Returns:
+        The timed path; duration 0 for a path of length zero.
+
+    Raises:
+        InvalidRequest: The limits are for another number of joints.
+        TimingFailed: A torque limit forbids to stand somewhere on the path, the path leaves the
+            position limits, or no path speed was found; carries the place on the path, the joint
+            and the limit.
+    """
+    if path.dof != limits.dof:
+        raise InvalidRequest(
+            f"limits are for {limits.dof} joints, the path has {path.dof}",
+            field="limits",
+            allowed=f"{path.dof} values each",
+        )
+    check_inside(path, limits)
+    ranges = [(r.start, r.end) for r in segments] + [(r.start, r.end) for r in constraints]
+    path = path.with_knots([place for both in ranges for place in both])
+    jerk_limited = any(each.jerk is not None for each in (limits, *(x.limits for x in segments)))
+    if path.length == 0.0:
+        zero = np.zeros(1)
+        sddot = zero if jerk_limited else None
+        return TimedPath(path, zero, np.zeros(0, dtype=np.int64), zero, zero, (), sddot)
+    profile = LimitProfile.merged(path, limits, segments)
+    if jerk_limited:
+        # A step of the curvature is a step of the acceleration, unless the motion stops there.
+        limited = np.asarray(np.isfinite(profile.jerk).any(axis=1))
+        jumps = path.curvature_jumps()
+        path = path.stopping_at(jumps[limited[jumps - 1] | limited[jumps]])
+    spans = tuple(
+        time_span(
+            path,
+            first,
+            last,
+            profile,
+            constraints,
+            engine,
+            steady=not jerk_limited,
+            check=check,
+        )
+        for first, last in itertools.pairwise(path.rest_knots)
+    )
+    if jerk_limited:
+        smoothed = tuple(smooth_span(span.problem, check) for span in spans)
+        return _joined(path, smoothed, spans)
+    grids = [span.problem.grid for span in spans]
+    dt = np.concatenate([span.dt for span in spans])
+    return TimedPath(
+        path=path,
+        s=np.concatenate([[0.0], *(grid.s[1:] for grid in grids)]),
+        pieces=np.concatenate([grid.pieces for grid in grids]),
+        sdot=np.sqrt(np.concatenate([[0.0], *(span.x[1:] for span in spans)])),
+        node_times=np.concatenate([[0.0], np.cumsum(dt)]),
+        spans=spans,
+    )
+
+
+def _joined(
+    path: JointPath,
+    smoothed: tuple[Smoothed, ...],
+    spans: tuple[SpanTiming, ...],
+) -> TimedPath:
+    """Join jerk-limited motions of spans end to end."""
+    motions = [each.motion for each in smoothed]
+    ends = np.cumsum([float(motion.time[-1]) for motion in motions])
+    starts = np.concatenate([[0.0], ends[:-1]])
+    time = [m.time[1:] + start for m, start in zip(motions, starts, strict=True)]
+    return TimedPath(
+        path=path,
+        s=np.concatenate([[0.0], *(m.s[1:] for m in motions)]),
+        pieces=np.zeros(0, dtype=np.int64),
+        sdot=np.concatenate([[0.0], *(m.v[1:] for m in motions)]),
+        node_times=np.concatenate([[0.0], *time]),
+        spans=spans,
+        sddot=np.concatenate([[0.0], *(m.a[1:] for m in motions)]),
+        smoothed=smoothed,
+    )
+
+
+def check_inside(path: JointPath, limits: JointLimits) -> None:
+    """Refuse a path that leaves the position limits between its waypoints.
+
+    Args:
+        path: The path.
+        limits: Joint limits.
+
+    Raises:
+        TimingFailed: Names the joint.
+    """
+    low, high = path.extrema()
+    # The extrema of a cubic carry rounding errors of their own.
+    slack = 1e-12 * np.maximum(1.0, np.maximum(np.abs(low), np.abs(high)))
+    bad = (low < limits.lower - slack) | (high > limits.upper + slack)
+    if bad.any():
+        j = int(np.argmax(bad))
+        raise TimingFailed(
+            f"joint {limits.joint_names[j]!r} leaves its position limits "
+            f"[{limits.lower[j]:.9g}, {limits.upper[j]:.9g}]: the path reaches from {low[j]:.9g} "
+            f"to {high[j]:.9g}",
+            joint=limits.joint_names[j],
+            limit="position",
+        )

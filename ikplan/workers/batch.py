@@ -1,0 +1,134 @@
+"""Many requests, planned here: by as many processes as there are processors."""
+
+from __future__ import annotations
+
+import logging
+import multiprocessing
+import queue
+import threading
+from collections import deque
+from collections.abc import Generator, Iterable
+from concurrent.futures import CancelledError, Future, ThreadPoolExecutor
+from typing import TYPE_CHECKING
+
+from pebble import ProcessExpired, ProcessFuture, ProcessPool
+
+from ikplan.errors import IkplanError, WorkerLost
+from ikplan.workers import batch_worker as worker
+from ikplan.workers.processors import processor_count
+
+if TYPE_CHECKING:
+    from ikplan.robots import Robot
+
+__all__ = ["plan_lines"]
+
+_log = logging.getLogger("ikplan.workers")
+
+
+def plan_lines(
+    lines: Iterable[bytes], *, workers: int = 0, robot: Robot | None = None
+) -> Generator[bytes | IkplanError, None, None]:
+    """Plan the lines of a batch.
+
+    Args:
+        lines: The requests, each JSON.
+        workers: How many are planned at the same time; 0: one a processor.
+        robot: The robot of all of them; None: the one that each names.
+
+    Yields:
+        For each line, in their order and as soon as it is known, the plan, JSON, or the error
+        that :func:`ikplan.plan` would have raised; WorkerLost for one that took its process with
+        it. No line spoils another.
+    """
+    count = workers or processor_count()
+    crew = [_Worker(robot) for _ in range(count)]
+    idle: queue.SimpleQueue[_Worker] = queue.SimpleQueue()
+    for one in crew:
+        idle.put(one)
+
+    def answer(line: bytes) -> bytes | IkplanError:
+        one = idle.get()
+        try:
+            return one.answer(line)
+        finally:
+            idle.put(one)
+
+    under_way: deque[Future[bytes | IkplanError]] = deque()
+    with ThreadPoolExecutor(count) as threads:
+        try:
+            for line in lines:
+                under_way.append(threads.submit(answer, line))
+                # Answers that wait for one before them take memory.
+                if len(under_way) >= 2 * count:
+                    yield under_way.popleft().result()
+            while under_way:
+                yield under_way.popleft().result()
+        finally:
+            for future in under_way:
+                future.cancel()
+            for one in crew:
+                one.stop()
+
+
+class _Worker:
+    """One process, replaced when it ends in the middle of a plan.
+
+    A pool of one: in a larger one, a process that is killed can take the pipes of the others
+    with it.
+    """
+
+    def __init__(self, robot: Robot | None) -> None:
+        self._robot = robot
+        self._pool: ProcessPool | None = None
+        self._doing: ProcessFuture[bytes] | None = None
+        self._stopped = False
+        self._changing = threading.Lock()
+
+    def answer(self, line: bytes) -> bytes | IkplanError:
+        try:
+            return self._begin(line).result()
+        except IkplanError as error:
+            return error
+        except ProcessExpired as error:
+            code = int(error.exitcode)
+            return WorkerLost(
+                f"the process that did the work was ended with exit code {code}; nothing else was "
+                "affected",
+                exit_code=code,
+            )
+        except worker.Fault as fault:
+            _log.error("a request failed: %s", fault)
+            return IkplanError("an unexpected fault of ikplan, told on stderr")
+
+    def _begin(self, line: bytes) -> ProcessFuture[bytes]:
+        with self._changing:
+            if self._stopped:
+                raise CancelledError
+            if self._pool is None or not self._pool.active:
+                self._end()
+                self._pool = ProcessPool(
+                    1, initializer=worker.begin, initargs=(self._robot,), context=_forking()
+                )
+            self._doing = self._pool.schedule(worker.make, args=(line,))
+            return self._doing
+
+    def stop(self) -> None:
+        """End the process, in the middle of what it does."""
+        with self._changing:
+            self._stopped = True
+            self._end()
+
+    def _end(self) -> None:
+        if self._doing is not None:
+            self._doing.cancel()  # type: ignore[no-untyped-call]
+        if self._pool is not None:
+            self._pool.stop()  # type: ignore[no-untyped-call]
+            self._pool.join()
+            self._pool = None
+
+
+def _forking() -> multiprocessing.context.ForkServerContext:
+    """What makes processes: forked from one that has every kernel loaded."""
+    context = multiprocessing.get_context("forkserver")
+    context.set_forkserver_preload(["ikplan.workers.single_threaded", "ikplan.workers.preload"])
+    return context

@@ -1,0 +1,80 @@
+"""Stations along a path: every place that matters has one, whatever the gaps between them."""
+
+from __future__ import annotations
+
+import itertools
+from dataclasses import dataclass
+
+import numpy as np
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from numpy.typing import NDArray
+
+from ikplan.planning.tracking.reference_path import (
+    first_stations,
+    nearest_stations,
+    rest_stations,
+    stations_around,
+)
+
+Array = NDArray[np.float64]
+
+gaps = st.sampled_from([0.0, 1e-16, 5e-13, 3e-10, 1e-9, 1e-6, 0.01, 1.0, 40.0])
+
+
+@dataclass(frozen=True)
+class Straight:
+    """A straight path with corners and waypoints at given places."""
+
+    length: float
+    corners: Array
+    waypoint_s: Array
+
+    def poses(self, s: Array) -> tuple[Array, Array]:
+        return np.tile(np.eye(3), (len(s), 1, 1)), np.outer(s, [1.0, 0.0, 0.0])
+
+    def orientation_mask(self, s: Array) -> NDArray[np.bool_]:
+        return np.ones(len(s), dtype=np.bool_)
+
+
+@settings(max_examples=200, deadline=None)
+@given(steps=st.lists(gaps, min_size=1, max_size=8), every=st.integers(1, 3))
+def test_every_corner_and_waypoint_has_a_station(steps: list[float], every: int) -> None:
+    places = np.cumsum([0.0, *steps])
+    path = Straight(float(places[-1]), places[1:-1:every], places)
+    slack = 1.01e-12 * max(path.length, 1.0)
+    s = first_stations(path, 0.04)
+    assert s[0] == 0.0
+    assert s[-1] == path.length
+    assert (np.diff(s) > 0.0).all()
+    assert len(s) % 2 == 1
+    stations = nearest_stations(s, places)
+    assert np.abs(s[stations] - places).max() <= slack
+    assert (np.diff(stations) >= 0).all()
+    assert stations[-1] == len(s) - 1 or path.length <= slack
+    assert rest_stations(path, s) == nearest_stations(s, path.corners).tolist()
+    for begin, end in itertools.pairwise(places.tolist()):
+        first, last = stations_around(path, s, begin, end)
+        assert 0 <= first <= last < len(s)
+        assert s[first] <= begin + slack
+        assert s[last] >= end - slack
+        # No farther out than the stations next to it, and nowhere where there is nothing between.
+        assert first + 1 == len(s) or s[first + 1] > begin - slack
+        assert last == 0 or s[last - 1] < end + slack
+        if begin == end:
+            assert first == last
+
+
+@settings(max_examples=100, deadline=None)
+@given(
+    seed=st.integers(0, 2**32 - 1),
+    count=st.integers(1, 30),
+)
+def test_a_stretch_between_stations_is_within_those_around_it(seed: int, count: int) -> None:
+    rng = np.random.default_rng(seed)
+    path = Straight(1.0, np.zeros(0), np.zeros(0))
+    s = np.unique([0.0, *rng.uniform(0.0, 1.0, count), 1.0])
+    begin, end = np.sort(rng.uniform(0.0, 1.0, 2)).tolist()
+    first, last = stations_around(path, s, begin, end)
+    assert s[first] <= begin < s[first + 1]
+    assert s[last - 1] < end <= s[last]

@@ -6,6 +6,7 @@
     ├── NoPlan                    the request makes sense, and there is no plan for it
     │   ├── Unreachable           a waypoint has no solution within limits and tolerance
     │   ├── Disconnected          waypoints have solutions, but no continuous motion joins them
+    │   ├── InCollision           the arm would touch itself, its tool or an obstacle
     │   ├── TimingFailed          no timing under the limits
     │   └── BudgetExceeded        the time budget ran out
     ├── InvalidInput              what the caller gave is wrong, or names what does not exist
@@ -38,6 +39,7 @@ __all__ = [
     "CertificateViolated",
     "Disconnected",
     "IkplanError",
+    "InCollision",
     "InvalidInput",
     "InvalidRequest",
     "InvalidRobot",
@@ -332,6 +334,51 @@ class Disconnected(NoPlan):
         self.repairs = [dict(r) for r in repairs]
 
 
+class InCollision(NoPlan):
+    """The arm, its tool or what it holds comes closer to a body than the clearance asked for.
+
+    Attributes:
+        waypoint: Index of the waypoint, from 0; -1 stands for the start configuration; None: it
+            happens between waypoints.
+        time: When in the finished motion [s]; None: there is no timed motion yet.
+        pair: Names of the two bodies.
+        depth: How far the gap falls short of the clearance asked for [m].
+        q: Joint values at which it happens, shape (dof,) [rad or m].
+        proven: Whether contact is proven there; false: no way around was found.
+        reason: Why no way around was found: how many candidates failed for which pair.
+        repairs: Changes of the request that were tried and make it feasible, as
+            ``{"change", "detail"}``.
+    """
+
+    slug = "in-collision"
+    title = "In collision"
+    status = 422
+    fields = ("waypoint", "time", "pair", "depth", "q", "proven", "reason", "repairs")
+
+    def __init__(
+        self,
+        detail: str,
+        *,
+        waypoint: int | None = None,
+        time: float | None = None,
+        pair: Sequence[str] = (),
+        depth: float = 0.0,
+        q: Sequence[float] = (),
+        proven: bool = False,
+        reason: str = "",
+        repairs: Sequence[Mapping[str, Any]] = (),
+    ) -> None:
+        super().__init__(detail)
+        self.waypoint = waypoint
+        self.time = time
+        self.pair = [str(name) for name in pair]
+        self.depth = depth
+        self.q = [float(v) for v in q]
+        self.proven = proven
+        self.reason = reason
+        self.repairs = [dict(r) for r in repairs]
+
+
 class TimingFailed(NoPlan):
     """No timing exists, or none was found, under the limits.
 
@@ -506,6 +553,7 @@ _BY_TYPE: dict[str, type[IkplanError]] = {
         InvalidRobot,
         Unreachable,
         Disconnected,
+        InCollision,
         TimingFailed,
         BudgetExceeded,
         MemoryExceeded,

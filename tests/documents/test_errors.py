@@ -33,6 +33,9 @@ EXAMPLES: list[IkplanError] = [
         waypoints=[{"waypoint": 3, "position_error": 0.1}],
     ),
     errors.Disconnected("apart", waypoints=[-1, 0], jump=2.5, reason="limits", q=[0.5, 1.0]),
+    errors.InCollision(
+        "touches", waypoint=2, pair=["table", "link_3"], depth=0.01, q=[0.5, 1.0], proven=True
+    ),
     errors.TimingFailed("slow", position=0.5, joint="A1", limit="velocity"),
     errors.BudgetExceeded("late", stage="ik", budget_s=1.0, best={"q": [[0.0]]}),
     errors.BudgetExceeded("late", stage="ik", budget_s=1.0),
@@ -83,6 +86,7 @@ TREE: dict[str, dict[str, tuple[str, int]]] = {
     "NoPlan": {
         "Unreachable": ("unreachable", 422),
         "Disconnected": ("disconnected", 422),
+        "InCollision": ("in-collision", 422),
         "TimingFailed": ("timing-failed", 422),
         "BudgetExceeded": ("budget-exceeded", 422),
     },

@@ -130,6 +130,22 @@ _DATA: dict[type[errors.IkplanError], dict[str, Any]] = {
         ),
         "repairs": _REPAIRS,
     },
+    errors.InCollision: {
+        "waypoint": (
+            int | None,
+            Field(description="Index of the waypoint, from 0; -1: the start; null: between them."),
+        ),
+        "time": (float | None, Field(description="When in the finished motion [s].")),
+        "pair": (_Names, Field(description="Names of the two bodies.")),
+        "depth": (
+            float | None,
+            Field(description="How far the gap falls short of the clearance asked for [m]."),
+        ),
+        "q": (list[float | None], Field(description="Joint values there [rad or m].")),
+        "proven": (bool, Field(description="Contact is proven; false: no way around was found.")),
+        "reason": (str, Field(description="How many candidates failed for which pair.")),
+        "repairs": _REPAIRS,
+    },
     errors.TimingFailed: {
         "position": (float | None, Field(description="Position along the path, 0..1.")),
         "joint": (str | None, Field(description="The joint.")),

@@ -30,6 +30,7 @@ router = APIRouter(prefix=PLANS, tags=["plans"])
 PLAN_ERRORS = (
     errors.Unreachable,
     errors.Disconnected,
+    errors.InCollision,
     errors.TimingFailed,
     errors.BudgetExceeded,
     errors.MemoryExceeded,

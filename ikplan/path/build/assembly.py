@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from itertools import dropwhile, pairwise
 
-from ikplan.path.pieces.blend import Blend, blend_corner
-from ikplan.path.build.items import Item, Mark
 from ikplan.path.build.corners import Joints, blend_radii
+from ikplan.path.build.items import Item, Mark
+from ikplan.path.pieces.blend import Blend, blend_corner
 from ikplan.path.pieces.piece import Piece, Pose
 from ikplan.path.pieces.steady import line
 from ikplan.path.tool_path import Corner, PathStretch, PathWaypoint, ToolPath

@@ -10,18 +10,18 @@ from numpy.typing import NDArray
 from ikplan.documents.curve import CurveSegment
 from ikplan.documents.segment import ArcSegment, EndOrientation, LineSegment, OrientationRule
 from ikplan.errors import InvalidRequest
-from ikplan.path.curves.arcs import arc_about, arc_through
 from ikplan.path.build.assembly import assemble
-from ikplan.path.coincidence import COINCIDENT, joined
-from ikplan.path.curves.named_curves import curve_pieces
-from ikplan.path.rotation.geodesic import shortest_turn
 from ikplan.path.build.items import Item, Mark
 from ikplan.path.build.orientation_lead_in import lead_to_orientations
 from ikplan.path.build.path_frame import PathFrame
-from ikplan.path.pieces.piece import Piece, Pose
-from ikplan.path.rotation.so3 import angle_between, exp
 from ikplan.path.build.spline_items import spline_items
+from ikplan.path.coincidence import COINCIDENT, joined
+from ikplan.path.curves.arcs import arc_about, arc_through
+from ikplan.path.curves.named_curves import curve_pieces
+from ikplan.path.pieces.piece import Piece, Pose
 from ikplan.path.pieces.steady import line
+from ikplan.path.rotation.geodesic import shortest_turn
+from ikplan.path.rotation.so3 import angle_between, exp
 from ikplan.path.tool_path import ToolPath
 
 __all__ = ["PathBuilder"]

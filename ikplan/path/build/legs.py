@@ -10,13 +10,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ikplan.documents.curve import CurveSegment
+from ikplan.documents.plan_request import PathRequest
 from ikplan.documents.segment import ArcSegment, JointSegment, LineSegment, SplineSegment
 from ikplan.errors import InvalidRequest
 from ikplan.path.build.builder import PathBuilder
 from ikplan.path.build.path_frame import PathFrame
 from ikplan.path.pieces.piece import Pose
 from ikplan.path.tool_path import ToolPath
-from ikplan.documents.plan_request import PathRequest
 
 __all__ = ["JointLeg", "JointTarget", "Leg", "ToolLeg", "legs_of"]
 

@@ -13,12 +13,12 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from ikplan.path.coincidence import COINCIDENT
-from ikplan.path.rotation.geodesic import shortest_turn
 from ikplan.path.build.items import Item
+from ikplan.path.coincidence import COINCIDENT
 from ikplan.path.pieces.piece import Pose
-from ikplan.path.rotation.so3 import exp
 from ikplan.path.pieces.steady import line
+from ikplan.path.rotation.geodesic import shortest_turn
+from ikplan.path.rotation.so3 import exp
 
 __all__ = ["lead_to_orientations"]
 

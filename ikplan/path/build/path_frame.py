@@ -7,10 +7,10 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from ikplan.documents.plan_request import PathRequest
 from ikplan.documents.poses import Frame, Waypoint
 from ikplan.path.pieces.piece import Pose, unit
 from ikplan.path.rotation.so3 import rotation_of
-from ikplan.documents.plan_request import PathRequest
 
 __all__ = ["PathFrame"]
 

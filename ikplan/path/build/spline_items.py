@@ -10,17 +10,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ikplan.errors import InvalidRequest
-from ikplan.path.curves.arc_length import ArcLength
-from ikplan.path.coincidence import COINCIDENT, joined
-from ikplan.path.pieces.curved import CurvedPiece
-from ikplan.path.rotation.geodesic import AMBIGUOUS, refuse_half_turn, shortest_turn
 from ikplan.path.build.items import Item, Mark
-from ikplan.path.pieces.piece import Pose
-from ikplan.path.rotation.so3 import exp, quaternion_of
+from ikplan.path.coincidence import COINCIDENT, joined
+from ikplan.path.curves.arc_length import ArcLength
 from ikplan.path.curves.shapes import CubicShape
+from ikplan.path.pieces.curved import CurvedPiece
+from ikplan.path.pieces.piece import Pose
 from ikplan.path.pieces.spline_turning import SplineTurning
 from ikplan.path.pieces.steady import line
 from ikplan.path.pieces.turning import SteadyTurning, Turning
+from ikplan.path.rotation.geodesic import AMBIGUOUS, refuse_half_turn, shortest_turn
+from ikplan.path.rotation.so3 import exp, quaternion_of
 
 __all__ = ["spline_items"]
 

@@ -153,6 +153,11 @@ def test_folders_of_the_library_are_small() -> None:
         assert len(list(folder.glob("*.py"))) <= MOST_MODULES, folder.name
 
 
+def test_every_folder_of_modules_is_a_package() -> None:
+    for folder in {path.parent for path in modules().values()}:
+        assert (folder / "__init__.py").is_file(), folder
+
+
 def service_modules() -> list[str]:
     return [m for m in sorted(modules()) if m.startswith("ikplan_api.")]
 

@@ -1,8 +1,9 @@
 """Digests of trajectories: ``python -m benchmarks.golden check`` or ``write``.
 
-``write`` plans every case and writes ``benchmarks/golden/list.json``; ``check`` plans them again
-and names each whose outcome is another. Compiled kernels may round differently on another
-processor family: the list holds for the one that it names.
+``write`` plans every case and writes ``benchmarks/golden/PROCESSOR.json``; ``check`` plans them
+again and names each whose outcome is another. Compiled kernels and linear algebra round
+differently on another processor, so that each kind has a list of its own: on one without, write it
+from a checkout that is known to be good, then check the other against it.
 """
 
 from __future__ import annotations
@@ -10,12 +11,12 @@ from __future__ import annotations
 import argparse
 import hashlib
 import json
-import platform
 import sys
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from llvmlite import binding
 
 import ikplan
 from benchmarks.golden.cases import BUDGET_S, golden_cases
@@ -24,7 +25,7 @@ from ikplan.limits import JointLimits
 from ikplan.pipeline.retime import time_request
 from ikplan.timing import retime
 
-LIST = Path(__file__).with_name("list.json")
+LIST = Path(__file__).with_name(f"{binding.get_host_cpu_name()}.json")
 
 
 def _digest(*arrays: Any) -> str:
@@ -71,6 +72,9 @@ def main() -> int:
     parser.add_argument("--only", default="", help="cases whose name contains this")
     options = parser.parse_args()
     found = {}
+    if options.action == "check" and not LIST.exists():
+        print(f"no list for this processor: {LIST.name}")
+        return 2
     known = json.loads(LIST.read_text())["cases"] if options.action == "check" else {}
     changed = 0
     for name, kind, document in golden_cases():
@@ -81,7 +85,7 @@ def main() -> int:
             changed += 1
             print(f"{name}: {known.get(name)} is now {found[name]}", flush=True)
     if options.action == "write":
-        head = {"command": "python -m benchmarks.golden write", "processor": platform.machine()}
+        head = {"command": "python -m benchmarks.golden write", "processor": LIST.stem}
         LIST.write_text(json.dumps({**head, "cases": found}, indent=1) + "\n")
     print(f"{len(found)} cases, {changed} changed")
     return 1 if changed else 0

@@ -1,0 +1,110 @@
+"""The bodies of a collision model as flat arrays, in the frames of the compiled chain."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import NDArray
+
+from ikplan.collision.frames import link_frames
+from ikplan.kinematics.chain import Chain
+from ikplan.robots import Robot
+from ikplan.scene.body import CollisionModel
+
+__all__ = ["Bodies", "flat_bodies"]
+
+Array = NDArray[np.float64]
+Index = NDArray[np.int64]
+
+
+class Bodies(NamedTuple):
+    """Convex pieces and the pairs of them to be kept apart.
+
+    Attributes:
+        points: Points of all pieces, each in the frame of its carrier, shape (n, 3) [m].
+        first: Index of each piece's first point, shape (k + 1,); the last entry is n.
+        radius: Radius of each piece, shape (k,) [m].
+        centre: Centre of a sphere about each piece, in the frame of its carrier, shape (k, 3) [m].
+        bound: Radius of that sphere, shape (k,) [m].
+        carrier: Link of the chain that carries each piece, 0 for the base, shape (k,).
+        pairs: Two pieces each, that of the lower carrier first, shape (m, 2).
+        pair_of: Row of the model's pairs that each belongs to, shape (m,).
+        clearance: Least gap asked for [m].
+    """
+
+    points: Array
+    first: Index
+    radius: Array
+    centre: Array
+    bound: Array
+    carrier: Index
+    pairs: Index
+    pair_of: Index
+    clearance: float
+
+
+def flat_bodies(robot: Robot, chain: Chain, model: CollisionModel) -> Bodies:
+    """Return the bodies of a model as arrays.
+
+    Args:
+        robot: The robot that the model is of.
+        chain: Its chain.
+        model: The bodies and pairs.
+    """
+    to_chain = _chain_frames_in_joint_frames(robot, chain)
+    points: list[Array] = []
+    first, radius, centre, bound, carrier = [0], [], [], [], []
+    pieces_of: list[list[int]] = []
+    for body in model.bodies:
+        rows = []
+        T = to_chain[body.carrier]
+        for piece in body.pieces:
+            moved = np.asarray(piece.points, dtype=np.float64) @ T.rotation.T + T.translation
+            middle = 0.5 * (moved.min(axis=0) + moved.max(axis=0))
+            rows.append(len(radius))
+            points.append(moved)
+            first.append(first[-1] + len(moved))
+            radius.append(piece.radius)
+            centre.append(middle)
+            bound.append(float(np.linalg.norm(moved - middle, axis=1).max()) + piece.radius)
+            carrier.append(body.carrier)
+        pieces_of.append(rows)
+    pairs, pair_of = [], []
+    for row, (a, b) in enumerate(np.asarray(model.pairs, dtype=np.int64).reshape(-1, 2)):
+        if model.bodies[a].carrier > model.bodies[b].carrier:
+            a, b = b, a
+        for i in pieces_of[a]:
+            for j in pieces_of[b]:
+                pairs.append((i, j))
+                pair_of.append(row)
+    return Bodies(
+        np.ascontiguousarray(np.vstack(points) if points else np.empty((0, 3))),
+        np.array(first, dtype=np.int64),
+        np.array(radius, dtype=np.float64),
+        np.array(centre, dtype=np.float64).reshape(-1, 3),
+        np.array(bound, dtype=np.float64),
+        np.array(carrier, dtype=np.int64),
+        np.array(pairs, dtype=np.int64).reshape(-1, 2),
+        np.array(pair_of, dtype=np.int64),
+        model.clearance,
+    )
+
+
+def _chain_frames_in_joint_frames(robot: Robot, chain: Chain) -> list[pin.SE3]:
+    """Per carrier, the pose of the model's joint frame in the chain's link frame.
+
+    The chain turns each joint's axis to z; the two differ by a constant rotation.
+    """
+    q = robot.home
+    data = robot.model.createData()
+    pin.forwardKinematics(robot.model, data, robot.configuration(q))
+    R, p = np.empty((len(chain.prismatic) + 1, 3, 3)), np.empty((len(chain.prismatic) + 1, 3))
+    link_frames(chain, q, R, p)
+    T_base_universe = robot.T_universe_base.inverse()
+    poses = [pin.SE3.Identity()]
+    for k in range(1, robot.model.njoints):
+        T_chain = pin.SE3(R[k], p[k])
+        poses.append(T_chain.inverse() * T_base_universe * data.oMi[k])
+    return poses

@@ -55,7 +55,8 @@ def flat_bodies(robot: Robot, chain: Chain, model: CollisionModel) -> Bodies:
     """
     to_chain = _chain_frames_in_joint_frames(robot, chain)
     points: list[Array] = []
-    first, radius, centre, bound, carrier = [0], [], [], [], []
+    first, carrier = [0], list[int]()
+    radius, centre, bound = list[float](), list[Array](), list[float]()
     pieces_of: list[list[int]] = []
     for body in model.bodies:
         rows = []

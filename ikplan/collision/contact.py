@@ -82,7 +82,7 @@ def _sphere_gap(bodies: Bodies, i: int, j: int, w: Scratch) -> float:
     square = 0.0
     for k in range(3):
         square += (w.centre[i, k] - w.centre[j, k]) ** 2
-    return math.sqrt(square) - bodies.bound[i] - bodies.bound[j]
+    return math.sqrt(square) - float(bodies.bound[i] + bodies.bound[j])
 
 
 @kernel

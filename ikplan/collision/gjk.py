@@ -62,7 +62,7 @@ def _on_line(S: Array, v: Array) -> int:
 @leaf_kernel
 def _dot(S: Array, i: int, j: int, k: int) -> float:
     """Return (S[j] - S[i]) . -S[k]."""
-    return -(
+    return -float(
         (S[j, 0] - S[i, 0]) * S[k, 0]
         + (S[j, 1] - S[i, 1]) * S[k, 1]
         + (S[j, 2] - S[i, 2]) * S[k, 2]
@@ -123,7 +123,7 @@ def _outside(S: Array, i: int, j: int, k: int, apex: int) -> bool:
     of_apex = n0 * c0 + n1 * c1 + n2 * c2
     of_origin = -(n0 * S[i, 0] + n1 * S[i, 1] + n2 * S[i, 2])
     size = math.sqrt((n0 * n0 + n1 * n1 + n2 * n2) * (c0 * c0 + c1 * c1 + c2 * c2))
-    return abs(of_apex) <= 1e-12 * size or of_apex * of_origin < 0.0
+    return bool(abs(of_apex) <= 1e-12 * size or of_apex * of_origin < 0.0)
 
 
 @leaf_kernel

@@ -1,0 +1,145 @@
+"""Whether configurations and joint paths of one arm are free of contact with one set of bodies."""
+
+from __future__ import annotations
+
+from collections import Counter
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ikplan.collision.bodies import flat_bodies
+from ikplan.collision.contact import contacts, gaps, motion_contact, new_scratch
+from ikplan.kinematics.arm import arm_of
+from ikplan.robots import Robot
+from ikplan.scene.body import CollisionModel
+
+__all__ = ["CollisionChecker", "Contact"]
+
+Array = NDArray[np.float64]
+Flags = NDArray[np.bool_]
+
+
+@dataclass(frozen=True, eq=False)
+class Contact:
+    """Two bodies that come nearer than allowed.
+
+    Attributes:
+        step: Index of the configuration at which the motion to the next begins.
+        share: Share of that motion at which they do.
+        q: The configuration there, shape (dof,) [rad or m].
+        pair: Names of the bodies.
+    """
+
+    step: int
+    share: float
+    q: Array
+    pair: tuple[str, str]
+
+
+class CollisionChecker:
+    """Compiled checks of one arm against one model; one thread at a time.
+
+    Attributes:
+        model: The bodies, the pairs and the clearance.
+    """
+
+    def __init__(self, robot: Robot, model: CollisionModel, margin: float = 0.0) -> None:
+        """Prepare the bodies for the kernels.
+
+        Args:
+            robot: The robot, with its tool.
+            model: Its bodies and those around it.
+            margin: Gap asked for on top of the clearance [m].
+        """
+        self.model = model
+        self._chain = arm_of(robot).chain
+        self._bodies = flat_bodies(robot, self._chain, model)
+        self._scratch = new_scratch(self._chain, self._bodies)
+        self._margin = margin
+        self._all = np.ones(len(self._bodies.pairs), dtype=np.bool_)
+        windows = [(b.first_segment, b.last_segment) for b in model.bodies]
+        self._windowed = any(window != (None, None) for window in windows)
+
+    def active(self, segment: int | None) -> Flags:
+        """Return which pairs of pieces count in a segment, shape (m,); None: all of them."""
+        if segment is None or not self._windowed:
+            return self._all
+        there = np.array(
+            [
+                (b.first_segment is None or b.first_segment <= segment)
+                and (b.last_segment is None or segment <= b.last_segment)
+                for b in self.model.bodies
+            ]
+        )
+        pairs = np.asarray(self.model.pairs).reshape(-1, 2)
+        together = there[pairs[:, 0]] & there[pairs[:, 1]]
+        return np.asarray(together[self._bodies.pair_of])
+
+    def pairs_in_contact(
+        self, q: Array, segment: int | None = None
+    ) -> list[tuple[str, str] | None]:
+        """Return for each configuration a pair that is nearer than allowed, or None.
+
+        Args:
+            q: Configurations, shape (m, dof) [rad or m].
+            segment: The segment they belong to; None: attached bodies are there throughout.
+        """
+        return [None if row < 0 else self._names(int(row)) for row in self._rows(q, segment)]
+
+    def free(self, q: Array, segment: int | None = None) -> Flags:
+        """Return which configurations are free of contact, shape (m,); see above."""
+        return np.array(self._rows(q, segment) < 0, dtype=np.bool_)
+
+    def first_contact(self, q: Array, segment: int | None = None) -> Contact | None:
+        """Return where straight joint motions from row to row first meet a body, or None.
+
+        Without a contact, the whole of the motion is proven to be free.
+
+        Args:
+            q: Configurations, shape (m, dof) [rad or m].
+            segment: The segment they belong to.
+        """
+        q = np.ascontiguousarray(q, dtype=np.float64)
+        active = self.active(segment)
+        if len(q) and (row := self._rows(q[:1], segment)[0]) >= 0:
+            return Contact(0, 0.0, q[0].copy(), self._names(row))
+        for k in range(len(q) - 1):
+            row, share = motion_contact(
+                self._chain, self._bodies, active, self._margin, q[k], q[k + 1], self._scratch
+            )
+            if row >= 0:
+                return Contact(k, share, q[k] + share * (q[k + 1] - q[k]), self._names(row))
+        return None
+
+    def least_gap(self, q: Array, segment: int | None = None) -> tuple[float, tuple[str, str]]:
+        """Return the smallest gap of a configuration [m], 0 in contact, and its pair.
+
+        Args:
+            q: Joint values, shape (dof,) [rad or m].
+            segment: The segment it belongs to.
+        """
+        found = np.empty(len(self._all))
+        q = np.ascontiguousarray(q, dtype=np.float64)
+        row = gaps(self._chain, self._bodies, self.active(segment), q, np.inf, self._scratch, found)
+        if row < 0:
+            return float("inf"), ("", "")
+        return max(float(found[row]), 0.0), self._names(row)
+
+    def commonest(self, q: Array, segment: int | None = None) -> list[tuple[tuple[str, str], int]]:
+        """Return the pairs that hold configurations in contact and how many, most first."""
+        named = [pair for pair in self.pairs_in_contact(q, segment) if pair is not None]
+        return sorted(Counter(named).items(), key=lambda item: (-item[1], item[0]))
+
+    def _rows(self, q: Array, segment: int | None) -> NDArray[np.int64]:
+        q = np.ascontiguousarray(q, dtype=np.float64)
+        out = np.full(len(q), -1, dtype=np.int64)
+        if len(self._all):
+            contacts(
+                self._chain, self._bodies, self.active(segment), self._margin, q, self._scratch, out
+            )
+        return out
+
+    def _names(self, row: int) -> tuple[str, str]:
+        a, b = np.asarray(self.model.pairs).reshape(-1, 2)[self._bodies.pair_of[row]]
+        return self.model.bodies[a].name, self.model.bodies[b].name

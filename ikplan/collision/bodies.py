@@ -8,6 +8,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
+from ikplan.collision.capsules import enclosing_capsule
 from ikplan.collision.frames import link_frames
 from ikplan.kinematics.chain import Chain
 from ikplan.robots import Robot
@@ -28,6 +29,9 @@ class Bodies(NamedTuple):
         radius: Radius of each piece, shape (k,) [m].
         centre: Centre of a sphere about each piece, in the frame of its carrier, shape (k, 3) [m].
         bound: Radius of that sphere, shape (k,) [m].
+        axis: Both ends of the axis of a capsule about each piece, in the frame of its carrier,
+            shape (k, 6) [m].
+        around: Radius of that capsule, shape (k,) [m].
         carrier: Link of the chain that carries each piece, 0 for the base, shape (k,).
         pairs: Two pieces each, that of the lower carrier first, shape (m, 2).
         pair_of: Row of the model's pairs that each belongs to, shape (m,).
@@ -39,6 +43,8 @@ class Bodies(NamedTuple):
     radius: Array
     centre: Array
     bound: Array
+    axis: Array
+    around: Array
     carrier: Index
     pairs: Index
     pair_of: Index
@@ -57,6 +63,7 @@ def flat_bodies(robot: Robot, chain: Chain, model: CollisionModel) -> Bodies:
     points: list[Array] = []
     first, carrier = [0], list[int]()
     radius, centre, bound = list[float](), list[Array](), list[float]()
+    axis, around = list[Array](), list[float]()
     pieces_of: list[list[int]] = []
     for body in model.bodies:
         rows = []
@@ -70,6 +77,9 @@ def flat_bodies(robot: Robot, chain: Chain, model: CollisionModel) -> Bodies:
             radius.append(piece.radius)
             centre.append(middle)
             bound.append(float(np.linalg.norm(moved - middle, axis=1).max()) + piece.radius)
+            begin, end, wide = enclosing_capsule(moved)
+            axis.append(np.concatenate([begin, end]))
+            around.append(wide + piece.radius)
             carrier.append(body.carrier)
         pieces_of.append(rows)
     pairs, pair_of = [], []
@@ -86,6 +96,8 @@ def flat_bodies(robot: Robot, chain: Chain, model: CollisionModel) -> Bodies:
         np.array(radius, dtype=np.float64),
         np.array(centre, dtype=np.float64).reshape(-1, 3),
         np.array(bound, dtype=np.float64),
+        np.array(axis, dtype=np.float64).reshape(-1, 6),
+        np.array(around, dtype=np.float64),
         np.array(carrier, dtype=np.int64),
         np.array(pairs, dtype=np.int64).reshape(-1, 2),
         np.array(pair_of, dtype=np.int64),

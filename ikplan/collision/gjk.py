@@ -13,7 +13,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from ikplan._jit import kernel, leaf_kernel
+from ikplan._jit import leaf_kernel
 
 __all__ = ["gap_between", "support"]
 
@@ -176,7 +176,7 @@ def _closest(S: Array, count: int, v: Array, T: Array, w: Array) -> int:
     return _on_tetrahedron(S, v, T, w)
 
 
-@kernel
+@leaf_kernel
 def gap_between(
     points: Array,
     range_a: tuple[int, int],
@@ -201,7 +201,8 @@ def gap_between(
         R_b: Rotation of its frame.
         p_b: Origin of its frame [m].
         need: The search ends once the distance is known to be larger [m].
-        enough: The search ends once the distance is known to be at most this [m].
+        enough: The search ends once the distance is known to be at most this [m], or to be
+            between the two.
         axis: In, out: a vector from the second set towards the first, shape (3,); where the last
             search for the pair ended is a good begin of the next.
         work: Work space, shape (12, 3).
@@ -243,7 +244,7 @@ def gap_between(
             lower = bound
             for k in range(3):
                 axis[k] = v[k] / length
-            if lower > need:
+            if lower > need or (lower > enough and upper <= need):
                 return lower, upper
         for r in range(count):
             known = known or (T[0, 0] == S[r, 0] and T[0, 1] == S[r, 1] and T[0, 2] == S[r, 2])
@@ -256,6 +257,6 @@ def gap_between(
         if count == 4 or square <= _TOUCHING:
             return 0.0, 0.0
         upper = min(upper, math.sqrt(square))
-        if upper <= enough:
+        if upper <= enough or (lower > enough and upper <= need):
             return lower, upper
     return 0.0, upper

@@ -147,7 +147,8 @@ def _farther(bodies: Bodies, i: int, j: int, need: float, w: Scratch) -> bool:
     """Whether the spheres or the capsules about two pieces already have more than a gap."""
     if _sphere_gap(bodies, i, j, w) > need:
         return True
-    return segment_distance(w.ends, i, j) - bodies.around[i] - bodies.around[j] > need
+    around = bodies.around[i] + bodies.around[j]
+    return bool(segment_distance(w.ends, i, j) - around > need)
 
 
 @leaf_kernel
@@ -230,7 +231,7 @@ def gaps(
         i, j = bodies.pairs[row, 0], bodies.pairs[row, 1]
         out[row] = _sphere_gap(bodies, i, j, w)
         if out[row] <= most:
-            out[row] = _gap(bodies, row, most, -math.inf, w)[0]
+            out[row] = _gap(bodies, row, most, math.nan, w)[0]  # to the end: no gap is enough
         if out[row] < least:
             least, at = out[row], row
     return at

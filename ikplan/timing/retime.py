@@ -12,7 +12,7 @@ from ikplan.errors import InvalidRequest
 from ikplan.joint_path.joint_path import JointPath
 from ikplan.limits.joint_limits import JointLimits
 from ikplan.timing.constraints.constraints import PathConstraint
-from ikplan.timing.profile import SegmentLimits
+from ikplan.timing.profile import SegmentJointLimits
 from ikplan.timing.sampling import Samples, check_rate, on_grid, sample
 from ikplan.timing.time_joint_path import time_joint_path
 from ikplan.timing.timed_path import TimedPath
@@ -61,7 +61,7 @@ def retime(
     *,
     rate_hz: float = 250.0,
     rest_at: Sequence[int] = (),
-    segments: Sequence[SegmentLimits] = (),
+    segments: Sequence[SegmentJointLimits] = (),
     constraints: Sequence[PathConstraint] = (),
 ) -> Retimed:
     """Lay a joint spline through waypoints and move along it as fast as the limits allow.

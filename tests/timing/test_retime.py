@@ -9,7 +9,7 @@ import pytest
 
 from ikplan.errors import InvalidRequest
 from ikplan.limits import JointLimits
-from ikplan.timing import knots, retime
+from ikplan.timing import retime, sample_at_nodes
 
 ROBOT = SimpleNamespace(
     lower=np.array([-1.0, -2.0]),
@@ -121,7 +121,7 @@ def test_a_scale_outside_its_range_is_refused(name: str, scale: float) -> None:
 
 def test_knots_alone_are_the_motion_at_its_nodes() -> None:
     timed = retime(WAYPOINTS, LIMITS).timed
-    nodes = knots(timed)
+    nodes = sample_at_nodes(timed)
     assert np.array_equal(nodes.time, timed.node_times)
     assert np.isin(timed.times, nodes.time).all()
     assert np.array_equal(nodes.q[-1], WAYPOINTS[-1])

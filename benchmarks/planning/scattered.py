@@ -61,7 +61,9 @@ def figures(paths: int) -> Iterator[Figure]:
 
 def _length(request: dict[str, object], robot: Robot) -> float:
     q_start = route_problem(request, robot).q_start
-    return joint_path_length(laid(request, robot).waypoint_q, q_start, False)
+    route = laid(request, robot)
+    q = route.q[[waypoint.index for waypoint in route.waypoints]]
+    return joint_path_length(q, q_start, False)
 
 
 def _reference(robot: Robot, poses: list[pin.SE3]) -> float:

@@ -121,11 +121,6 @@ class ToolPath:
         return np.array([piece.oriented for piece in self.pieces])
 
     @cached_property
-    def any_oriented(self) -> bool:
-        """Whether an orientation is asked for on any piece."""
-        return bool(self._oriented.any())
-
-    @cached_property
     def _steady(self) -> tuple[SteadyStack, NDArray[np.int64]]:
         """The steady pieces as one stack, and the row of each piece in it, -1 for the others."""
         steady = [piece for piece in self.pieces if isinstance(piece, SteadyPiece)]

@@ -96,8 +96,3 @@ class JointRoute:
     waypoints: list[RouteWaypoint]
     evaluations: int
     segments: list[RouteSegment]
-
-    @property
-    def waypoint_q(self) -> Array:
-        """Configurations of the waypoints, shape (n, dof) [rad or m]."""
-        return self.q[[w.index for w in self.waypoints]]

@@ -5,7 +5,6 @@ from ikplan.timing.constraints.constraints import ConstraintRows, PathConstraint
 from ikplan.timing.constraints.tool_limits import ToolLimits, ToolMotion
 from ikplan.timing.constraints.torque_limits import InverseDynamics, TorqueLimits
 from ikplan.timing.profile import SegmentJointLimits
-from ikplan.timing.retime import Retimed, retime
 from ikplan.timing.sampled_within_limits import sampled_within_limits
 from ikplan.timing.sampling import Samples, on_grid, periods, sample, sample_at_nodes
 from ikplan.timing.time_joint_path import time_joint_path
@@ -18,7 +17,6 @@ __all__ = [
     "InverseDynamics",
     "PathConstraint",
     "PathPoints",
-    "Retimed",
     "Samples",
     "SegmentJointLimits",
     "TimedPath",
@@ -29,7 +27,6 @@ __all__ = [
     "binding",
     "on_grid",
     "periods",
-    "retime",
     "sample",
     "sample_at_nodes",
     "sampled_within_limits",

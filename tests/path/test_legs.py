@@ -138,9 +138,9 @@ def test_a_free_start_needs_no_begin_for_a_curve_but_an_orientation_to_keep():
     (leg,) = legs({"segments": [{**HELIX, "quaternion_xyzw": quaternion([1, 0, 0])}]}, None)
     assert leg.path.oriented(0.1)
     (free,) = legs({"segments": [{**HELIX, "orientation": "free"}]}, None)
-    assert not free.path.any_oriented
+    assert not any(piece.oriented for piece in free.path.pieces)
     (all_free,) = legs({"segments": [HELIX], "orientation_free": "all"}, None)
-    assert not all_free.path.any_oriented
+    assert not any(piece.oriented for piece in all_free.path.pieces)
     assert [w.row for w in free.path.waypoints] == [0, 1]
     assert shape(legs({"segments": [{"type": "joint", "q": [0.0] * 6}]}, None)) == [("joint", [0])]
 

@@ -9,12 +9,10 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from ikplan._version import __version__
-from ikplan.certificate import Claim, certify
 from ikplan.documents import parse
 from ikplan.documents.plan_request import IkOptions, IkRequest, PlanRequest
 from ikplan.documents.pose_results import IkSolution
-from ikplan.documents.trajectory import Stats, WaypointResults
+from ikplan.documents.trajectory import WaypointResults
 from ikplan.errors import Disconnected, Unreachable
 from ikplan.ik.arguments import check_start
 from ikplan.ik.solve import PoseSolver, pose_distance, solve_pose
@@ -22,7 +20,8 @@ from ikplan.joint_path import JointPath
 from ikplan.kinematics.arm import arm_of
 from ikplan.limits.motion_limits import LimitedStretch, MotionLimits
 from ikplan.path import rotation_of
-from ikplan.pipeline.identity import plan_id, with_tool
+from ikplan.pipeline.assemble import assemble_plan, joint_steps
+from ikplan.pipeline.resolve import resolve_robot
 from ikplan.pipeline.timing_stage import joint_limits, time_motion, warm_up_timing
 from ikplan.pipeline.warm_up import warm_up, warm_up_ik
 from ikplan.planning import (
@@ -34,7 +33,7 @@ from ikplan.planning import (
     plan_joint_path,
 )
 from ikplan.plans.plan import Plan
-from ikplan.robots import Robot, catalogue_robot
+from ikplan.robots import Robot
 
 __all__ = ["plan", "solve_ik_request"]
 
@@ -70,8 +69,7 @@ def plan(
     """
     request = parse(PlanRequest, request)
     warm_up(request.ik.method)
-    robot = robot or catalogue_robot(request.robot)
-    robot = with_tool(robot, request.tool)
+    robot = resolve_robot(request, robot)
     limits = MotionLimits.of(robot, request.limits)
     limits_of = _segment_limits(robot, request, limits)
     warm_up_timing(any(x.jerk is not None for x in (limits, *limits_of.values())))
@@ -110,35 +108,16 @@ def plan(
             if x.field in limits_of
         ]
         timing = time_motion(path, robot, limits, request.sampling, stretches, clock.check)
-        knot_time = timing.timed.times
-    with clock.stage("certificate"):
-        certificate = certify(
-            Claim(
-                robot,
-                request.path,
-                None if start_free else q_start,
-                waypoint_q,
-                knot_time[[w.knot for w in route.wanted]],
-                timing.samples.time,
-                timing.samples.q,
-                timing.samples.dq,
-                timing.samples.ddq,
-                limits,
-            )
-        )
-    return Plan(
-        id=plan_id(request, robot),
-        version=__version__,
-        robot=request.robot,
-        joint_names=list(robot.joint_names),
-        joint_units=["m" if slides else "rad" for slides in robot.prismatic],
-        waypoints=_waypoint_results(robot, route, waypoint_q, knot_time, start_free),
-        trajectory=timing.trajectory,
-        certificate=certificate,
-        timing=timing.report,
-        motion=timing.motion,
-        controller=None if robot.controller is None else robot.controller.info(),
-        stats=Stats(ik_evaluations=route.evaluations, seconds=clock.seconds),
+    return assemble_plan(
+        request,
+        robot,
+        limits,
+        _waypoint_results(robot, route, waypoint_q, timing.timed.times, start_free),
+        timing,
+        clock,
+        q_start=None if start_free else q_start,
+        path=request.path,
+        evaluations=route.evaluations,
     )
 
 
@@ -164,7 +143,6 @@ def _waypoint_results(
     """The rows of the waypoints: one for each asked for."""
     arm = arm_of(robot)
     errors = [pose_distance(arm, w.target, q_w) for w, q_w in zip(route.wanted, q, strict=True)]
-    steps = np.diff(np.vstack([q[:1] if start_free else route.knots[:1], q]), axis=0)
     return WaypointResults(
         q=q,
         time=knot_time[[w.knot for w in route.wanted]],
@@ -173,7 +151,7 @@ def _waypoint_results(
             angle if w.target.oriented else None
             for w, (_, angle) in zip(route.wanted, errors, strict=True)
         ],
-        elongation=np.linalg.norm(steps, axis=1),
+        elongation=joint_steps(q[0] if start_free else route.knots[0], q),
     )
 
 
@@ -210,8 +188,7 @@ def solve_ik_request(
     request = parse(IkRequest, request)
     warm_up_ik(request.ik.method)
     clock = TimeBudget(request.budget_s, progress)
-    robot = robot or catalogue_robot(request.robot)
-    robot = with_tool(robot, request.tool)
+    robot = resolve_robot(request, robot)
     pose: Any = np.array(request.position)
     if request.quaternion_xyzw is not None:
         pose = pin.SE3(rotation_of(request.quaternion_xyzw), pose)

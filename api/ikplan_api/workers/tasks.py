@@ -18,8 +18,9 @@ from ikplan.documents.timing_request import TimingRequest
 from ikplan.errors import Unreachable
 from ikplan.ik.registry import find_solver, solvers
 from ikplan.pipeline.forward_kinematics import fk_request
-from ikplan.pipeline.identity import plan_id, with_tool
+from ikplan.pipeline.identity import plan_id
 from ikplan.pipeline.plan import plan, solve_ik_request
+from ikplan.pipeline.resolve import resolve_robot
 from ikplan.pipeline.retime import time_request
 from ikplan.planning import Progress
 from ikplan.robots import Robot, RobotUpload, catalogue_robot, robot_names
@@ -127,7 +128,7 @@ def identify(kind: str, task: TaskInput) -> RequestIdentity:
         InvalidRobot: The description of the uploaded robot is invalid.
     """
     request = parse_json(_REQUESTS[kind], task.document)
-    robot = with_tool(task.robot_named(request.robot), request.tool)
+    robot = resolve_robot(request, task.robot_named(request.robot))
     return RequestIdentity(plan_id(request, robot), request.budget_s)
 
 

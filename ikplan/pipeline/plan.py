@@ -54,7 +54,8 @@ def plan(
         robot: The robot, for one that is not in the catalogue; None: load it by name. Its tool
             stands unless the request has one.
         progress: Is called with the stage and how many of how many waypoints are done, from
-            this thread: ``progress("ik", 3, 12)``.
+            this thread: ``progress("ik", 3, 12)``. The stages are "ik" (candidates and seeds of
+            waypoints, within the planning), "planning", "timing" and "certificate".
 
     Returns:
         The plan. The same request gives the same id and the same plan.
@@ -78,8 +79,9 @@ def plan(
     asked = None if request.start == "free" else request.start
     q_start = check_start(robot, robot.home if asked is None else asked)
 
-    solver = _pose_solver(robot, request.ik, _EXACT, _EXACT)
-    with clock.stage("ik"), clock.cutting(solver.cut, solver.search_evaluations):
+    with clock.stage("ik"):
+        solver = _pose_solver(robot, request.ik, _EXACT, _EXACT)
+    with clock.stage("planning"), clock.cutting(solver.cut, solver.search_evaluations):
         arm_limits = joint_limits(robot, limits)
         problem = JointPathProblem(
             robot,
@@ -96,7 +98,6 @@ def plan(
         except (Unreachable, Disconnected) as error:
             error.repairs = find_repairs(problem, error)
             raise
-    with clock.stage("planning"):
         path = JointPath.through(route.knots, arm_limits, rest_at=route.rest)
         # Knots too close to tell apart are passed as one.
         passed = path.q_knots[path.knot_of_waypoint]

@@ -36,11 +36,11 @@ def resolve_redundancy_globally(
         Joint motion [rad or m] and configurations, shape (m, dof), of each way, shortest first,
         none where a station has no solution; and evaluations spent.
     """
-    clock.check()
     after = Targets(
         targets.R[1:], targets.p[1:], targets.oriented[1:], targets.weight[1:], targets.freedom
     )
-    candidates = candidates_of(arm, after, q_start)
+    with clock.stage("ik"):
+        candidates = candidates_of(arm, after, q_start)
     evaluations = int(candidates.evaluations[0])
     ways: list[tuple[float, Array]] = []
     if (candidates.counts == 0).any():

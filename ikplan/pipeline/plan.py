@@ -22,8 +22,8 @@ from ikplan.limits.motion_limits import LimitedStretch, MotionLimits
 from ikplan.path import rotation_of
 from ikplan.pipeline.assemble import assemble_plan, joint_steps
 from ikplan.pipeline.resolve import resolve_robot
-from ikplan.pipeline.timing_stage import joint_limits, time_motion, warm_up_timing
-from ikplan.pipeline.warm_up import warm_up, warm_up_ik
+from ikplan.pipeline.timing_stage import joint_limits, time_motion
+from ikplan.pipeline.warm_up import warm_up
 from ikplan.planning import (
     JointPathProblem,
     Progress,
@@ -69,11 +69,11 @@ def plan(
         CertificateViolated: The finished plan broke a promise: a bug.
     """
     request = parse(PlanRequest, request)
-    warm_up(request.ik.method)
     robot = resolve_robot(request, robot)
     limits = MotionLimits.of(robot, request.limits)
     limits_of = _segment_limits(robot, request, limits)
-    warm_up_timing(any(x.jerk is not None for x in (limits, *limits_of.values())))
+    jerk = any(x.jerk is not None for x in (limits, *limits_of.values()))
+    warm_up(plan, "plan", request.ik.method, jerk=jerk)
     clock = TimeBudget(request.budget_s, progress)
     start_free = request.start == "free"
     asked = None if request.start == "free" else request.start
@@ -187,7 +187,7 @@ def solve_ik_request(
         BudgetExceeded: ``budget_s`` ran out.
     """
     request = parse(IkRequest, request)
-    warm_up_ik(request.ik.method)
+    warm_up(solve_ik_request, "ik", request.ik.method)
     clock = TimeBudget(request.budget_s, progress)
     robot = resolve_robot(request, robot)
     pose: Any = np.array(request.position)

@@ -17,7 +17,8 @@ from ikplan.joint_path import JointPath
 from ikplan.limits.motion_limits import LimitedStretch, MotionLimits
 from ikplan.pipeline.assemble import assemble_plan, joint_steps
 from ikplan.pipeline.resolve import resolve_robot
-from ikplan.pipeline.timing_stage import joint_limits, time_motion, warm_up_timing
+from ikplan.pipeline.timing_stage import joint_limits, time_motion
+from ikplan.pipeline.warm_up import warm_up
 from ikplan.planning import Progress, TimeBudget
 from ikplan.plans.plan import Plan
 from ikplan.robots import Robot
@@ -111,7 +112,8 @@ def time_request(
         LimitedWaypoints(f"segments[{k}]", part.first, part.last, part.limits)
         for k, part in enumerate(request.segments)
     )
-    warm_up_timing(any(x.jerk is not None for x in (limits, *(s.limits for s in stretches))))
+    jerk = any(x.jerk is not None for x in (limits, *(s.limits for s in stretches)))
+    warm_up(time_request, "time", jerk=jerk)
     clock = TimeBudget(request.budget_s, progress)
     with clock.stage("planning"):
         path = JointPath.through(asked, joint_limits(robot, limits), rest_at=request.rest_at)

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ikplan._version import __version__
-from ikplan.certificate import Claim, LimitedWaypoints, certify
+from ikplan.certificate import Claim, RequestedSegment, certify
 from ikplan.documents.path import PathRequest
 from ikplan.documents.plan_request import PlanRequest
 from ikplan.documents.timing_request import TimingRequest
@@ -44,7 +44,7 @@ def assemble_plan(
     *,
     q_start: Array | None,
     path: PathRequest | None = None,
-    segments: tuple[LimitedWaypoints, ...] = (),
+    segments: tuple[RequestedSegment, ...] = (),
     evaluations: int = 0,
 ) -> Plan:
     """Certify a timed trajectory and return it as the plan of its request.

@@ -18,7 +18,7 @@ from ikplan.ik.arguments import check_start
 from ikplan.ik.solve import PoseSolver, pose_distance, solve_pose
 from ikplan.joint_path import JointPath
 from ikplan.kinematics.arm import arm_of
-from ikplan.limits.motion_limits import LimitedStretch, MotionLimits
+from ikplan.limits.motion_limits import LimitedSegment, MotionLimits
 from ikplan.path import rotation_of
 from ikplan.pipeline.assemble import assemble_plan, joint_steps
 from ikplan.pipeline.resolve import resolve_robot
@@ -26,8 +26,8 @@ from ikplan.pipeline.timing_stage import joint_limits, time_motion
 from ikplan.pipeline.warm_up import warm_up
 from ikplan.planning import (
     JointPathProblem,
+    JointRoute,
     Progress,
-    Route,
     TimeBudget,
     find_repairs,
     plan_joint_path,
@@ -98,17 +98,17 @@ def plan(
         except (Unreachable, Disconnected) as error:
             error.repairs = find_repairs(problem, error)
             raise
-        path = JointPath.through(route.knots, arm_limits, rest_at=route.rest)
-        # Knots too close to tell apart are passed as one.
+        path = JointPath.through(route.q, arm_limits, rest_at=route.rest)
+        # Configurations too close to tell apart are passed as one.
         passed = path.q_knots[path.knot_of_waypoint]
-        waypoint_q = passed[[w.knot for w in route.wanted]]
+        waypoint_q = passed[[w.index for w in route.waypoints]]
     with clock.stage("timing"):
-        stretches = [
-            LimitedStretch(x.field, x.first, x.last, limits_of[x.field])
-            for x in route.stretches
+        segments = [
+            LimitedSegment(x.field, x.first, x.last, limits_of[x.field])
+            for x in route.segments
             if x.field in limits_of
         ]
-        timing = time_motion(path, robot, limits, request.sampling, stretches, clock.check)
+        timing = time_motion(path, robot, limits, request.sampling, segments, clock.check)
     return assemble_plan(
         request,
         robot,
@@ -136,23 +136,23 @@ def _segment_limits(
 
 def _waypoint_results(
     robot: Robot,
-    route: Route,
+    route: JointRoute,
     q: NDArray[np.float64],
-    knot_time: NDArray[np.float64],
+    q_time: NDArray[np.float64],
     start_free: bool,
 ) -> WaypointResults:
     """The rows of the waypoints: one for each asked for."""
     arm = arm_of(robot)
-    errors = [pose_distance(arm, w.target, q_w) for w, q_w in zip(route.wanted, q, strict=True)]
+    errors = [pose_distance(arm, w.target, q_w) for w, q_w in zip(route.waypoints, q, strict=True)]
     return WaypointResults(
         q=q,
-        time=knot_time[[w.knot for w in route.wanted]],
+        time=q_time[[w.index for w in route.waypoints]],
         position_error=np.array([distance for distance, _ in errors]),
         orientation_error=[
             angle if w.target.oriented else None
-            for w, (_, angle) in zip(route.wanted, errors, strict=True)
+            for w, (_, angle) in zip(route.waypoints, errors, strict=True)
         ],
-        elongation=joint_steps(q[0] if start_free else route.knots[0], q),
+        elongation=joint_steps(q[0] if start_free else route.q[0], q),
     )
 
 

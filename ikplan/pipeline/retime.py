@@ -8,13 +8,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ikplan.certificate import LimitedWaypoints
+from ikplan.certificate import RequestedSegment
 from ikplan.documents import parse
 from ikplan.documents.timing_request import TimingRequest
 from ikplan.documents.trajectory import WaypointResults
 from ikplan.errors import InvalidRequest
 from ikplan.joint_path import JointPath
-from ikplan.limits.motion_limits import LimitedStretch, MotionLimits
+from ikplan.limits.motion_limits import LimitedSegment, MotionLimits
 from ikplan.pipeline.assemble import assemble_plan, joint_steps
 from ikplan.pipeline.resolve import resolve_robot
 from ikplan.pipeline.timing_stage import joint_limits, time_motion
@@ -107,12 +107,12 @@ def time_request(
     robot = resolve_robot(request, robot)
     limits = MotionLimits.of(robot, request.limits)
     asked = _rows(request.waypoints, robot)
-    stretches = _stretches(request, robot, limits)
-    segments = tuple(
-        LimitedWaypoints(f"segments[{k}]", part.first, part.last, part.limits)
+    segments = _limited_segments(request, robot, limits)
+    requested = tuple(
+        RequestedSegment(f"segments[{k}]", part.first, part.last, part.limits)
         for k, part in enumerate(request.segments)
     )
-    jerk = any(x.jerk is not None for x in (limits, *(s.limits for s in stretches)))
+    jerk = any(x.jerk is not None for x in (limits, *(s.limits for s in segments)))
     warm_up(time_request, "time", jerk=jerk)
     clock = TimeBudget(request.budget_s, progress)
     with clock.stage("planning"):
@@ -120,7 +120,7 @@ def time_request(
         # Waypoints too close to tell apart are passed as one.
         waypoints = path.q_knots[path.knot_of_waypoint]
     with clock.stage("timing"):
-        timing = time_motion(path, robot, limits, request.sampling, stretches, clock.check)
+        timing = time_motion(path, robot, limits, request.sampling, segments, clock.check)
     distances = [
         float(np.linalg.norm(robot.fk(wanted).translation - robot.fk(passed).translation))
         for wanted, passed in zip(asked, waypoints, strict=True)
@@ -133,11 +133,13 @@ def time_request(
         elongation=joint_steps(waypoints[0], waypoints),
     )
     return assemble_plan(
-        request, robot, limits, results, timing, clock, q_start=waypoints[0], segments=segments
+        request, robot, limits, results, timing, clock, q_start=waypoints[0], segments=requested
     )
 
 
-def _stretches(request: TimingRequest, robot: Robot, limits: MotionLimits) -> list[LimitedStretch]:
+def _limited_segments(
+    request: TimingRequest, robot: Robot, limits: MotionLimits
+) -> list[LimitedSegment]:
     """The parts of the path with limits of their own."""
     found, count = [], len(request.waypoints)
     for k, part in enumerate(request.segments):
@@ -148,7 +150,7 @@ def _stretches(request: TimingRequest, robot: Robot, limits: MotionLimits) -> li
                 allowed=f"1 to {count - 1}",
             )
         own = limits.within(robot, part.limits, f"segments[{k}].limits")
-        found.append(LimitedStretch(f"segments[{k}]", part.first, part.last, own))
+        found.append(LimitedSegment(f"segments[{k}]", part.first, part.last, own))
     return found
 
 

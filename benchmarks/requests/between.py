@@ -12,9 +12,8 @@ from ikplan.certificate.offsets import Allowance
 from ikplan.certificate.requested import read_motion
 from ikplan.documents.plan_request import PlanRequest
 from ikplan.limits.motion_limits import MotionLimits
-from ikplan.pipeline.identity import with_tool
+from ikplan.pipeline.resolve import resolve_robot
 from ikplan.plans.plan import Plan
-from ikplan.robots import load_robot
 
 __all__ = ["as_polynomial", "share_between"]
 
@@ -39,7 +38,7 @@ def share_between(request: dict[str, Any], plan: Plan, finer: int) -> float:
         The share; 0 where there is no tool path.
     """
     document = PlanRequest.model_validate(request)
-    robot = with_tool(load_robot(document.robot), document.tool)
+    robot = resolve_robot(document)
     q_start = None if document.start == "free" else plan.q[0]
     motion = read_motion(robot, document.path, q_start)
     if not motion.legs or plan.duration == 0.0:

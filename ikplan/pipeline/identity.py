@@ -4,16 +4,10 @@ from __future__ import annotations
 
 from ikplan._version import __version__
 from ikplan.documents.plan_request import PlanRequest
-from ikplan.documents.poses import Frame
 from ikplan.documents.timing_request import TimingRequest
 from ikplan.robots import Robot
 
-__all__ = ["plan_id", "with_tool"]
-
-
-def with_tool(robot: Robot, tool: Frame) -> Robot:
-    """Return the robot with the tool of a request, if that has one."""
-    return robot if tool == Frame() else robot.with_tool(tool.position, tool.quaternion_xyzw)
+__all__ = ["plan_id"]
 
 
 def plan_id(request: PlanRequest | TimingRequest, robot: Robot) -> str:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import functools
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -10,13 +9,13 @@ from typing import Any
 import numpy as np
 import pinocchio as pin
 
-from ikplan.documents.limits import LimitOptions, SamplingOptions
+from ikplan.documents.limits import SamplingOptions
 from ikplan.documents.timing_report import BindingLimit, PathMotion, TimingReport, WiderLimit
 from ikplan.documents.trajectory import Trajectory
 from ikplan.joint_path import JointPath
 from ikplan.limits import JointLimits
 from ikplan.limits.motion_limits import LimitedSegment, MotionLimits
-from ikplan.robots import Robot, catalogue_robot
+from ikplan.robots import Robot
 from ikplan.timing import (
     PathConstraint,
     Samples,
@@ -34,7 +33,7 @@ from ikplan.timing import (
 from ikplan.timing.constraints.models import inverse_dynamics, tool_motion
 from ikplan.timing.engines.engine import Check, unlimited
 
-__all__ = ["Timing", "joint_limits", "sampling_rate", "time_motion", "warm_up_timing"]
+__all__ = ["Timing", "joint_limits", "sampling_rate", "time_motion"]
 
 DEFAULT_RATE_HZ = 250.0
 """Samples per second where neither the request nor a controller says [Hz]."""
@@ -243,19 +242,3 @@ def _motion(timed: TimedPath) -> PathMotion:
         node_sddot=timed.sddot,
         pieces=[] if timed.jerk_limited else [int(p) for p in timed.pieces],
     )
-
-
-@functools.cache
-def warm_up_timing(jerk: bool) -> None:
-    """Load, or compile, the kernels of the timing once a process: no part of any budget.
-
-    Args:
-        jerk: Whether those of jerk-limited timing too.
-    """
-    robot = catalogue_robot("ur5")
-    options = LimitOptions(
-        jerk=100.0 if jerk else False, tool_speed=1.0, tool_acceleration=50.0, torque=True
-    )
-    limits = MotionLimits.of(robot, options)
-    path = JointPath.through([robot.home, robot.home + 0.1], joint_limits(robot, limits))
-    time_motion(path, robot, limits, SamplingOptions())

@@ -16,7 +16,7 @@ import pytest
 from numpy.typing import NDArray
 
 from benchmarks.requests.drawing import draw
-from ikplan import InvalidRequest, load_robot
+from ikplan import InvalidRequest
 from ikplan.certificate.requested import RequestedMotion, RequestedPath, read_motion
 from ikplan.certificate.requested.arc_length import ArcLength
 from ikplan.certificate.requested.assembly import assembled
@@ -28,7 +28,7 @@ from ikplan.certificate.requested.rotations import exp, log, quaternions_of, rot
 from ikplan.documents.path import PathRequest
 from ikplan.documents.plan_request import PlanRequest
 from ikplan.path import JointLeg, Pose, ToolLeg, ToolPath, legs_of
-from ikplan.pipeline.identity import with_tool
+from ikplan.pipeline.resolve import resolve_robot
 
 from .requests import START, arm, curve_frame, pose_after
 
@@ -295,7 +295,7 @@ def test_exp_and_log_are_those_of_pinocchio() -> None:
 def readings(kind: str, number: int) -> tuple[list[Any], RequestedMotion] | None:
     """The planner's legs and the certificate's reading of a random request; None: refused."""
     request = PlanRequest.model_validate(draw(kind, 404, number, 10.0))
-    robot = with_tool(load_robot(request.robot), request.tool)
+    robot = resolve_robot(request)
     q, start = None, None
     if request.start != "free":
         q = robot.clip(robot.home if request.start is None else request.start)

@@ -11,11 +11,11 @@ import socket
 
 from ikplan.errors import BudgetExceeded, MemoryExceeded, ServiceUnavailable
 from ikplan.planning import Progress
+from ikplan.workers.process import TaskNotStarted
 from ikplan_api.telemetry.load import Load
 from ikplan_api.workers import tasks
 from ikplan_api.workers.tasks import TaskResult
 from ikplan_api.workers.worker_slot import (
-    TaskNotStarted,
     TaskTimeout,
     WorkerOutOfMemory,
     WorkerSlot,

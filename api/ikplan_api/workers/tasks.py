@@ -2,24 +2,21 @@
 
 from __future__ import annotations
 
-import contextlib
 import functools
-import itertools
 import json
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple
-
-import pinocchio as pin
 
 from ikplan.documents import parse_json, write_json
 from ikplan.documents.plan_request import FkRequest, IkRequest, PlanRequest
 from ikplan.documents.timing_request import TimingRequest
-from ikplan.errors import Unreachable
-from ikplan.ik.registry import find_solver, solvers
+from ikplan.ik.registry import solvers
+from ikplan.pipeline import warm_up as kernels
 from ikplan.pipeline.forward_kinematics import fk_request
-from ikplan.pipeline.identity import plan_id, with_tool
+from ikplan.pipeline.identity import plan_id
 from ikplan.pipeline.plan import plan, solve_ik_request
+from ikplan.pipeline.resolve import resolve_robot
 from ikplan.pipeline.retime import time_request
 from ikplan.planning import Progress
 from ikplan.robots import Robot, RobotUpload, catalogue_robot, robot_names
@@ -127,7 +124,7 @@ def identify(kind: str, task: TaskInput) -> RequestIdentity:
         InvalidRobot: The description of the uploaded robot is invalid.
     """
     request = parse_json(_REQUESTS[kind], task.document)
-    robot = with_tool(task.robot_named(request.robot), request.tool)
+    robot = resolve_robot(request, task.robot_named(request.robot))
     return RequestIdentity(plan_id(request, robot), request.budget_s)
 
 
@@ -210,33 +207,16 @@ def warm_up(methods: Sequence[str] = ("ik-ba", "lm")) -> None:
     Args:
         methods: Names of the solvers to warm up.
     """
-    for kind, request in _warming_requests(methods):
-        # One request is unreachable: the explanation has kernels of its own.
-        with contextlib.suppress(Unreachable):
-            run_task(kind, TaskInput(json.dumps(request).encode()))
+    kernels.warm_up(_running("fk"), "fk")
+    for jerk in (False, True):
+        kernels.warm_up(_running("time"), "time", jerk=jerk)
+    for method in methods:
+        kernels.warm_up(_running("ik"), "ik", method)
+        kernels.warm_up(_running("plan"), "plan", method)
     robots_document()
     solvers_document()
 
 
-def _warming_requests(methods: Sequence[str]) -> Iterator[tuple[str, dict[str, Any]]]:
-    robot = catalogue_robot("iiwa14")
-    q = [float(v) for v in robot.home]
-    pose = robot.fk([v + 0.05 for v in q])
-    point = {"position": [float(v) for v in pose.translation]}
-    full = {**point, "quaternion_xyzw": [float(v) for v in pin.Quaternion(pose.rotation).coeffs()]}
-    far = {**full, "position": [9.0, 0.0, 0.0]}
-    starts: tuple[Any, ...] = (None, q)
-    yield "fk", {"robot": robot.name, "q": q}
-    moved = {"robot": robot.name, "waypoints": [q, [v + 0.05 for v in q]], "budget_s": 3600}
-    for limits in ({}, {"jerk": 100.0}):
-        yield "time", {**moved, "limits": limits}
-    for method in methods:
-        options = {"method": method}
-        for target, start in itertools.product((point, full), starts):
-            yield "ik", {"robot": robot.name, **target, "start": start, "ik": options}
-        if any(p.name == "decouple" for p in find_solver(method).parameters):
-            decoupled = {"method": method, "params": {"decouple": True}}
-            yield "ik", {"robot": robot.name, **full, "ik": decoupled}
-    for target, start in itertools.product((point, full, far), (*starts, "free")):
-        path = {"waypoints": [target]}
-        yield "plan", {"robot": robot.name, "path": path, "start": start, "budget_s": 3600}
+def _running(kind: str) -> Callable[[Mapping[str, Any]], TaskResult]:
+    """Return what runs a request document as a task."""
+    return lambda request: run_task(kind, TaskInput(json.dumps(request).encode()))

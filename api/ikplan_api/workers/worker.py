@@ -5,24 +5,22 @@ from __future__ import annotations
 import contextlib
 import functools
 import json
-import multiprocessing
 import os
 import resource
 import signal
 import socket
-import threading
 import time
 import traceback
 from typing import NamedTuple
 
 from ikplan.errors import IkplanError
+from ikplan.workers.child import Fault, set_up
 from ikplan_api.workers import shared_memory, tasks
 from ikplan_api.workers.tasks import TaskInput, TaskResult
 
 __all__ = [
     "OUT_OF_MEMORY",
     "READY_S",
-    "TaskFault",
     "WorkerReply",
     "initialize",
     "prepare",
@@ -53,10 +51,6 @@ class WorkerReply(NamedTuple):
     shared_bytes: int
 
 
-class TaskFault(Exception):
-    """An unexpected failure of a task; holds the traceback as text, which can always be pickled."""
-
-
 @functools.cache
 def prepare() -> None:
     """Load or compile the kernels and load the robots, once per process."""
@@ -71,22 +65,12 @@ def initialize(memory_bytes: int, reports: socket.socket, documents: socket.sock
         reports: Socket for progress reports.
         documents: Socket for long documents.
     """
-    # SIGTERM must end the process at once, even inside a kernel.
-    signal.signal(signal.SIGTERM, signal.SIG_DFL)
+    set_up()
     if memory_bytes:
         resource.setrlimit(resource.RLIMIT_DATA, (memory_bytes, memory_bytes))
     reports.setblocking(False)
     _reports[:] = [reports]
     _documents[:] = [documents]
-    threading.Thread(target=_end_with_service, daemon=True).start()
-
-
-def _end_with_service() -> None:
-    """End this worker when the service ends, even if the service was killed."""
-    service = multiprocessing.parent_process()
-    if service is not None:
-        service.join()
-        os._exit(1)
 
 
 def ready() -> int:
@@ -134,7 +118,7 @@ def run(task: int, kind: str, document: bytes, robot: bytes | None, limit_s: flo
 
     Raises:
         IkplanError: The verdict on the request.
-        TaskFault: An unexpected failure.
+        Fault: An unexpected failure.
     """
     _set_alarm(READY_S + limit_s)
     try:
@@ -144,7 +128,7 @@ def run(task: int, kind: str, document: bytes, robot: bytes | None, limit_s: flo
     except MemoryError:
         os._exit(OUT_OF_MEMORY)  # the state of this process is unreliable now
     except Exception:
-        raise TaskFault(traceback.format_exc()) from None
+        raise Fault(traceback.format_exc()) from None
     finally:
         # Before the reply is sent: a worker that ends while it sends breaks the pipe.
         _set_alarm(0.0)

@@ -34,11 +34,11 @@ def resolve_redundancy_globally(
         Joint motion [rad or m] and configurations, shape (m, dof), of each sequence, shortest
         first, none where a point has no solution; and evaluations spent.
     """
-    clock.check()
     after = Targets(
         targets.R[1:], targets.p[1:], targets.oriented[1:], targets.weight[1:], targets.freedom
     )
-    candidates = ik_candidates(arm, after, q_start)
+    with clock.stage("ik"):
+        candidates = ik_candidates(arm, after, q_start)
     evaluations = int(candidates.evaluations[0])
     sequences: list[tuple[float, Array]] = []
     if (candidates.counts == 0).any():

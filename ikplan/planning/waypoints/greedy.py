@@ -26,10 +26,11 @@ def select_greedily(problem: WaypointProblem) -> SelectedConfigurations:
     q = np.empty((len(problem.targets), problem.robot.dof))
     q_before = problem.q_start
     evaluations = 0
-    for k in range(len(problem.targets)):
-        problem.clock.check({"waypoints_solved": k, "q": q[:k].tolist()})
-        problem.clock.advance(problem.first_row + k)
-        q_before, spent = solve_waypoint(problem, k, q_before)
-        q[k] = q_before
-        evaluations += spent
+    with problem.clock.stage("ik"):
+        for k in range(len(problem.targets)):
+            problem.clock.check({"waypoints_solved": k, "q": q[:k].tolist()})
+            problem.clock.advance(problem.first_row + k)
+            q_before, spent = solve_waypoint(problem, k, q_before)
+            q[k] = q_before
+            evaluations += spent
     return SelectedConfigurations(q, evaluations)

@@ -36,10 +36,11 @@ def select_least_motion(problem: WaypointProblem) -> SelectedConfigurations:
     arm = problem.solver.arm
     lower, upper = arm.search_bounds(problem.q_start)
     targets = stack_targets(problem.targets)
-    seeds, evaluations = _metaheuristic_seeds(problem, lower, upper)
-    candidates = ik_candidates(arm, targets, problem.q_start, seeds, problem.solver.seed)
-    problem.clock.check()
-    evaluations += int(candidates.evaluations[0]) + _rescue(problem, candidates)
+    with problem.clock.stage("ik"):
+        seeds, evaluations = _metaheuristic_seeds(problem, lower, upper)
+        candidates = ik_candidates(arm, targets, problem.q_start, seeds, problem.solver.seed)
+        problem.clock.check()
+        evaluations += int(candidates.evaluations[0]) + _rescue(problem, candidates)
     best, best_length = candidates.q[:, 0], np.inf
     for length, q, spent in shortened_sequences(
         arm, targets, candidates, problem.q_start, problem.start_free

@@ -13,7 +13,8 @@ __all__ = ["plan_id", "with_tool"]
 
 def with_tool(robot: Robot, tool: Frame) -> Robot:
     """Return the robot with the tool of a request, if that has one."""
-    return robot if tool == Frame() else robot.with_tool(tool.position, tool.quaternion_xyzw)
+    plain = tool.position == [0.0, 0.0, 0.0] and tool.quaternion_xyzw == [0.0, 0.0, 0.0, 1.0]
+    return robot if plain else robot.with_tool(tool.position, tool.quaternion_xyzw)
 
 
 def plan_id(request: PlanRequest | TimingRequest, robot: Robot) -> str:

@@ -44,7 +44,7 @@ class _Placed(Document):
     """A shape at a pose."""
 
     name: Name = Field(description="Its name; no two bodies share one.")
-    shape: Shape
+    shape: Shape = Field(description="Its shape, in its frame.")
     position: Metres3 = Field([0.0, 0.0, 0.0], description="Position of the shape's frame [m].")
     quaternion_xyzw: Quaternion = Field(
         [0.0, 0.0, 0.0, 1.0], description="Its orientation, unit quaternion (x, y, z, w)."

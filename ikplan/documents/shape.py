@@ -138,13 +138,7 @@ class MeshShape(Document):
 
 
 Shape = Annotated[
-    BoxShape
-    | SphereShape
-    | CylinderShape
-    | CapsuleShape
-    | ConvexShape
-    | PointsShape
-    | MeshShape,
+    BoxShape | SphereShape | CylinderShape | CapsuleShape | ConvexShape | PointsShape | MeshShape,
     Field(discriminator="type"),
 ]
 

@@ -34,6 +34,7 @@ __all__ = [
     "MAX_NUMBER",
     "Document",
     "Floats",
+    "IfGiven",
     "Matrix",
     "Number",
     "Vec3",
@@ -56,14 +57,35 @@ class Document(BaseModel):
     model_config = ConfigDict(extra="forbid", allow_inf_nan=False, frozen=True, strict=True)
 
 
+class IfGiven:
+    """Marks a field that enters the id of a request only where it differs from its default.
+
+    A request without it then keeps the id that it had before there was such a field.
+    """
+
+
 def content_hash(document: Document, *context: str) -> str:
     """Return a hash of a request in canonical form and its context, 32 hexadecimal digits.
 
     The budget is left out: it decides whether there is a plan, never which one.
     """
-    content = document.model_dump(mode="json", exclude={"budget_s"})
+    left_out = {**_not_given(document), "budget_s": True}
+    content = document.model_dump(mode="json", exclude=left_out)
     canonical = orjson.dumps([content, *context], option=orjson.OPT_SORT_KEYS)
     return hashlib.sha256(canonical).hexdigest()[:32]
+
+
+def _not_given(document: Document) -> dict[str, Any]:
+    """The fields marked with :class:`IfGiven` at their default, as pydantic's ``exclude``."""
+    found: dict[str, Any] = {}
+    for name, field in type(document).model_fields.items():
+        value = getattr(document, name)
+        if any(isinstance(mark, IfGiven) for mark in field.metadata):
+            if value == field.get_default(call_default_factory=True):
+                found[name] = True
+        elif isinstance(value, Document) and (inner := _not_given(value)):
+            found[name] = inner
+    return found
 
 
 def as_list(value: Any) -> Any:

@@ -11,10 +11,11 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Discriminator, Field, PlainValidator, Tag, field_validator, model_validator
 
-from ikplan.documents import Document, Floats, Vec3, content_hash
+from ikplan.documents import Document, Floats, IfGiven, Vec3, content_hash
 from ikplan.documents.limits import LimitOptions, SamplingOptions
 from ikplan.documents.path import PathRequest
 from ikplan.documents.poses import Frame, Quaternion, Tolerance, Waypoint, unit_quaternion
+from ikplan.documents.scene import FixedJoints, GivenScene, Scene, ToolFrame
 
 __all__ = [
     "FkRequest",
@@ -25,6 +26,7 @@ __all__ = [
     "PathRequest",
     "PlanRequest",
     "SamplingOptions",
+    "Scene",
     "Tolerance",
     "Waypoint",
 ]
@@ -129,8 +131,19 @@ class PlanRequest(Document):
         None,
         description='Joint values at the start [rad or m]; null: the robot\'s home; "free": any.',
     )
-    tool: Frame = Field(
-        default_factory=Frame, description="The tool frame (TCP), in the tip frame."
+    tool: ToolFrame = Field(
+        default_factory=ToolFrame,
+        description="The tool frame (TCP), in the tip frame, and the shape of the tool.",
+    )
+    scene: Annotated[GivenScene | None, IfGiven()] = Field(
+        None,
+        description="What stands around the arm and what it carries, or the id of a scene that "
+        "the service holds; null: nothing, and the arm is checked against itself.",
+    )
+    fixed_joints: FixedJoints = Field(
+        {},
+        description="Values of joints beside the chain, such as a gripper's fingers [rad or m]; "
+        "absent: as the robot's description has them.",
     )
     path: PathRequest
     ik: IkOptions = Field(default_factory=IkOptions)
@@ -172,8 +185,19 @@ class IkRequest(Document):
     start: Floats | None = Field(
         None, description="Joint values to stay close to [rad or m]; null: the robot's home."
     )
-    tool: Frame = Field(
-        default_factory=Frame, description="The tool frame (TCP), in the tip frame."
+    tool: ToolFrame = Field(
+        default_factory=ToolFrame,
+        description="The tool frame (TCP), in the tip frame, and the shape of the tool.",
+    )
+    scene: Annotated[GivenScene | None, IfGiven()] = Field(
+        None,
+        description="What stands around the arm and what it carries, or the id of a scene that "
+        "the service holds; null: no collisions are checked.",
+    )
+    fixed_joints: FixedJoints = Field(
+        {},
+        description="Values of joints beside the chain, such as a gripper's fingers [rad or m]; "
+        "absent: as the robot's description has them.",
     )
     ik: IkOptions = Field(default_factory=IkOptions)
     tolerance: Tolerance = Field(default_factory=lambda: Tolerance(position=1e-6, orientation=1e-6))

@@ -6,9 +6,9 @@ from typing import Annotated
 
 from pydantic import BeforeValidator, Field, model_validator
 
-from ikplan.documents import Document, Floats, as_list, content_hash
+from ikplan.documents import Document, Floats, IfGiven, as_list, content_hash
 from ikplan.documents.limits import LimitOptions, SamplingOptions, SegmentLimits
-from ikplan.documents.poses import Frame
+from ikplan.documents.scene import FixedJoints, GivenScene, ToolFrame
 
 __all__ = ["TimingRequest", "TimingSegment"]
 
@@ -43,8 +43,19 @@ class TimingRequest(Document):
     rest_at: Annotated[list[Index], BeforeValidator(as_list)] = Field(
         [], description="Indices of waypoints where the motion stops and may turn a sharp corner."
     )
-    tool: Frame = Field(
-        default_factory=Frame, description="The tool frame (TCP), in the tip frame."
+    tool: ToolFrame = Field(
+        default_factory=ToolFrame,
+        description="The tool frame (TCP), in the tip frame, and the shape of the tool.",
+    )
+    scene: Annotated[GivenScene | None, IfGiven()] = Field(
+        None,
+        description="What stands around the arm and what it carries, or the id of a scene that "
+        "the service holds; null: no collisions are checked.",
+    )
+    fixed_joints: FixedJoints = Field(
+        {},
+        description="Values of joints beside the chain, such as a gripper's fingers [rad or m]; "
+        "absent: as the robot's description has them.",
     )
     limits: LimitOptions = Field(default_factory=LimitOptions)
     segments: Annotated[list[TimingSegment], BeforeValidator(as_list), Field(max_length=10_000)] = (

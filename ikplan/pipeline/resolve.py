@@ -35,6 +35,7 @@ def resolve_robot(request: RobotRequest, robot: Robot | None = None) -> Robot:
     """
     if robot is None:
         robot = catalogue_robot(request.robot)
-    if request.tool == Frame():
+    tool, none = request.tool, Frame()
+    if (tool.position, tool.quaternion_xyzw) == (none.position, none.quaternion_xyzw):
         return robot
-    return robot.with_tool(request.tool.position, request.tool.quaternion_xyzw)
+    return robot.with_tool(tool.position, tool.quaternion_xyzw)

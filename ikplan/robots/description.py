@@ -5,13 +5,13 @@ from __future__ import annotations
 import hashlib
 import json
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 from ikplan.documents.controller import Controller
 from ikplan.robots.urdf.tree import Vector
 
-__all__ = ["Coupling", "JointSpec", "LimitSource", "RobotDescription", "Tool"]
+__all__ = ["Coupling", "JointSpec", "LimitSource", "RobotDescription", "ShapeSource", "Tool"]
 
 Quaternion = tuple[float, float, float, float]
 
@@ -81,6 +81,28 @@ class LimitSource:
 
 
 @dataclass(frozen=True)
+class ShapeSource:
+    """Where the shapes of the links are, unread: a robot is loaded without them.
+
+    Attributes:
+        urdf: The document whose collision geometry counts; empty: there is none.
+        folder: Folder of that document, for meshes beside it; None: meshes are those of installed
+            packages only.
+        shapes: The ``collision`` of ``robot.yaml`` as JSON; empty: there is none.
+        file: The file of shapes that it names; empty: there is none.
+        srdf: The SRDF whose pairs may touch; empty: there is none.
+        fixed_joints: Values of joints beside the chain [rad or m]; those not named are at zero.
+    """
+
+    urdf: bytes = b""
+    folder: str | None = None
+    shapes: bytes = b""
+    file: bytes = b""
+    srdf: bytes = b""
+    fixed_joints: tuple[tuple[str, float], ...] = ()
+
+
+@dataclass(frozen=True)
 class RobotDescription:
     """Everything a robot is, in numbers and names.
 
@@ -99,6 +121,7 @@ class RobotDescription:
         inertias_sourced: Whether the inertias come from a named source.
         controller: The controller, None where none is known; jerks in rad/s^3 or m/s^3, one a
             joint.
+        shapes: Where the shapes of the links are.
     """
 
     name: str
@@ -114,9 +137,12 @@ class RobotDescription:
     notes: tuple[str, ...] = ()
     inertias_sourced: bool = False
     controller: Controller | None = None
+    shapes: ShapeSource = field(default=ShapeSource(), repr=False)
 
     def fingerprint(self) -> str:
-        """SHA-256 over all that can change a plan; prose and file paths are left out.
+        """SHA-256 over all that can change a plan without collision checks.
+
+        Prose, file paths and shapes are left out.
 
         Computed from the numbers as described, before any trigonometry, so that it does not
         depend on the machine.

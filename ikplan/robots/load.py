@@ -5,12 +5,14 @@ from __future__ import annotations
 import functools
 import math
 import os
+from dataclasses import replace
 from pathlib import Path
 
 from ikplan.errors import InvalidRobot
 from ikplan.robots.definition.chains import axes_tree, dh_tree
 from ikplan.robots.definition.describe import describe_file
 from ikplan.robots.definition.schema import RobotFile, read_robot_file
+from ikplan.robots.description import ShapeSource
 from ikplan.robots.folders import package_file, robot_folder
 from ikplan.robots.robot import Robot
 from ikplan.robots.urdf.describe_urdf import describe_urdf
@@ -53,7 +55,8 @@ def load_robot(
     if path.is_dir() or path.suffix in (".yaml", ".yml"):
         file = path / _FILE if path.is_dir() else path
         return _from_folder(file, base, tip, name)
-    return robot_from_urdf(_read(path, str(path)), base=base, tip=tip, name=name or path.stem)
+    folder = str(path.absolute().parent)
+    return _urdf_robot(_read(path, str(path)), base, tip, name or path.stem, folder)
 
 
 def catalogue_robot(
@@ -94,18 +97,47 @@ def robot_from_urdf(
 
 
 @functools.lru_cache(maxsize=64)
-def _urdf_robot(document: bytes, base: str | None, tip: str | None, name: str) -> Robot:
+def _urdf_robot(
+    document: bytes, base: str | None, tip: str | None, name: str, folder: str | None = None
+) -> Robot:
     tree = parse_urdf(document, robot=name)
-    return Robot(
-        describe_urdf(tree, base=base, tip=tip, name=name, title=name, source="the URDF file")
+    description = describe_urdf(
+        tree, base=base, tip=tip, name=name, title=name, source="the URDF file"
     )
+    return Robot(replace(description, shapes=ShapeSource(urdf=document, folder=folder)))
 
 
 def _from_folder(
     path: Path, base: str | None, tip: str | None, name: str | None, expected: str | None = None
 ) -> Robot:
     """The robot of a ``robot.yaml`` and the URDF it may name."""
-    return _file_robot(*_documents(path, expected), base, tip, name)
+    text, document = _documents(path, expected)
+    return _file_robot(text, document, _shape_source(path, text, document), base, tip, name)
+
+
+def _shape_source(path: Path, text: bytes, document: bytes) -> ShapeSource:
+    """Read, and do not parse, what gives the links their shapes."""
+    file = _parsed_file(text, path.parent.name or str(path))
+    fixed = tuple(sorted(file.fixed_joints.items()))
+    folder, urdf = None, file.kinematics.urdf
+    if urdf is not None and urdf.package is None:
+        folder = str((path.parent / urdf.path).absolute().parent)
+    source = ShapeSource(urdf=document, folder=folder, fixed_joints=fixed)
+    collision = file.collision
+    if collision is None:
+        return source
+    srdf = collision.srdf
+    return replace(
+        source,
+        shapes=collision.model_dump_json(exclude_defaults=True).encode(),
+        file=b"" if collision.file is None else _read(path.parent / collision.file, file.name),
+        srdf=b""
+        if srdf is None
+        else _read(
+            package_file(srdf.package, srdf.path) if srdf.package else path.parent / srdf.path,
+            file.name,
+        ),
+    )
 
 
 def catalogue_documents(name: str) -> tuple[bytes, bytes]:
@@ -151,11 +183,17 @@ def _parsed_file(text: bytes, robot: str) -> RobotFile:
 
 @functools.lru_cache(maxsize=64)
 def _file_robot(
-    text: bytes, document: bytes, base: str | None, tip: str | None, name: str | None
+    text: bytes,
+    document: bytes,
+    shapes: ShapeSource,
+    base: str | None,
+    tip: str | None,
+    name: str | None,
 ) -> Robot:
     """The robot of these very contents: pure, so that it can be kept."""
     file = read_robot_file(text.decode(), robot="")
-    return Robot(describe_file(file, _tree(file, document), base=base, tip=tip, name=name))
+    description = describe_file(file, _tree(file, document), base=base, tip=tip, name=name)
+    return Robot(replace(description, shapes=shapes))
 
 
 def _tree(file: RobotFile, document: bytes) -> KinematicTree:

@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
+import importlib
 import threading
+from collections.abc import Mapping
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike, NDArray
 
+from ikplan.documents.scene import Scene
 from ikplan.robots.checks import finite_vector, positive_vector, unit_quaternion
+from ikplan.robots.clearance import Clearance
 from ikplan.robots.description import RobotDescription, Tool
 from ikplan.robots.info import CouplingInfo, JointInfo, LimitSourceInfo, RobotInfo
 from ikplan.robots.model import build_model, coupling_arrays, frame_id
@@ -293,6 +298,27 @@ class Robot:
                 for s in sources
             ]
         return Robot(replace(self.description, joints=joints, limit_sources=tuple(sources)))
+
+    def clearance(self, q: ArrayLike, scene: Scene | Mapping[str, Any] | None = None) -> Clearance:
+        """Least distance of the arm from itself and a scene at a configuration.
+
+        Args:
+            q: Joint values, shape (dof,) [rad or m].
+            scene: A scene, as in a request; None: the arm against itself.
+
+        Returns:
+            The distance [m], negative where bodies overlap, the two bodies, and their nearest
+            points. See :func:`ikplan.scene.clearance.clearance` for joints beside the chain and
+            the shape of a tool.
+
+        Raises:
+            InvalidRequest: ``q`` or the scene is wrong, or there is nothing to check.
+            InvalidRobot: A shape of the robot's description makes no sense.
+        """
+        # By name: a room above this one, which a robot does not need to be loaded.
+        function = importlib.import_module("ikplan.scene.clearance").clearance
+        found: Clearance = function(self, q, scene)
+        return found
 
     def info(self) -> RobotInfo:
         """Names, limits, frames and sources, ready for JSON."""

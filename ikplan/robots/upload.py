@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import re
+from dataclasses import replace
 from typing import Annotated
 
 from pydantic import Field
@@ -15,7 +16,7 @@ from ikplan.errors import InvalidRobot
 from ikplan.robots.checks import unit_quaternion
 from ikplan.robots.definition.describe import moving_chain
 from ikplan.robots.definition.schema import JointEntry
-from ikplan.robots.description import RobotDescription, Tool
+from ikplan.robots.description import RobotDescription, ShapeSource, Tool
 from ikplan.robots.robot import Robot
 from ikplan.robots.urdf.describe_urdf import describe_urdf
 from ikplan.robots.urdf.mesh_uris import mesh_packages
@@ -115,7 +116,7 @@ class RobotUpload(Document):
             )
         if self.home is not None:
             home = self._home(tree, base, tip)
-        return describe_urdf(
+        description = describe_urdf(
             tree,
             base=base,
             tip=tip,
@@ -131,6 +132,8 @@ class RobotUpload(Document):
             notes=_mesh_notes(packages),
             controller=self.controller,
         )
+        srdf = b"" if self.srdf is None else self.srdf.encode()
+        return replace(description, shapes=ShapeSource(urdf=document, srdf=srdf))
 
     def robot(self) -> Robot:
         """Build the robot.

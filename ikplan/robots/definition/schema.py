@@ -5,11 +5,13 @@ from __future__ import annotations
 from typing import Annotated, Any, Literal
 
 import yaml
-from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
+from pydantic import Field, ValidationError, model_validator
 
 from ikplan.documents.controller import Controller, Source
 from ikplan.errors import InvalidRobot
+from ikplan.robots.definition.collision import CollisionEntry
 from ikplan.robots.definition.defaults import ACCELERATION_DEFAULTS, VELOCITY_DEFAULTS
+from ikplan.robots.definition.strict import Number, Strict, Triple
 
 __all__ = [
     "AxesKinematics",
@@ -21,15 +23,8 @@ __all__ = [
     "read_robot_file",
 ]
 
-Number = Annotated[float, Field(allow_inf_nan=False)]
-Triple = tuple[Number, Number, Number]
 
-
-class _Strict(BaseModel):
-    model_config = ConfigDict(extra="forbid", frozen=True)
-
-
-class DhRow(_Strict):
+class DhRow(Strict):
     """One row of a DH table: lengths in m, angles in the file's unit.
 
     With the modified convention, row i holds alpha and a of i-1, as such tables are printed.
@@ -41,14 +36,14 @@ class DhRow(_Strict):
     theta_offset: Number = 0.0
 
 
-class DhKinematics(_Strict):
+class DhKinematics(Strict):
     """A chain given by a Denavit-Hartenberg table, one revolute joint a row."""
 
     convention: Literal["standard", "modified"]
     rows: Annotated[list[DhRow], Field(min_length=1, max_length=64)]
 
 
-class Origin(_Strict):
+class Origin(Strict):
     """A frame in its parent: position [m], roll-pitch-yaw in the file's angle unit."""
 
     xyz: Triple = (0.0, 0.0, 0.0)
@@ -63,21 +58,21 @@ class AxisJoint(Origin):
     axis: Triple
 
 
-class AxesKinematics(_Strict):
+class AxesKinematics(Strict):
     """A chain given by joint origins and axes; ``frames`` are fixed to the last joint."""
 
     joints: Annotated[list[AxisJoint], Field(min_length=1, max_length=64)]
     frames: dict[str, Origin]
 
 
-class UrdfKinematics(_Strict):
+class UrdfKinematics(Strict):
     """A chain in a URDF file, of an installed package or beside ``robot.yaml``."""
 
     package: Literal["example-robot-data"] | None = None
     path: str
 
 
-class Kinematics(_Strict):
+class Kinematics(Strict):
     """Exactly one way to give the chain."""
 
     dh: DhKinematics | None = None
@@ -91,7 +86,7 @@ class Kinematics(_Strict):
         return self
 
 
-class JointEntry(_Strict):
+class JointEntry(Strict):
     """One joint of the user; for a URDF, what is absent is taken from the file."""
 
     name: str
@@ -103,7 +98,7 @@ class JointEntry(_Strict):
     effort: Number | None = None
 
 
-class LimitEntry(_Strict):
+class LimitEntry(Strict):
     """Where one kind of limit comes from: a source, or a default by its name."""
 
     source: str | None = None
@@ -117,7 +112,7 @@ class LimitEntry(_Strict):
         return self
 
 
-class Limits(_Strict):
+class Limits(Strict):
     """Where the limits come from; no ``effort`` means that no source gives one."""
 
     position: LimitEntry
@@ -140,15 +135,15 @@ class Limits(_Strict):
         return self
 
 
-class CouplingEntry(_Strict):
+class CouplingEntry(Strict):
     """Serial joint values ``matrix @ q + offset``; one row a serial joint, offset [rad or m]."""
 
     matrix: list[list[Number]]
     offset: list[Number] | None = None
 
 
-class RobotFile(_Strict):
-    """The content of a ``robot.yaml``."""
+class RobotFile(Strict):
+    """The content of a ``robot.yaml``; ``fixed_joints`` [rad or m] stand beside the chain."""
 
     name: Annotated[str, Field(pattern=r"^[a-z0-9][a-z0-9_-]{0,63}$")]
     title: str
@@ -163,7 +158,9 @@ class RobotFile(_Strict):
     home: list[Number]
     inertias: str | None = None
     controller: Controller | None = None
-    notes: list[str] = []
+    fixed_joints: dict[str, Number] = Field(default_factory=dict)
+    collision: CollisionEntry | None = None
+    notes: list[str] = Field(default_factory=list)
 
     @model_validator(mode="after")
     def _lengths(self) -> RobotFile:

@@ -10,7 +10,7 @@ from ikplan.errors import InvalidRobot
 from ikplan.robots.urdf.safe_xml import read_xml
 from ikplan.robots.urdf.tree import KinematicTree
 
-__all__ = ["Group", "read_group"]
+__all__ = ["Group", "read_allowed_pairs", "read_group"]
 
 _HOME = "home"
 
@@ -35,7 +35,7 @@ class Group:
 def read_group(
     document: bytes, tree: KinematicTree, *, group: str | None = None, robot: str
 ) -> Group:
-    """Read a group of an SRDF that is a chain; collision pairs and all else are ignored.
+    """Read a group of an SRDF that is a chain; all else is ignored.
 
     Args:
         document: The bytes of the SRDF.
@@ -46,13 +46,7 @@ def read_group(
     Raises:
         InvalidRobot: Not an SRDF, no such group, or a group that is no chain of the URDF.
     """
-    root = read_xml(document, robot=f"{robot}: SRDF")
-    if root.tag != "robot":
-        raise InvalidRobot(
-            f"{robot}: not an SRDF: the outermost element is <{root.tag[:200]}>, not <robot>",
-            robot=robot,
-            value=root.tag[:200],
-        )
+    root = _root(document, robot)
     ends = {
         element.get("name", ""): found
         for element in root.findall("group")
@@ -70,6 +64,40 @@ def read_group(
         )
     base, tip = ends[group]
     return Group(group, base, tip, _home(root, group, robot))
+
+
+def read_allowed_pairs(document: bytes, *, robot: str) -> list[tuple[str, str, str]]:
+    """Read the pairs of links that an SRDF lets touch (``disable_collisions``).
+
+    Args:
+        document: The bytes of the SRDF.
+        robot: Name of the robot, for messages.
+
+    Returns:
+        Two names and the reason given, "none given" where there is none.
+
+    Raises:
+        InvalidRobot: Not an SRDF.
+    """
+    return [
+        (
+            element.get("link1", "")[:200],
+            element.get("link2", "")[:200],
+            element.get("reason", "")[:200] or "none given",
+        )
+        for element in _root(document, robot).findall("disable_collisions")
+    ]
+
+
+def _root(document: bytes, robot: str) -> ET.Element:
+    root = read_xml(document, robot=f"{robot}: SRDF")
+    if root.tag != "robot":
+        raise InvalidRobot(
+            f"{robot}: not an SRDF: the outermost element is <{root.tag[:200]}>, not <robot>",
+            robot=robot,
+            value=root.tag[:200],
+        )
+    return root
 
 
 def _ends(element: ET.Element, tree: KinematicTree) -> tuple[str, str] | None:

@@ -59,6 +59,8 @@ class Joint:
         axis: Joint axis in the joint frame, of unit length for movable joints.
         limit: Limits, as far as given.
         mimic: Name of the joint this one follows, or None.
+        multiplier: Its value for each unit of the joint that it follows.
+        offset: Its value where that joint is at zero [rad or m].
     """
 
     name: str
@@ -70,6 +72,8 @@ class Joint:
     axis: Vector = (0.0, 0.0, 1.0)
     limit: JointLimit = field(default_factory=JointLimit)
     mimic: str | None = None
+    multiplier: float = 1.0
+    offset: float = 0.0
 
 
 @dataclass(frozen=True)

@@ -193,7 +193,14 @@ def _joint(element: ET.Element, robot: str) -> Joint:
         axis=_axis(element.find("axis"), name, robot) if kind in MOVABLE else (0.0, 0.0, 1.0),
         limit=_limit(element.find("limit"), name, robot),
         mimic=None if mimic is None else mimic.get("joint", ""),
+        multiplier=_mimic(mimic, "multiplier", 1.0, name, robot),
+        offset=_mimic(mimic, "offset", 0.0, name, robot),
     )
+
+
+def _mimic(element: ET.Element | None, key: str, default: float, joint: str, robot: str) -> float:
+    value = None if element is None else _number(element, key, f"mimic of joint {joint!r}", robot)
+    return default if value is None else value
 
 
 def _axis(element: ET.Element | None, joint: str, robot: str) -> Vector:

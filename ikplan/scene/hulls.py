@@ -1,0 +1,193 @@
+"""Convex hulls of points, and hulls of fewer points that enclose them.
+
+A hull is thinned by leaving out points and enlarging what is left by a radius, so that every
+point that was left out is still inside.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial import ConvexHull, QhullError
+
+__all__ = ["Hull", "distance_beyond", "enclosing_points", "hull_of"]
+
+Array = NDArray[np.float64]
+
+_FLAT = 1e-9
+"""A set of points thinner than this share of its size [1] has no volume to speak of."""
+_ROUNDING = 1e-12
+"""Added to a radius, so that rounding leaves no point outside [m]."""
+_CHUNK = 4_000_000
+_LOOKED_AT = 2_000
+"""Most vertices among which those that stay are chosen; the radius is about all of them."""
+_AT_ONCE = 8
+"""Most points that are added before their hull is made anew."""
+
+Hull = ConvexHull
+
+
+def hull_of(points: Array) -> ConvexHull | None:
+    """Return the convex hull, or None where the points lie in a plane, on a line or together."""
+    if len(points) < 4:
+        return None
+    spread = np.linalg.svd(points - points.mean(axis=0), compute_uv=False)
+    if spread[2] <= _FLAT * spread[0]:
+        return None
+    try:
+        return ConvexHull(points)
+    except QhullError:
+        return None
+
+
+def distance_beyond(points: Array, hull: ConvexHull) -> Array:
+    """How far points are outside a hull, from above.
+
+    Args:
+        points: Shape (n, 3) [m].
+        hull: The hull.
+
+    Returns:
+        Shape (n,): 0 inside, else at least the distance [m]: that to the facet whose plane is
+        the farthest below the point, which is nearly always the nearest.
+    """
+    normals, offsets = hull.equations[:, :3], hull.equations[:, 3]
+    triangles = hull.points[hull.simplices]
+    found = np.zeros(len(points))
+    step = max(1, _CHUNK // len(offsets))
+    for first in range(0, len(points), step):
+        part = points[first : first + step]
+        above = part @ normals.T + offsets
+        facet = above.argmax(axis=1)
+        outside = np.flatnonzero(above[np.arange(len(part)), facet] > 0.0)
+        if len(outside):
+            found[first + outside] = _to_triangles(part[outside], triangles[facet[outside]])
+    return found
+
+
+def enclosing_points(
+    points: Array, most: int = 64, tolerance: float = 0.0
+) -> tuple[Array, float, float]:
+    """Return few points and a radius that enclose the convex hull of points.
+
+    Args:
+        points: Shape (n, 3), n >= 1 [m].
+        most: Most points returned, where the points span a volume.
+        tolerance: Radius at which no more points are taken [m].
+
+    Returns:
+        The points, shape (m, 3), the radius about their hull [m], and how far that reaches
+        beyond the hull of all points [m].
+    """
+    points = np.unique(np.asarray(points, dtype=np.float64), axis=0)
+    hull = hull_of(points)
+    if hull is None:
+        return _enclosing_flat(points, most)
+    vertices = points[np.sort(hull.vertices)]
+    if len(vertices) <= most:
+        return vertices, 0.0, 0.0
+    looked_at = vertices if len(vertices) <= _LOOKED_AT else vertices[_outermost(vertices)]
+    kept = _chosen(looked_at, most, tolerance)
+    inner = hull_of(kept)
+    if inner is None:
+        return vertices, 0.0, 0.0
+    radius = float(distance_beyond(vertices, inner).max()) + _ROUNDING
+    return kept, radius, radius
+
+
+def _chosen(vertices: Array, most: int, tolerance: float) -> Array:
+    """Vertices whose hull comes near to that of all: each time those farthest outside it."""
+    chosen = _extremes(vertices)
+    while True:
+        inner = hull_of(vertices[chosen])
+        if inner is None:  # the extremes of a thin body may lie in a plane
+            chosen = np.unique([*chosen, *range(0, len(vertices), max(1, len(vertices) // 16))])
+            inner = hull_of(vertices[chosen])
+            if inner is None:
+                return vertices
+        beyond = distance_beyond(vertices, inner)
+        beyond[chosen] = 0.0
+        radius = float(beyond.max())
+        if len(chosen) >= most or radius <= tolerance:
+            return vertices[chosen]
+        order = np.argsort(-beyond, kind="stable")[: min(_AT_ONCE, most - len(chosen))]
+        more = _apart(vertices, order[beyond[order] > 0.0], radius)
+        chosen = np.unique([*chosen, *more])
+
+
+def _apart(vertices: Array, order: NDArray[np.int64], radius: float) -> list[int]:
+    """Points of a list that are not close to an earlier one of it."""
+    taken: list[int] = []
+    for index in order:
+        gaps = np.linalg.norm(vertices[taken] - vertices[index], axis=1)
+        if not len(gaps) or gaps.min() > 4.0 * radius:
+            taken.append(int(index))
+    return taken
+
+
+def _outermost(vertices: Array) -> NDArray[np.int64]:
+    """The farthest vertices along directions spread evenly (Fibonacci's lattice)."""
+    k = np.arange(_LOOKED_AT) + 0.5
+    z = 1.0 - 2.0 * k / _LOOKED_AT
+    turn = math.pi * (3.0 - math.sqrt(5.0)) * k
+    width = np.sqrt(1.0 - z * z)
+    directions = np.column_stack([width * np.cos(turn), width * np.sin(turn), z])
+    step = max(1, _CHUNK // len(vertices))
+    parts = [directions[i : i + step] for i in range(0, _LOOKED_AT, step)]
+    return np.unique(np.concatenate([(vertices @ part.T).argmax(axis=0) for part in parts]))
+
+
+def _extremes(vertices: Array) -> NDArray[np.int64]:
+    """The points farthest along the axes and the diagonals between them."""
+    grid = np.array([(x, y, z) for x in (-1, 0, 1) for y in (-1, 0, 1) for z in (-1, 0, 1)])
+    directions = grid[np.any(grid != 0, axis=1)]
+    return np.unique((vertices @ directions.T).argmax(axis=0))
+
+
+def _enclosing_flat(points: Array, most: int) -> tuple[Array, float, float]:
+    """As :func:`enclosing_points`, of points in a plane, on a line or together."""
+    centre = points.mean(axis=0)
+    _, spread, axes = np.linalg.svd(points - centre, full_matrices=False)
+    if len(points) <= 3 or len(spread) < 3:
+        return points, 0.0, 0.0
+    flat = (points - centre) @ axes.T
+    if spread[1] > _FLAT * spread[0]:
+        try:
+            kept = np.sort(ConvexHull(flat[:, :2]).vertices)
+        except QhullError:
+            kept = np.arange(len(points), dtype=np.int32)
+    else:
+        kept = np.array([flat[:, 0].argmin(), flat[:, 0].argmax()], dtype=np.int32)
+    if len(kept) <= most:
+        rest = flat[:, 2] if spread[1] > _FLAT * spread[0] else np.hypot(flat[:, 1], flat[:, 2])
+        # Out of the plane, or off the line, by rounding at most.
+        radius = 2.0 * float(np.abs(rest).max()) + _ROUNDING
+        return points[kept], radius, radius
+    low, high = flat.min(axis=0), flat.max(axis=0)
+    corners = np.array([(x, y, 0.0) for x in (low[0], high[0]) for y in (low[1], high[1])])
+    radius = 2.0 * float(np.abs(flat[:, 2]).max()) + _ROUNDING
+    return centre + corners @ axes, radius, float(np.linalg.norm(high - low))
+
+
+def _to_triangles(points: Array, triangles: Array) -> Array:
+    """Distance of each point to its own triangle, shapes (n, 3) and (n, 3, 3)."""
+    best = np.full(len(points), np.inf)
+    for i in range(3):
+        a, b = triangles[:, i], triangles[:, (i + 1) % 3]
+        edge = b - a
+        length = np.maximum((edge * edge).sum(axis=1), 1e-300)
+        share = np.clip(((points - a) * edge).sum(axis=1) / length, 0.0, 1.0)
+        best = np.minimum(best, np.linalg.norm(points - a - share[:, None] * edge, axis=1))
+    u, v = triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0]
+    normal = np.cross(u, v)
+    square = (normal * normal).sum(axis=1)
+    thick = square > 0.0
+    w = points - triangles[:, 0]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        beta = (np.cross(w, v) * normal).sum(axis=1) / square
+        gamma = (np.cross(u, w) * normal).sum(axis=1) / square
+        height = np.abs((w * normal).sum(axis=1)) / np.sqrt(square)
+        above = thick & (beta >= 0.0) & (gamma >= 0.0) & (beta + gamma <= 1.0)
+    return np.where(above, np.minimum(height, best), best)

@@ -54,11 +54,6 @@ class PathTime:
                 allowed=[low, high],
             )
 
-    def at(self, t: float) -> float:
-        """Return the path position at a time [s]."""
-        k = int(np.clip(np.searchsorted(self.time, t, side="right") - 1, 0, len(self.time) - 2))
-        return float(self._controls(np.array([k]), t, t)[0, 0])
-
     def range(self, begin: float, end: float) -> tuple[float, float]:
         """Return path positions between which the motion is from one time to another [s]."""
         begin, end = (float(np.clip(t, self.time[0], self.time[-1])) for t in (begin, end))
@@ -76,24 +71,29 @@ class PathTime:
         k = int(reached[0])
         if k == 0:
             return float(self.time[0])
-        low, high = float(self.time[k - 1]), float(self.time[k])
+        s0, v = float(self.s[k - 1]), float(self.speed[k - 1])
+        a, jerk = (float(x[0]) for x in self._slopes(np.array([k - 1])))
+        low, high = 0.0, float(self.time[k] - self.time[k - 1])
         for _ in range(_HALVINGS):
-            middle = 0.5 * (low + high)
-            if self.at(middle) < s:
-                low = middle
+            t = 0.5 * (low + high)
+            if s0 + t * (v + t * (a / 2.0 + t * jerk / 6.0)) < s:
+                low = t
             else:
-                high = middle
-        return high
+                high = t
+        return float(self.time[k - 1]) + high
+
+    def _slopes(self, node: NDArray[np.int64]) -> tuple[Array, Array]:
+        """Path accelerations after nodes and their slopes, shape (m,) each."""
+        whole = self.time[node + 1] - self.time[node]
+        if self.acceleration is None:
+            return (self.speed[node + 1] - self.speed[node]) / whole, np.zeros(len(node))
+        a = self.acceleration[node]
+        return a, (self.acceleration[node + 1] - a) / whole
 
     def _controls(self, node: NDArray[np.int64], begin: float, end: float) -> Array:
         """Bezier control values of the cubics after nodes, cut to a window, shape (m, 4)."""
-        whole = self.time[node + 1] - self.time[node]
         v = self.speed[node]
-        if self.acceleration is None:
-            a, jerk = (self.speed[node + 1] - v) / whole, np.zeros(len(node))
-        else:
-            a = self.acceleration[node]
-            jerk = (self.acceleration[node + 1] - a) / whole
+        a, jerk = self._slopes(node)
         t0 = np.clip(begin, self.time[node], self.time[node + 1]) - self.time[node]
         t1 = np.clip(end, self.time[node], self.time[node + 1]) - self.time[node]
         s0 = self.s[node] + t0 * (v + t0 * (a / 2.0 + t0 * jerk / 6.0))

@@ -7,6 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ikplan._jit import kernel
 from ikplan.errors import InvalidRequest
 from ikplan.scene.body import CollisionModel
 
@@ -69,15 +70,29 @@ def bounding_sphere(points: Array) -> tuple[Array, float]:
     Returns:
         Centre, shape (3,), and radius [m].
     """
-    centre = points.mean(axis=0)
-    best, least = centre, np.inf
+    centre = np.zeros(3)
+    size = _enclose(np.ascontiguousarray(points, dtype=np.float64), centre)
+    return centre, size
+
+
+@kernel
+def _enclose(points: Array, best: Array) -> float:
+    """Set the best centre, and return the radius of the sphere around it."""
+    x, y, z = points[:, 0].mean(), points[:, 1].mean(), points[:, 2].mean()
+    least = np.inf
     for k in range(1, _STEPS + 1):
-        distance = np.linalg.norm(points - centre, axis=1)
-        far = int(np.argmax(distance))
-        if distance[far] < least:
-            best, least = centre, float(distance[far])
-        centre = centre + (points[far] - centre) / (k + 1.0)
-    return best, least
+        far, squared = 0, -1.0
+        for i in range(points.shape[0]):
+            d = (points[i, 0] - x) ** 2 + (points[i, 1] - y) ** 2 + (points[i, 2] - z) ** 2
+            if d > squared:
+                far, squared = i, d
+        if squared < least:
+            best[0], best[1], best[2] = x, y, z
+            least = squared
+        x += (points[far, 0] - x) / (k + 1.0)
+        y += (points[far, 1] - y) / (k + 1.0)
+        z += (points[far, 2] - z) / (k + 1.0)
+    return float(np.sqrt(least))
 
 
 def pieces_of(model: CollisionModel, carriers: int) -> PieceArrays:

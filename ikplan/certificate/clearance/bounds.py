@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from ikplan._jit import kernel
+from ikplan._jit import leaf_kernel
 from ikplan.certificate.clearance.chain import JointChain
 
 __all__ = ["joint_ranges", "joint_values", "motion_bounds"]
@@ -14,7 +14,7 @@ Array = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 
-@kernel
+@leaf_kernel
 def _blossom(c: Array, k: int, j: int, x: float, y: float, z: float) -> float:
     """Return the polar form of the cubic of piece k and joint j."""
     a = c[k, 0, j] + x * (c[k, 1, j] - c[k, 0, j])
@@ -25,7 +25,7 @@ def _blossom(c: Array, k: int, j: int, x: float, y: float, z: float) -> float:
     return float(a + z * (b - a))
 
 
-@kernel
+@leaf_kernel
 def joint_values(controls: Array, u: float, q: Array) -> None:
     """Evaluate a curve.
 
@@ -40,7 +40,7 @@ def joint_values(controls: Array, u: float, q: Array) -> None:
         q[j] = _blossom(controls, k, j, x, x, x)
 
 
-@kernel
+@leaf_kernel
 def joint_ranges(
     controls: Array, low: Array, high: Array, a: float, b: float, q: Array, delta: Array
 ) -> None:
@@ -75,7 +75,7 @@ def joint_ranges(
                 delta[j] = max(delta[j], c0, c1, c2, c3)
 
 
-@kernel
+@leaf_kernel
 def motion_bounds(
     chain: JointChain, R: Array, p: Array, delta: Array, carrier: Ints, centre: Array,
     size: Array, bound: Array,

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ikplan._jit import kernel
+from ikplan._jit import leaf_kernel
 from ikplan.errors import InvalidRobot
 from ikplan.robots.robot import Robot
 
@@ -71,7 +71,7 @@ def chain_of(robot: Robot) -> JointChain:
     return JointChain(rotation, position, axis, slides)
 
 
-@kernel
+@leaf_kernel
 def place_joints(chain: JointChain, q: Array, R: Array, p: Array) -> None:
     """Place the frames of all joints in the robot's base frame.
 
@@ -88,6 +88,7 @@ def place_joints(chain: JointChain, q: Array, R: Array, p: Array) -> None:
     for k in range(q.shape[0]):
         x, y, z = chain.axis[k, 0], chain.axis[k, 1], chain.axis[k, 2]
         fixed, offset = chain.rotation[k], chain.position[k]
+        cos, sin = np.cos(q[k]), np.sin(q[k])
         for r in range(3):
             f0 = R[k, r, 0] * fixed[0, 0] + R[k, r, 1] * fixed[1, 0] + R[k, r, 2] * fixed[2, 0]
             f1 = R[k, r, 0] * fixed[0, 1] + R[k, r, 1] * fixed[1, 1] + R[k, r, 2] * fixed[2, 1]
@@ -100,7 +101,6 @@ def place_joints(chain: JointChain, q: Array, R: Array, p: Array) -> None:
                 R[k + 1, r, 0], R[k + 1, r, 1], R[k + 1, r, 2] = f0, f1, f2
             else:
                 # A row times the rotation about the axis, by Rodrigues' formula.
-                cos, sin = np.cos(q[k]), np.sin(q[k])
                 along = (1.0 - cos) * (f0 * x + f1 * y + f2 * z)
                 R[k + 1, r, 0] = cos * f0 + sin * (f1 * z - f2 * y) + along * x
                 R[k + 1, r, 1] = cos * f1 + sin * (f2 * x - f0 * z) + along * y

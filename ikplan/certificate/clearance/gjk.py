@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ikplan._jit import kernel
+from ikplan._jit import leaf_kernel
 from ikplan.certificate.clearance.simplex import nearest_of_simplex
 
 __all__ = ["Scratch", "farthest", "piece_distance", "scratch"]
@@ -56,7 +56,7 @@ def scratch() -> Scratch:
     return Scratch(w, a, b, ids, np.zeros(4), np.zeros((2, 3)))
 
 
-@kernel
+@leaf_kernel
 def farthest(xyz: Array, begin: int, end: int, x: float, y: float, z: float) -> int:
     """Return which of the points begin..end is the farthest along a direction.
 
@@ -98,7 +98,7 @@ def farthest(xyz: Array, begin: int, end: int, x: float, y: float, z: float) -> 
     return k2 if best2 > best0 else k0
 
 
-@kernel
+@leaf_kernel
 def _support(
     xyz: Array, begin: int, end: int, R: Array, p: Array, c: int, v: Array, sign: float,
     found: Array, n: int,
@@ -115,7 +115,7 @@ def _support(
     return k
 
 
-@kernel
+@leaf_kernel
 def piece_distance(
     xyz: Array, start: Ints, i: int, j: int, R: Array, p: Array, ci: int, cj: int,
     needed: float, enough: float, v: Array, space: Scratch,
@@ -183,7 +183,7 @@ def piece_distance(
     return min(lower, upper), upper
 
 
-@kernel
+@leaf_kernel
 def _combine(n: int, space: Scratch) -> None:
     for r in range(3):
         on_a = on_b = 0.0
@@ -193,7 +193,7 @@ def _combine(n: int, space: Scratch) -> None:
         space.nearest[0, r], space.nearest[1, r] = on_a, on_b
 
 
-@kernel
+@leaf_kernel
 def _reduce(n: int, space: Scratch) -> int:
     """Drop the corners without a weight; return how many are left."""
     kept = 0

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ikplan._jit import kernel
+from ikplan._jit import kernel, leaf_kernel
 from ikplan.certificate.clearance.bounds import joint_ranges, joint_values, motion_bounds
 from ikplan.certificate.clearance.chain import JointChain, place_joints
 from ikplan.certificate.clearance.gjk import Scratch, piece_distance
@@ -85,14 +85,14 @@ def findings() -> Findings:
     )
 
 
-@kernel
+@leaf_kernel
 def _threshold(found: float, undecided: int, clearance: float, tolerance: float) -> float:
     """Return which bound is enough: near to the nearest place, and above the clearance."""
     near = found - tolerance
     return clearance if near < clearance < found and undecided == 0 else near
 
 
-@kernel
+@leaf_kernel
 def _place_centres(shapes: PieceArrays, R: Array, p: Array, centre: Array) -> None:
     for i in range(shapes.carrier.shape[0]):
         c = shapes.carrier[i]
@@ -101,7 +101,7 @@ def _place_centres(shapes: PieceArrays, R: Array, p: Array, centre: Array) -> No
             centre[i, r] = R[c, r, 0] * x + R[c, r, 1] * y + R[c, r, 2] * z + p[c, r]
 
 
-@kernel
+@leaf_kernel
 def _note(out: Findings, g: int, gap: float, u: float, k: int, first: Array, second: Array) -> None:
     out.found[g], out.at[g], out.pair[g] = gap, u, k
     for r in range(3):
@@ -184,7 +184,7 @@ def search(
             top += 2
 
 
-@kernel
+@leaf_kernel
 def _visit(
     shapes: PieceArrays, pairs: PiecePairs, todo: Ints, count: int, left: Ints, u: float,
     R: Array, p: Array, centre: Array, bound: Array, moving: bool, settings: Settings,

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ikplan._jit import kernel
+from ikplan._jit import leaf_kernel
 from ikplan.errors import InvalidRequest
 from ikplan.scene.body import CollisionModel
 
@@ -75,10 +75,14 @@ def bounding_sphere(points: Array) -> tuple[Array, float]:
     return centre, size
 
 
-@kernel
+@leaf_kernel
 def _enclose(points: Array, best: Array) -> float:
     """Set the best centre, and return the radius of the sphere around it."""
-    x, y, z = points[:, 0].mean(), points[:, 1].mean(), points[:, 2].mean()
+    x = y = z = 0.0
+    for i in range(points.shape[0]):
+        x += points[i, 0] / points.shape[0]
+        y += points[i, 1] / points.shape[0]
+        z += points[i, 2] / points.shape[0]
     least = np.inf
     for k in range(1, _STEPS + 1):
         far, squared = 0, -1.0

@@ -5,19 +5,19 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from ikplan._jit import kernel
+from ikplan._jit import leaf_kernel
 
 __all__ = ["nearest_of_simplex"]
 
 Array = NDArray[np.float64]
 
 
-@kernel
+@leaf_kernel
 def _dot(w: Array, i: int, j: int) -> float:
     return float(w[i, 0] * w[j, 0] + w[i, 1] * w[j, 1] + w[i, 2] * w[j, 2])
 
 
-@kernel
+@leaf_kernel
 def _on_segment(w: Array, i: int, j: int) -> tuple[float, float, float]:
     """Return the squared distance of a segment from the origin, and the weights of its ends."""
     ii, ij, jj = _dot(w, i, i), _dot(w, i, j), _dot(w, j, j)
@@ -33,7 +33,7 @@ def _on_segment(w: Array, i: int, j: int) -> tuple[float, float, float]:
     return x * x + y * y + z * z, r, t
 
 
-@kernel
+@leaf_kernel
 def _on_triangle(w: Array, i: int, j: int, k: int) -> tuple[float, float, float, float]:
     """Return the squared distance of a triangle from the origin, and the weights of its corners.
 
@@ -69,7 +69,7 @@ def _on_triangle(w: Array, i: int, j: int, k: int) -> tuple[float, float, float,
     return best, u, v, t
 
 
-@kernel
+@leaf_kernel
 def _weight(w: Array, i: int, j: int, nx: float, ny: float, nz: float) -> float:
     return float(
         nx * (w[i, 1] * w[j, 2] - w[i, 2] * w[j, 1])
@@ -78,7 +78,7 @@ def _weight(w: Array, i: int, j: int, nx: float, ny: float, nz: float) -> float:
     )
 
 
-@kernel
+@leaf_kernel
 def _outside(w: Array, i: int, j: int, k: int, other: int) -> bool:
     """Whether a face's plane does not have the origin strictly on the side of the other corner."""
     ax, ay, az = w[j, 0] - w[i, 0], w[j, 1] - w[i, 1], w[j, 2] - w[i, 2]
@@ -91,7 +91,7 @@ def _outside(w: Array, i: int, j: int, k: int, other: int) -> bool:
     return not origin * inner > 0.0
 
 
-@kernel
+@leaf_kernel
 def nearest_of_simplex(w: Array, n: int, weight: Array) -> float:
     """Find the point of a simplex nearest to the origin.
 

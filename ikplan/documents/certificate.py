@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from pydantic import BaseModel, ConfigDict, Field
 
+from ikplan.documents.clearance import Clearance
+
 __all__ = ["Certificate", "LimitPlace", "Result", "SegmentCertificate"]
 
 
@@ -118,4 +120,9 @@ class Certificate(Result):
     elongation_lower_bound: float = Field(
         description="No joint motion that passes the waypoints as exactly can be shorter "
         "[rad or m]."
+    )
+    clearance: Clearance | None = Field(
+        None,
+        description="How near bodies come to each other at any instant, proven between the "
+        "samples too; null: nothing was checked.",
     )

@@ -1,0 +1,1 @@
+"""The proof of clearance held to coal: its distances, its bounds and its cost."""

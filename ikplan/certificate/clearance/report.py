@@ -1,0 +1,127 @@
+"""From findings of a search to the document of a certificate."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ikplan.certificate.clearance.curve import JointCurve
+from ikplan.certificate.clearance.search import GROUPS, Findings
+from ikplan.certificate.clearance.shapes import PieceArrays, PiecePairs
+from ikplan.certificate.clearance.windows import Window
+from ikplan.documents.clearance import (
+    AllowedPair,
+    BodySource,
+    Clearance,
+    NearestPlace,
+    SegmentClearance,
+)
+from ikplan.scene.body import CollisionModel
+
+__all__ = ["Report"]
+
+Array = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+
+@dataclass(eq=False)
+class Report:
+    """Collects the findings of windows.
+
+    Attributes:
+        model: The bodies.
+        pieces: Their pieces.
+        pairs: Their pairs of pieces.
+        curve: The motion.
+        tolerance: Tolerance of the search [m].
+    """
+
+    model: CollisionModel
+    pieces: PieceArrays
+    pairs: PiecePairs
+    curve: JointCurve
+    tolerance: float
+    _segments: list[SegmentClearance] = field(default_factory=list)
+    _checked: set[int] = field(default_factory=set)
+
+    def add(self, window: Window, out: Findings, rows: Ints) -> None:
+        """Add what was found in a window.
+
+        Args:
+            window: The window.
+            out: Its findings.
+            rows: Rows of the model's pairs that were looked at.
+        """
+        self._checked |= set(rows.tolist())
+        if window.own is not None:
+            place = self._place(out, range(GROUPS), len(rows))
+            self._segments.append(SegmentClearance(**place, begin=window.begin, end=window.end))
+
+    def document(self, whole: Findings) -> Clearance:
+        """Return the document of the whole motion."""
+        groups = [self._group_of(row) for row in sorted(self._checked)]
+        return Clearance(
+            **self._place(whole, range(GROUPS), len(groups)),
+            clearance=self.model.clearance,
+            interpolation=self.curve.interpolation,
+            self_=NearestPlace(**self._place(whole, [0], groups.count(0))),
+            scene=NearestPlace(**self._place(whole, [1], groups.count(1))),
+            segments=self._segments,
+            allowed=[AllowedPair(pair=[a, b], reason=why) for a, b, why in self.model.allowed],
+            sources=[
+                BodySource(body=body.name, source=body.source, excess=body.excess)
+                for body in self.model.bodies
+                if body.source
+            ],
+            unchecked=list(self.model.unchecked),
+        )
+
+    def _group_of(self, row: int) -> int:
+        kinds = [self.model.bodies[int(b)].kind for b in self.model.pairs[row]]
+        return int("obstacle" in kinds)
+
+    def _place(self, out: Findings, groups: Any, checked: int) -> dict[str, Any]:
+        """Fields of the nearest place of some groups."""
+        present = [g for g in groups if out.pair[g] >= 0]
+        fields: dict[str, Any] = {
+            "proven": True, "least": None, "found": None, "time": None, "pair": None,
+            "points": None, "tolerance": self.tolerance, "pairs_checked": checked,
+        }  # fmt: skip
+        if not present:
+            return fields
+        g = min(present, key=lambda group: float(out.found[group]))
+        found = max(float(out.found[g]), 0.0)
+        least = min(max(float(out.least[group]), 0.0) for group in present)
+        least = min(least, found)
+        undecided = any(out.undecided[group] > 0 for group in present)
+        asked = self.model.clearance
+        enough = least > 0.0 and least >= asked
+        k = int(out.pair[g])
+        pieces = int(self.pairs.first[k]), int(self.pairs.second[k])
+        return fields | {
+            "proven": bool(enough and not undecided),
+            "least": least,
+            "found": found,
+            "time": self.curve.time(float(out.at[g])),
+            "pair": [self.model.bodies[int(self.pieces.body[i])].name for i in pieces],
+            "points": _surface_points(out.points[g], self.pieces.radius[list(pieces)]).tolist(),
+            "undecided": undecided,
+        }
+
+
+def _surface_points(points: Array, radii: Array) -> Array:
+    """Move the points of two hulls along their line onto the surfaces at the radii around them.
+
+    Radii that overlap by more than the distance of the hulls meet in between.
+    """
+    line = points[1] - points[0]
+    length = float(np.linalg.norm(line))
+    if length == 0.0:
+        return points
+    whole = float(radii.sum())
+    share = min(1.0, length / whole) if whole > 0.0 else 1.0
+    along = line / length
+    return np.stack([points[0] + share * radii[0] * along, points[1] - share * radii[1] * along])

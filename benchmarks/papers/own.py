@@ -19,7 +19,7 @@ from ikplan.planning import TimeBudget, WaypointProblem, select_configurations
 from ikplan.planning.ladder.ik_candidates import sample_ik_solutions
 from ikplan.planning.ladder.ladder_graph import diverse_shortest_paths
 from ikplan.planning.ladder.path_shortening import shorten_sequence
-from ikplan.planning.waypoints.least_motion import stack_targets
+from ikplan.planning.waypoints.stack import stack_targets
 
 __all__ = ["OWN", "Found"]
 

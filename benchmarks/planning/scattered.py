@@ -19,7 +19,7 @@ from ikplan.planning.ladder.equivalent_configurations import with_equivalents
 from ikplan.planning.ladder.ik_candidates import sample_ik_solutions
 from ikplan.planning.ladder.joint_length import joint_path_length
 from ikplan.planning.ladder.path_shortening import shorten_sequence
-from ikplan.planning.waypoints.least_motion import stack_targets
+from ikplan.planning.waypoints.stack import stack_targets
 from ikplan.robots import Robot, load_robot
 
 __all__ = ["ROBOTS", "figures"]

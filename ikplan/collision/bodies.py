@@ -6,8 +6,8 @@ from typing import NamedTuple
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 
+from ikplan.arrays import Array, Indices
 from ikplan.collision.capsules import enclosing_capsule
 from ikplan.collision.frames import link_frames
 from ikplan.kinematics.chain import Chain
@@ -16,16 +16,13 @@ from ikplan.scene.body import CollisionModel
 
 __all__ = ["Bodies", "flat_bodies"]
 
-Array = NDArray[np.float64]
-Index = NDArray[np.int64]
-
 
 class Bodies(NamedTuple):
     """Convex pieces and the pairs of them to be kept apart.
 
     Attributes:
         points: Points of all pieces, each in the frame of its carrier, shape (n, 3) [m].
-        first: Index of each piece's first point, shape (k + 1,); the last entry is n.
+        first: Indices of each piece's first point, shape (k + 1,); the last entry is n.
         radius: Radius of each piece, shape (k,) [m].
         centre: Centre of a sphere about each piece, in the frame of its carrier, shape (k, 3) [m].
         bound: Radius of that sphere, shape (k,) [m].
@@ -39,15 +36,15 @@ class Bodies(NamedTuple):
     """
 
     points: Array
-    first: Index
+    first: Indices
     radius: Array
     centre: Array
     bound: Array
     axis: Array
     around: Array
-    carrier: Index
-    pairs: Index
-    pair_of: Index
+    carrier: Indices
+    pairs: Indices
+    pair_of: Indices
     clearance: float
 
 

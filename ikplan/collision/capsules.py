@@ -5,13 +5,11 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ikplan._jit import leaf_kernel
+from ikplan.arrays import Array
 
 __all__ = ["enclosing_capsule", "segment_distance"]
-
-Array = NDArray[np.float64]
 
 
 def enclosing_capsule(points: Array) -> tuple[Array, Array, float]:

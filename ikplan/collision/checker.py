@@ -3,38 +3,18 @@
 from __future__ import annotations
 
 from collections import Counter
-from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ikplan.arrays import Array, Flags, Indices
 from ikplan.collision.bodies import flat_bodies
+from ikplan.collision.check import Contact
 from ikplan.collision.contact import contacts, gaps, motion_contact, new_scratch
 from ikplan.kinematics.arm import arm_of
 from ikplan.robots import Robot
 from ikplan.scene.body import CollisionModel
 
-__all__ = ["CollisionChecker", "Contact"]
-
-Array = NDArray[np.float64]
-Flags = NDArray[np.bool_]
-
-
-@dataclass(frozen=True, eq=False)
-class Contact:
-    """Two bodies that come nearer than allowed.
-
-    Attributes:
-        step: Index of the configuration at which the motion to the next begins.
-        share: Share of that motion at which they do.
-        q: The configuration there, shape (dof,) [rad or m].
-        pair: Names of the bodies.
-    """
-
-    step: int
-    share: float
-    q: Array
-    pair: tuple[str, str]
+__all__ = ["CollisionChecker"]
 
 
 class CollisionChecker:
@@ -60,6 +40,11 @@ class CollisionChecker:
         self._all = np.ones(len(self._bodies.pairs), dtype=np.bool_)
         windows = [(b.first_segment, b.last_segment) for b in model.bodies]
         self._windowed = any(window != (None, None) for window in windows)
+
+    @property
+    def changes_by_segment(self) -> bool:
+        """Whether bodies are attached on some segments only."""
+        return self._windowed
 
     def active(self, segment: int | None) -> Flags:
         """Return which pairs of pieces count in a segment, shape (m,); None: all of them."""
@@ -126,12 +111,20 @@ class CollisionChecker:
             return float("inf"), ("", "")
         return max(float(found[row]), 0.0), self._names(row)
 
+    def shortfall(self, q: Array, segment: int | None = None) -> tuple[float, tuple[str, str]]:
+        """Return by how much the smallest gap falls short of the clearance [m], and its pair.
+
+        Of bodies in each other, the depth is not part of it.
+        """
+        gap, pair = self.least_gap(q, segment)
+        return max(self.model.clearance - gap, 0.0), pair
+
     def commonest(self, q: Array, segment: int | None = None) -> list[tuple[tuple[str, str], int]]:
         """Return the pairs that hold configurations in contact and how many, most first."""
         named = [pair for pair in self.pairs_in_contact(q, segment) if pair is not None]
         return sorted(Counter(named).items(), key=lambda item: (-item[1], item[0]))
 
-    def _rows(self, q: Array, segment: int | None) -> NDArray[np.int64]:
+    def _rows(self, q: Array, segment: int | None) -> Indices:
         q = np.ascontiguousarray(q, dtype=np.float64)
         out = np.full(len(q), -1, dtype=np.int64)
         if len(self._all):

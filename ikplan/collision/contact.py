@@ -12,9 +12,9 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ikplan._jit import kernel, leaf_kernel
+from ikplan.arrays import Array, Flags, Indices
 from ikplan.collision.bodies import Bodies
 from ikplan.collision.capsules import segment_distance
 from ikplan.collision.frames import link_frames
@@ -23,9 +23,6 @@ from ikplan.kinematics.chain import Chain
 
 __all__ = ["Scratch", "contacts", "gaps", "motion_contact", "new_scratch"]
 
-Array = NDArray[np.float64]
-Index = NDArray[np.int64]
-Flags = NDArray[np.bool_]
 
 _FINEST = 2e-5
 """Motion of the outer body within an interval below which it is not halved any more [m]."""
@@ -47,9 +44,9 @@ class Queue(NamedTuple):
 
     middle: Array
     half: Array
-    begin: Index
-    end: Index
-    rows: Index
+    begin: Indices
+    end: Indices
+    rows: Indices
     whole: Array
     reach: Array
     q: Array
@@ -187,7 +184,7 @@ def _contact(chain: Chain, bodies: Bodies, active: Flags, need: float, q: Array,
 
 @leaf_kernel
 def contacts(
-    chain: Chain, bodies: Bodies, active: Flags, margin: float, q: Array, w: Scratch, out: Index
+    chain: Chain, bodies: Bodies, active: Flags, margin: float, q: Array, w: Scratch, out: Indices
 ) -> None:
     """Write for each configuration the first pair nearer than allowed.
 

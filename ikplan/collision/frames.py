@@ -2,16 +2,12 @@
 
 from __future__ import annotations
 
-import numpy as np
-from numpy.typing import NDArray
-
 from ikplan._jit import leaf_kernel
+from ikplan.arrays import Array
 from ikplan.kinematics.chain import Chain
 from ikplan.kinematics.forward import moved, placed
 
 __all__ = ["link_frames"]
-
-Array = NDArray[np.float64]
 
 
 @leaf_kernel

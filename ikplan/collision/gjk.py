@@ -10,14 +10,11 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
-from numpy.typing import NDArray
-
 from ikplan._jit import leaf_kernel
+from ikplan.arrays import Array
 
 __all__ = ["gap_between", "support"]
 
-Array = NDArray[np.float64]
 
 _MOST_STEPS = 64
 _RELATIVE = 1e-10

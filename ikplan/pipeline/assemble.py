@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -12,10 +14,12 @@ from ikplan.documents.plan_request import PlanRequest
 from ikplan.documents.timing_request import TimingRequest
 from ikplan.documents.trajectory import Stats, WaypointResults
 from ikplan.limits.motion_limits import MotionLimits
+from ikplan.pipeline.collisions import prove_motion
 from ikplan.pipeline.identity import plan_id
 from ikplan.pipeline.timing_stage import Timing
 from ikplan.plans.plan import Plan
 from ikplan.robots import Robot
+from ikplan.scene.body import CollisionModel
 from ikplan.time_budget import TimeBudget
 
 __all__ = ["assemble_plan", "joint_steps"]
@@ -46,6 +50,8 @@ def assemble_plan(
     path: PathRequest | None = None,
     segments: tuple[RequestedSegment, ...] = (),
     evaluations: int = 0,
+    model: CollisionModel | None = None,
+    segment_times: Sequence[tuple[float, float]] | None = None,
 ) -> Plan:
     """Certify a timed trajectory and return it as the plan of its request.
 
@@ -60,9 +66,12 @@ def assemble_plan(
         path: The path asked for; None: the waypoints are joint values.
         segments: Parts of a joint path with limits of their own.
         evaluations: Forward-kinematics evaluations spent.
+        model: Bodies that must not touch; None: nothing is checked.
+        segment_times: When each segment begins and ends [s], for attached bodies.
 
     Raises:
         BudgetExceeded: The time budget ran out.
+        InCollision: Bodies come nearer than allowed.
         CertificateViolated: The trajectory broke a promise: a bug.
     """
     samples = timing.samples
@@ -82,6 +91,9 @@ def assemble_plan(
                 segments=segments,
             )
         )
+        if model is not None:
+            clearance = prove_motion(robot, model, timing, segment_times)
+            certificate = certificate.model_copy(update={"clearance": clearance})
     return Plan(
         id=plan_id(request, robot),
         version=__version__,

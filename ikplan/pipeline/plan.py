@@ -9,6 +9,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
+from ikplan.collision.checker import CollisionChecker
 from ikplan.documents import parse
 from ikplan.documents.plan_request import IkOptions, IkRequest, PlanRequest
 from ikplan.documents.pose_results import IkSolution
@@ -21,6 +22,7 @@ from ikplan.kinematics.arm import arm_of
 from ikplan.limits.motion_limits import LimitedSegment, MotionLimits
 from ikplan.path import rotation_of
 from ikplan.pipeline.assemble import assemble_plan, joint_steps
+from ikplan.pipeline.collisions import requested_model
 from ikplan.pipeline.resolve import resolve_robot
 from ikplan.pipeline.timing_stage import joint_limits, time_motion
 from ikplan.pipeline.warm_up import warm_up
@@ -32,11 +34,15 @@ from ikplan.planning import (
     find_repairs,
     plan_joint_path,
 )
+from ikplan.planning.segment_number import segment_number
 from ikplan.plans.plan import Plan
 from ikplan.robots import Robot
 
 __all__ = ["plan", "solve_ik_request"]
 
+CONTACT_MARGIN = 1e-4
+"""Gap that the planner keeps on top of the clearance [m]: the spline through its configurations
+leaves the straight motions that it checks by a little, and the proof has the last word."""
 _EXACT = 1e-9
 """What counts as a solution of a waypoint, whatever the path tolerates [m and rad]."""
 
@@ -64,6 +70,8 @@ def plan(
         InvalidRequest: A field of the request is wrong.
         RobotNotFound: No robot of that name.
         Unreachable: A waypoint has no solution.
+        Disconnected: No continuous motion joins two waypoints.
+        InCollision: The arm would touch itself, its tool or an obstacle.
         TimingFailed: No timing under the limits.
         BudgetExceeded: ``budget_s`` ran out.
         CertificateViolated: The finished plan broke a promise: a bug.
@@ -81,6 +89,10 @@ def plan(
 
     with clock.stage("ik"):
         solver = _pose_solver(robot, request.ik, _EXACT, _EXACT)
+    model = requested_model(robot, request.scene, request.fixed_joints, request.tool, always=True)
+    contact = None
+    if model is not None and len(model.pairs):
+        contact = CollisionChecker(robot, model, CONTACT_MARGIN)
     with clock.stage("planning"), clock.cutting(solver.cut, solver.search_evaluations):
         arm_limits = joint_limits(robot, limits)
         problem = JointPathProblem(
@@ -92,6 +104,7 @@ def plan(
             start_free,
             arm_limits,
             clock,
+            contact=contact,
         )
         try:
             route = plan_joint_path(problem)
@@ -119,7 +132,31 @@ def plan(
         q_start=None if start_free else q_start,
         path=request.path,
         evaluations=route.evaluations,
+        model=model,
+        segment_times=_segment_times(route, timing.timed.times),
     )
+
+
+def _segment_times(
+    route: JointRoute, times: NDArray[np.float64]
+) -> list[tuple[float, float]] | None:
+    """When each segment of the request begins and ends [s]; None: the path has no segments."""
+    found: dict[int, tuple[float, float]] = {}
+    for part in route.segments:
+        number = segment_number(part.field)
+        if number is not None:
+            begin, end = float(times[part.first]), float(times[part.last])
+            known = found.get(number, (begin, end))
+            found[number] = min(begin, known[0]), max(end, known[1])
+    if not found:
+        ends = [float(times[w.index]) for w in route.waypoints]
+        return list(zip([0.0, *ends], ends, strict=False)) or None
+    last = 0.0
+    rows = []
+    for number in range(max(found) + 1):
+        rows.append(found.get(number, (last, last)))
+        last = rows[-1][1]
+    return rows
 
 
 def _segment_limits(

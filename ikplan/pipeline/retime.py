@@ -16,6 +16,7 @@ from ikplan.errors import InvalidRequest
 from ikplan.joint_path import JointPath
 from ikplan.limits.motion_limits import LimitedSegment, MotionLimits
 from ikplan.pipeline.assemble import assemble_plan, joint_steps
+from ikplan.pipeline.collisions import requested_model
 from ikplan.pipeline.resolve import resolve_robot
 from ikplan.pipeline.timing_stage import joint_limits, time_motion
 from ikplan.pipeline.warm_up import warm_up
@@ -133,7 +134,17 @@ def time_request(
         elongation=joint_steps(waypoints[0], waypoints),
     )
     return assemble_plan(
-        request, robot, limits, results, timing, clock, q_start=waypoints[0], segments=requested
+        request,
+        robot,
+        limits,
+        results,
+        timing,
+        clock,
+        q_start=waypoints[0],
+        segments=requested,
+        model=requested_model(
+            robot, request.scene, request.fixed_joints, request.tool, always=False
+        ),
     )
 
 

@@ -7,17 +7,19 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ikplan.arrays import Array
-from ikplan.errors import Disconnected, InvalidRequest
+from ikplan.errors import Disconnected, InCollision, InvalidRequest, NoPlan
 from ikplan.ik.arguments import check_start
 from ikplan.kinematics.target import Freedom, Target, pose_target
 from ikplan.path import JointLeg, JointWaypoint, Leg, Pose, ToolLeg, ToolPath, legs_of
 from ikplan.planning.joint_route import JointPathProblem, JointRoute, RouteSegment, RouteWaypoint
+from ikplan.planning.segment_number import segment_number
 from ikplan.planning.task_freedom import counts_orientation, freedom_of
 from ikplan.planning.tracking.path_tracker import PathTracker
 from ikplan.planning.tracking.reference_path import points_around
 from ikplan.planning.tracking.tracked_path import TrackedPath, TrackingFailed
 from ikplan.planning.tracking.tracking_failure import explain_tracking_failure
 from ikplan.planning.waypoints.ik_branches import branches
+from ikplan.planning.waypoints.in_collision import in_collision, motion_in_collision
 from ikplan.planning.waypoints.select import select_configurations
 from ikplan.planning.waypoints.waypoint_problem import WaypointProblem
 
@@ -38,12 +40,14 @@ def plan_joint_path(problem: JointPathProblem) -> JointRoute:
         InvalidRequest: The path makes no sense.
         Unreachable: A waypoint, or a place on a tool path, has no solution.
         Disconnected: No continuous motion follows a tool path.
+        InCollision: The start, or all that was found for a waypoint or a path, is in contact.
         TrackingFailed: The same, where ``problem.brief`` is set.
         BudgetExceeded: The time budget ran out.
     """
     planner = _JointPathPlanner(problem)
     start = None
     if not problem.start_free:
+        planner.check_start_free()
         T = problem.robot.fk(problem.q_start)
         start = Pose(T.rotation.copy(), T.translation.copy())
     legs = legs_of(problem.path, start, planner.fk)
@@ -55,6 +59,11 @@ def plan_joint_path(problem: JointPathProblem) -> JointRoute:
             planner.tool_leg(leg)
         problem.clock.advance(len(planner.waypoints))
     return planner.route()
+
+
+def _segment_to(waypoint: JointWaypoint) -> int | None:
+    """Number of the segment that ends at a waypoint; None: not known."""
+    return segment_number(waypoint.field or waypoint.name)
 
 
 def _waypoint_count(leg: Leg) -> int:
@@ -91,6 +100,7 @@ class _JointPathPlanner:
             counts_orientation(problem.path),
             problem.path.tolerance,
             problem.clock,
+            problem.contact,
         )
         self.q: list[Array] = [] if problem.start_free else [problem.q_start]
         self.rest: list[int] = []
@@ -98,6 +108,12 @@ class _JointPathPlanner:
         self.segments: list[RouteSegment] = []
         self.evaluations = 0
         self.opened: _Open | None = None
+
+    def check_start_free(self) -> None:
+        """Refuse a start in contact."""
+        contact, q = self.problem.contact, self.problem.q_start
+        if contact is not None and not contact.free(q[None], 0)[0]:
+            raise in_collision(contact, q[None], -1, "the start", 0, proven=True)
 
     def fk(self, q: Array) -> tuple[Array, Array]:
         """Rotation, shape (3, 3), and position, shape (3,) [m], of the tool in the base."""
@@ -138,6 +154,7 @@ class _JointPathPlanner:
             self._select(run)
             run = []
             q = check_start(self.problem.robot, waypoint.q, waypoint.name)
+            self._check_free(q, waypoint)
             R, p = self.fk(q)
             self._add(q, waypoint, pose_target(p, R))
         self._select(run)
@@ -156,6 +173,8 @@ class _JointPathPlanner:
             problem.clock,
             run[0].row,
             problem.brief,
+            problem.contact,
+            tuple(_segment_to(waypoint) for waypoint in run),
         )
 
     def _select(self, run: list[JointWaypoint]) -> None:
@@ -186,10 +205,8 @@ class _JointPathPlanner:
         except TrackingFailed as failure:
             if self.problem.brief:
                 raise
-            verdict = explain_tracking_failure(
-                self.problem.robot, self.problem.solver, self.tracker, path, failure
-            )
-            if not isinstance(verdict, Disconnected):
+            verdict = self._verdict(path, failure)
+            if not isinstance(verdict, Disconnected | InCollision):
                 raise verdict from failure
             try:
                 tracked = self.tracker.track_global(path, starts, costs)
@@ -197,6 +214,25 @@ class _JointPathPlanner:
                 raise verdict from failure
             tracked = replace(tracked, evaluations=tracked.evaluations + failure.evaluations)
         self._append(path, tracked)
+
+    def _verdict(self, path: ToolPath, failure: TrackingFailed) -> NoPlan:
+        """Why a tool path cannot be tracked to its end."""
+        if failure.contact is None or self.problem.contact is None:
+            return explain_tracking_failure(
+                self.problem.robot, self.problem.solver, self.tracker, path, failure
+            )
+        after = next((w.row for w in path.waypoints if w.s >= failure.s), path.waypoints[-1].row)
+        where = f"{failure.s * 1e3:.1f} mm of {path.length * 1e3:.1f} mm along the path"
+        part = next((x for x in path.segments if x.begin <= failure.s <= x.end), None)
+        segment = None if part is None else segment_number(part.field)
+        subject = f"the path to waypoint {after}, {where}"
+        return motion_in_collision(self.problem.contact, failure.contact, after, subject, segment)
+
+    def _check_free(self, q: Array, waypoint: JointWaypoint) -> None:
+        """Refuse joint values that are asked for and in contact."""
+        contact, segment = self.problem.contact, _segment_to(waypoint)
+        if contact is not None and not contact.free(q[None], segment)[0]:
+            raise in_collision(contact, q[None], waypoint.row, waypoint.name, segment, proven=True)
 
     def _check_box(self, path: ToolPath) -> None:
         """Refuse a box whose axes are known on a part of the path only."""

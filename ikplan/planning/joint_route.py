@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from ikplan.arrays import Array
+from ikplan.collision.check import ContactCheck
 from ikplan.documents.plan_request import IkOptions, PathRequest
 from ikplan.ik.solve import PoseSolver
 from ikplan.kinematics.target import Target
@@ -30,6 +31,7 @@ class JointPathProblem:
         clock: The time budget.
         brief: Whether a refusal may leave out why: what holds the arm takes longer to find out
             than that it is held.
+        contact: Refuses configurations and motions in contact; None: nothing is checked.
     """
 
     robot: Robot
@@ -41,6 +43,7 @@ class JointPathProblem:
     limits: JointLimits
     clock: TimeBudget
     brief: bool = False
+    contact: ContactCheck | None = None
 
 
 @dataclass(frozen=True)

@@ -23,7 +23,7 @@ from ikplan.planning.ladder.ik_candidates import sample_ik_solutions
 from ikplan.planning.task_freedom import counts_orientation, freedom_of
 from ikplan.planning.tracking.tracked_path import TrackingFailed
 from ikplan.planning.unit_mistake import in_millimetres, name_unit_mistake
-from ikplan.planning.waypoints.least_motion import stack_targets
+from ikplan.planning.waypoints.stack import stack_targets
 
 __all__ = ["find_repairs"]
 

@@ -19,7 +19,7 @@ from ikplan.planning.ladder.joint_length import joint_path_length
 from ikplan.planning.ladder.ladder_graph import diverse_shortest_paths
 from ikplan.planning.ladder.null_space import null_space_basis
 from ikplan.planning.ladder.path_shortening import shorten_sequence
-from ikplan.planning.waypoints.least_motion import stack_targets
+from ikplan.planning.waypoints.stack import stack_targets
 from ikplan.robots import load_robot
 
 seeds = st.integers(0, 2**32 - 1)

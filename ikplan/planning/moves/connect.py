@@ -14,17 +14,15 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ikplan._jit import kernel
+from ikplan.arrays import Array, Flags, Indices
 from ikplan.collision.bodies import Bodies
 from ikplan.collision.contact import Scratch, motion_contact
 from ikplan.kinematics.chain import Chain
 
 __all__ = ["SearchSpace", "connect"]
 
-Array = NDArray[np.float64]
-Flags = NDArray[np.bool_]
 
 _RANGE = 1.0
 """Longest extension, in the metric of the search."""
@@ -61,12 +59,12 @@ class _Tree(NamedTuple):
 
     Attributes:
         q: Configurations, shape (cap, dof).
-        parent: Index of each node's parent, -1 of a root, shape (cap,).
+        parent: Indices of each node's parent, -1 of a root, shape (cap,).
         domain: Distance up to which samples count, shape (cap,).
     """
 
     q: Array
-    parent: NDArray[np.int64]
+    parent: Indices
     domain: Array
 
 

@@ -10,15 +10,13 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ikplan._jit import kernel
+from ikplan.arrays import Array
 from ikplan.collision.contact import Scratch, motion_contact
 from ikplan.planning.moves.connect import SearchSpace
 
 __all__ = ["path_length", "shorten"]
-
-Array = NDArray[np.float64]
 
 
 @kernel

@@ -6,10 +6,13 @@ to a limit that it would have kept clear of had it begun to move aside long befo
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 
-from ikplan.arrays import Array
+from ikplan.arrays import Array, Flags
 from ikplan.kinematics.arm import Arm
+from ikplan.planning.ladder.free_candidates import keep_free
 from ikplan.planning.ladder.ik_candidates import Targets
 from ikplan.planning.ladder.shortest_sequences import ik_candidates, shortened_sequences
 from ikplan.time_budget import TimeBudget
@@ -18,7 +21,11 @@ __all__ = ["resolve_redundancy_globally"]
 
 
 def resolve_redundancy_globally(
-    arm: Arm, targets: Targets, q_start: Array, clock: TimeBudget
+    arm: Arm,
+    targets: Targets,
+    q_start: Array,
+    clock: TimeBudget,
+    free: Callable[[Array], Flags] | None = None,
 ) -> tuple[list[tuple[float, Array]], int]:
     """Choose sequences through every point that move the joints little.
 
@@ -29,6 +36,7 @@ def resolve_redundancy_globally(
         targets: The targets of m points.
         q_start: The configuration at the first, shape (dof,) [rad or m].
         clock: The time budget.
+        free: Tells which configurations are free of contact; None: all are.
 
     Returns:
         Joint motion [rad or m] and configurations, shape (m, dof), of each sequence, shortest
@@ -41,6 +49,8 @@ def resolve_redundancy_globally(
         candidates = ik_candidates(arm, after, q_start)
     evaluations = int(candidates.evaluations[0])
     sequences: list[tuple[float, Array]] = []
+    if free is not None:
+        keep_free(candidates, free)
     if (candidates.counts == 0).any():
         return sequences, evaluations
     for length, q, spent in shortened_sequences(arm, after, candidates, q_start, False):

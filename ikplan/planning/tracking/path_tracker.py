@@ -13,6 +13,7 @@ from dataclasses import replace
 import numpy as np
 
 from ikplan.arrays import Array
+from ikplan.collision.check import Contact
 from ikplan.planning.ladder.joint_length import joint_path_length
 from ikplan.planning.ladder.path_shortening import shorten_sequence
 from ikplan.planning.tracking.densify import densify
@@ -137,6 +138,10 @@ class PathTracker(TrackedArm):
                 evaluations += failure.evaluations
                 broken.append(failure)
                 continue
+            if contact := self.first_contact(reference, s, q):
+                broken.append(_in_contact(contact, s, spent))
+                evaluations += spent
+                continue
             waypoint = nearest_points(s, reference.waypoint_s)
             return TrackedPath(s, q, rest, waypoint, length, evaluations + spent)
         farthest = max(broken, key=lambda failure: failure.s)
@@ -163,6 +168,9 @@ class PathTracker(TrackedArm):
                 farthest = _farthest_failure(farthest, failure)
                 continue
             evaluations += spent
+            if contact := self.first_contact(reference, s, q):
+                farthest = _farthest_failure(farthest, _in_contact(contact, s, 0))
+                continue
             sequences.append((float(cost) + _length(q), s, q))
         return sorted(sequences, key=lambda sequence: sequence[0]), farthest, evaluations
 
@@ -175,14 +183,17 @@ class PathTracker(TrackedArm):
         sequences: list[_JointSequence] = []
         evaluations = 0
         for k in np.argsort(costs, kind="stable")[:_TRIED]:
-            found, spent = resolve_redundancy_globally(self.arm, targets, starts[k], self.clock)
+            free = None if self.contact is None else self.contact.free
+            found, spent = resolve_redundancy_globally(
+                self.arm, targets, starts[k], self.clock, free
+            )
             evaluations += spent
             for length, q in found:
                 broken, spent = first_discontinuity(
                     self.arm.chain, targets, q, self.arm.lower, self.arm.upper, EXACT
                 )
                 evaluations += spent
-                if broken == len(s) - 1:
+                if broken == len(s) - 1 and self.first_contact(reference, s, q) is None:
                     sequences.append((float(costs[k]) + length, s, q))
         return sorted(sequences, key=lambda sequence: sequence[0]), evaluations
 
@@ -245,6 +256,8 @@ class PathTracker(TrackedArm):
             self.clock.check()
             q_short, spent = self._shorten(reference, s, q)
             evaluations += spent
+            if self.first_contact(reference, s, q_short) is not None:
+                q_short = q
             shorter.append((length - _length(q) + _length(q_short), s, q_short))
         return sorted(shorter, key=lambda sequence: sequence[0]), evaluations
 
@@ -263,6 +276,14 @@ class PathTracker(TrackedArm):
             1e-4,
         )
         return np.vstack([q[:1], shorter]), evaluations
+
+
+def _in_contact(contact: Contact, s: Array, evaluations: int) -> TrackingFailed:
+    """The failure of a path that is tracked up to a contact."""
+    at = float(s[contact.step])
+    if contact.step + 1 < len(s):
+        at += contact.share * float(s[contact.step + 1] - s[contact.step])
+    return TrackingFailed(at, contact.q.copy(), evaluations, contact=contact)
 
 
 def _farthest_failure(a: TrackingFailed | None, b: TrackingFailed | None) -> TrackingFailed | None:

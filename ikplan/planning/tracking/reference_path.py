@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import itertools
+from collections.abc import Sequence
 from typing import Protocol
 
 import numpy as np
 
 from ikplan.arrays import Array, Flags, Indices
 from ikplan.path.rotation.so3 import angle_between
+from ikplan.path.tool_path import SegmentRange
 
 __all__ = [
     "ReferencePath",
@@ -39,6 +41,10 @@ class ReferencePath(Protocol):
     @property
     def waypoint_s(self) -> Array:
         """Path positions of the waypoints, shape (n,)."""
+
+    @property
+    def segments(self) -> Sequence[SegmentRange]:
+        """What of the request each part comes from, in order."""
 
     def poses(self, s: Array) -> tuple[Array, Array]:
         """Rotations, shape (m, 3, 3), and positions, shape (m, 3) [m], at path positions."""

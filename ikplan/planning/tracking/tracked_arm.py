@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from ikplan.arrays import Array
+from ikplan.collision.check import Contact, ContactCheck
 from ikplan.documents.plan_request import Tolerance
 from ikplan.kinematics.arm import Arm
 from ikplan.kinematics.target import ORIENTATION_WEIGHT, Freedom, constraint_rows
 from ikplan.limits import JointLimits
 from ikplan.planning.ladder.ik_candidates import Targets, target_at
+from ikplan.planning.segment_number import segment_number
 from ikplan.planning.tracking.reference_path import ReferencePath
 from ikplan.time_budget import TimeBudget
 
@@ -35,6 +37,7 @@ class TrackedArm:
         oriented: Whether orientations count at all.
         tolerance: How far from the path the tool may be.
         clock: The time budget.
+        contact: Refuses configurations and motions in contact; None: nothing is checked.
     """
 
     arm: Arm
@@ -43,6 +46,30 @@ class TrackedArm:
     oriented: bool
     tolerance: Tolerance
     clock: TimeBudget
+    contact: ContactCheck | None = None
+
+    def first_contact(self, reference: ReferencePath, s: Array, q: Array) -> Contact | None:
+        """Return where the straight motions between tracked points first meet a body, or None.
+
+        Args:
+            reference: The path.
+            s: Path positions, shape (m,).
+            q: Configurations, shape (m, dof) [rad or m].
+        """
+        if self.contact is None:
+            return None
+        if not self.contact.changes_by_segment or not reference.segments:
+            return self.contact.first_contact(q)
+        for part in reference.segments:
+            steps = np.flatnonzero((s[1:] > part.begin) & (s[:-1] < part.end))
+            if len(steps) == 0:
+                continue
+            first = int(steps[0])
+            rows = q[first : int(steps[-1]) + 2]
+            found = self.contact.first_contact(rows, segment_number(part.field))
+            if found is not None:
+                return replace(found, step=first + found.step)
+        return None
 
     def targets_at(self, reference: ReferencePath, s: Array) -> Targets:
         """Return the targets of path positions, shape (m,)."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from ikplan.arrays import Array, Indices
+from ikplan.collision.check import Contact
 
 __all__ = ["TrackedPath", "TrackingFailed"]
 
@@ -39,11 +40,20 @@ class TrackingFailed(Exception):
         evaluations: Forward-kinematics evaluations spent.
         beyond: The configuration next on the path, which it cannot move on to, shape (dof,); None:
             none was found.
+        contact: Where the arm meets a body; None: it is not contact that ends the path.
     """
 
-    def __init__(self, s: float, q: Array, evaluations: int, beyond: Array | None = None) -> None:
+    def __init__(
+        self,
+        s: float,
+        q: Array,
+        evaluations: int,
+        beyond: Array | None = None,
+        contact: Contact | None = None,
+    ) -> None:
         super().__init__(f"lost the path at {s:.6g}")
         self.s = s
         self.q = q
         self.evaluations = evaluations
         self.beyond = beyond
+        self.contact = contact

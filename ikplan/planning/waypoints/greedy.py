@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from ikplan.planning.waypoints.free_solutions import free_solutions
 from ikplan.planning.waypoints.waypoint_ik import solve_waypoint
 from ikplan.planning.waypoints.waypoint_problem import SelectedConfigurations, WaypointProblem
 
@@ -21,6 +22,7 @@ def select_greedily(problem: WaypointProblem) -> SelectedConfigurations:
 
     Raises:
         Unreachable: A waypoint has no solution; names every such waypoint.
+        InCollision: All solutions of a waypoint found are in contact.
         BudgetExceeded: The time budget ran out; carries the waypoints solved.
     """
     q = np.empty((len(problem.targets), problem.robot.dof))
@@ -30,7 +32,11 @@ def select_greedily(problem: WaypointProblem) -> SelectedConfigurations:
         for k in range(len(problem.targets)):
             problem.clock.check({"waypoints_solved": k, "q": q[:k].tolist()})
             problem.clock.advance(problem.first_row + k)
-            q_before, spent = solve_waypoint(problem, k, q_before)
+            q_near = q_before
+            q_before, spent = solve_waypoint(problem, k, q_near)
+            contact = problem.contact
+            if contact is not None and not contact.free(q_before[None], problem.segment(k))[0]:
+                q_before = free_solutions(problem, k, q_near)[0]
             q[k] = q_before
             evaluations += spent
     return SelectedConfigurations(q, evaluations)

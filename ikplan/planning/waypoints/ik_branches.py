@@ -7,7 +7,8 @@ import numpy as np
 from ikplan.arrays import Array
 from ikplan.planning.ladder.equivalent_configurations import with_equivalents
 from ikplan.planning.ladder.ik_candidates import sample_ik_solutions
-from ikplan.planning.waypoints.least_motion import stack_targets
+from ikplan.planning.waypoints.free_solutions import free_solutions
+from ikplan.planning.waypoints.stack import stack_targets
 from ikplan.planning.waypoints.waypoint_ik import solve_waypoint
 from ikplan.planning.waypoints.waypoint_problem import WaypointProblem
 
@@ -30,6 +31,7 @@ def branches(problem: WaypointProblem) -> tuple[Array, int]:
 
     Raises:
         Unreachable: There is none within tolerance.
+        InCollision: All that were found are in contact.
     """
     arm = problem.solver.arm
     with problem.clock.stage("ik"):
@@ -50,6 +52,9 @@ def branches(problem: WaypointProblem) -> tuple[Array, int]:
         q = with_equivalents(arm, found.q[0, : found.counts[0]])
         if len(q) == 0:
             one, spent = solve_waypoint(problem, 0, problem.q_start)
-            return one[None], evaluations + spent
+            q, evaluations = one[None], evaluations + spent
+        if problem.contact is not None:
+            free = problem.contact.free(q, problem.segment(0))
+            q = q[free] if free.any() else free_solutions(problem, 0, problem.q_start)
     order = np.argsort(np.linalg.norm(q - problem.q_start, axis=1), kind="stable")
     return np.ascontiguousarray(q[order[:_STARTS]]), evaluations

@@ -5,16 +5,19 @@ from __future__ import annotations
 import numpy as np
 
 from ikplan.arrays import Array
-from ikplan.kinematics.target import Target
-from ikplan.planning.ladder.ik_candidates import IkCandidates, Targets
+from ikplan.planning.ladder.free_candidates import shortest_free_sequence
+from ikplan.planning.ladder.ik_candidates import IkCandidates
 from ikplan.planning.ladder.shortest_sequences import ik_candidates, shortened_sequences
+from ikplan.planning.waypoints.free_solutions import free_solutions
+from ikplan.planning.waypoints.in_collision import motion_in_collision
+from ikplan.planning.waypoints.stack import stack_targets
 from ikplan.planning.waypoints.waypoint_ik import solve_waypoint
 from ikplan.planning.waypoints.waypoint_problem import (
     SelectedConfigurations,
     WaypointProblem,
 )
 
-__all__ = ["select_least_motion", "stack_targets"]
+__all__ = ["select_least_motion"]
 
 
 def select_least_motion(problem: WaypointProblem) -> SelectedConfigurations:
@@ -31,6 +34,7 @@ def select_least_motion(problem: WaypointProblem) -> SelectedConfigurations:
 
     Raises:
         Unreachable: A waypoint has no solution; names every such waypoint.
+        InCollision: All solutions of a waypoint found, or motions to it, are in contact.
         BudgetExceeded: The time budget ran out.
     """
     arm = problem.solver.arm
@@ -41,26 +45,62 @@ def select_least_motion(problem: WaypointProblem) -> SelectedConfigurations:
         candidates = ik_candidates(arm, targets, problem.q_start, seeds, problem.solver.seed)
         problem.clock.check()
         evaluations += int(candidates.evaluations[0]) + _rescue(problem, candidates)
+        if problem.contact is not None:
+            _keep_free(problem, candidates)
     best, best_length = candidates.q[:, 0], np.inf
     for length, q, spent in shortened_sequences(
         arm, targets, candidates, problem.q_start, problem.start_free
     ):
         evaluations += spent
-        if length < best_length:
+        if length < best_length and problem.first_contact(q) is None:
             best, best_length = q, length
         problem.clock.check({"q": best.tolist()})
+    if problem.contact is not None and best_length == np.inf:
+        best = _around(problem, candidates)
     return SelectedConfigurations(best, evaluations)
 
 
-def stack_targets(targets: list[Target]) -> Targets:
-    """Return targets, which share their freedom, as arrays."""
-    return Targets(
-        np.array([t.R for t in targets]),
-        np.array([t.p for t in targets]),
-        np.array([t.oriented for t in targets]),
-        np.array([t.weight for t in targets]),
-        targets[0].freedom,
-    )
+def _keep_free(problem: WaypointProblem, candidates: IkCandidates) -> None:
+    """Drop candidates in contact, in place; where none is left, more are drawn.
+
+    Raises:
+        InCollision: All candidates found of a waypoint are in contact.
+    """
+    assert problem.contact is not None
+    cap = candidates.q.shape[1]
+    for k in range(len(problem.targets)):
+        rows = candidates.q[k, : candidates.counts[k]]
+        kept = rows[problem.contact.free(rows, problem.segment(k))]
+        if len(kept) == 0:
+            problem.clock.check()
+            near = candidates.q[k - 1, 0] if k > 0 else problem.q_start
+            kept = free_solutions(problem, k, near)[:cap]
+        candidates.q[k, : len(kept)] = kept
+        candidates.counts[k] = len(kept)
+
+
+def _around(problem: WaypointProblem, candidates: IkCandidates) -> Array:
+    """The shortest sequence of candidates between which the straight motions are free.
+
+    Raises:
+        InCollision: None was found.
+    """
+    contact = problem.contact
+    assert contact is not None
+
+    def is_free(k: int, q_before: Array, q: Array) -> bool:
+        problem.clock.check()
+        return contact.first_contact(np.vstack([q_before, q]), problem.segment(k)) is None
+
+    found = shortest_free_sequence(candidates, problem.q_start, problem.start_free, is_free)
+    if found is None:
+        straight = problem.first_contact(candidates.q[:, 0])
+        assert straight is not None
+        row = problem.first_row + max(straight.step - (not problem.start_free), 0)
+        raise motion_in_collision(
+            contact, straight, row, f"the joint motion to waypoint {row}", problem.segment(0)
+        )
+    return found
 
 
 def _metaheuristic_seeds(problem: WaypointProblem, lower: Array, upper: Array) -> tuple[Array, int]:

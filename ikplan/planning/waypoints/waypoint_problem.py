@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+
+import numpy as np
 
 from ikplan.arrays import Array
+from ikplan.collision.check import Contact, ContactCheck
 from ikplan.documents.plan_request import Tolerance
 from ikplan.ik.solve import PoseSolver
 from ikplan.kinematics.target import Target
@@ -28,6 +31,8 @@ class WaypointProblem:
         clock: The time budget.
         first_row: Number of the first target among the waypoints of the path.
         brief: Whether a refusal may name the first waypoint out of reach only.
+        contact: Refuses configurations and motions in contact; None: nothing is checked.
+        segments: Number of the segment that ends at each target; empty: not known.
     """
 
     robot: Robot
@@ -39,6 +44,30 @@ class WaypointProblem:
     clock: TimeBudget
     first_row: int = 0
     brief: bool = False
+    contact: ContactCheck | None = None
+    segments: tuple[int | None, ...] = ()
+
+    def segment(self, k: int) -> int | None:
+        """Return the number of the segment that ends at target k; None: not known."""
+        return self.segments[k] if k < len(self.segments) else None
+
+    def first_contact(self, q: Array) -> Contact | None:
+        """Return where straight motions through configurations first meet a body, or None.
+
+        Args:
+            q: One configuration for each target, shape (n, dof) [rad or m].
+        """
+        if self.contact is None:
+            return None
+        rows = q if self.start_free else np.vstack([self.q_start, q])
+        if not self.contact.changes_by_segment:
+            return self.contact.first_contact(rows)
+        for k in range(len(rows) - 1):
+            segment = self.segment(k + self.start_free)
+            found = self.contact.first_contact(rows[k : k + 2], segment)
+            if found is not None:
+                return replace(found, step=k)
+        return None
 
 
 @dataclass(frozen=True)

@@ -1,0 +1,52 @@
+"""By which configurations and motions are refused: what the planner asks of a check for contact."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Protocol
+
+from ikplan.arrays import Array, Flags
+
+__all__ = ["Contact", "ContactCheck"]
+
+
+@dataclass(frozen=True, eq=False)
+class Contact:
+    """Two bodies that come nearer than allowed.
+
+    Attributes:
+        step: Index of the configuration at which the motion to the next begins.
+        share: Share of that motion at which they do.
+        q: The configuration there, shape (dof,) [rad or m].
+        pair: Names of the bodies.
+    """
+
+    step: int
+    share: float
+    q: Array
+    pair: tuple[str, str]
+
+
+class ContactCheck(Protocol):
+    """Tells whether configurations, and motions between two of them, are free of contact."""
+
+    @property
+    def changes_by_segment(self) -> bool:
+        """Whether bodies are attached on some segments only."""
+
+    def free(self, q: Array, segment: int | None = None) -> Flags:
+        """Return which configurations, shape (m, dof) [rad or m], are free, shape (m,).
+
+        ``segment`` is the one that they belong to; None: every body is there.
+        """
+
+    def pairs_in_contact(
+        self, q: Array, segment: int | None = None
+    ) -> list[tuple[str, str] | None]:
+        """Return for each configuration a pair that is nearer than allowed, or None."""
+
+    def first_contact(self, q: Array, segment: int | None = None) -> Contact | None:
+        """Return where straight joint motions from row to row first meet a body, or None."""
+
+    def shortfall(self, q: Array, segment: int | None = None) -> tuple[float, tuple[str, str]]:
+        """Return by how much the smallest gap falls short of the clearance [m], and its pair."""

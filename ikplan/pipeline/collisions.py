@@ -1,0 +1,92 @@
+"""What of a request is checked for contact, and the proof on the finished motion."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+from ikplan.certificate.clearance import JointCurve, prove_clearance
+from ikplan.documents.clearance import Clearance
+from ikplan.documents.scene import Scene, ToolFrame
+from ikplan.errors import InCollision
+from ikplan.pipeline.timing_stage import Timing
+from ikplan.robots import Robot
+from ikplan.scene.body import CollisionModel
+from ikplan.scene.model import collision_model
+
+__all__ = ["prove_motion", "requested_model"]
+
+
+def requested_model(
+    robot: Robot,
+    scene: Scene | str | None,
+    fixed_joints: Mapping[str, float],
+    tool: ToolFrame,
+    *,
+    always: bool,
+) -> CollisionModel | None:
+    """Return the bodies that a request asks to keep apart; None: it asks for no check.
+
+    Args:
+        robot: The robot, with the request's tool.
+        scene: The scene of the request.
+        fixed_joints: Values of joints beside the chain [rad or m].
+        tool: The tool, with its shapes.
+        always: Whether the arm is checked against itself where there is no scene.
+
+    Raises:
+        InvalidRequest: The scene names what does not exist.
+        InvalidRobot: A shape of the robot makes no sense.
+    """
+    if scene is None and not always:
+        return None
+    if isinstance(scene, Scene) and not (scene.self_collision or scene.obstacles or scene.attached):
+        return None
+    return collision_model(robot, scene, fixed_joints, tool.geometry)
+
+
+def prove_motion(
+    robot: Robot,
+    model: CollisionModel,
+    timing: Timing,
+    segment_times: Sequence[tuple[float, float]] | None = None,
+) -> Clearance:
+    """Prove that a finished motion keeps the bodies of a model apart.
+
+    Args:
+        robot: The robot.
+        model: The bodies and the clearance.
+        timing: The timed motion, as it is handed out.
+        segment_times: When each segment begins and ends [s]; None: every body is there throughout.
+
+    Raises:
+        InCollision: Bodies come nearer than allowed, or it cannot be told that they do not.
+    """
+    if timing.motion is not None:
+        curve = JointCurve.of_motion(timing.motion)
+    else:
+        samples = timing.samples
+        curve = JointCurve.of_samples(samples.time, samples.q, samples.dq)
+    proof = prove_clearance(robot, model, curve, segment_times=segment_times)
+    violation = proof.violation
+    if violation is None or len(model.pairs) == 0:
+        return proof.clearance
+    a, b = violation.pair
+    depth = max(model.clearance - violation.gap, 0.0) + violation.depth
+    if violation.undecided:
+        what = f"it cannot be told whether {a} and {b} touch"
+    elif violation.gap > 0.0:
+        what = (
+            f"{a} and {b} come within {violation.gap * 1e3:.3g} mm of each other, "
+            f"{model.clearance * 1e3:.3g} mm are asked for"
+        )
+    else:
+        what = f"{a} and {b} touch"
+    raise InCollision(
+        f"at {violation.time:.3f} s of the finished motion {what}",
+        time=violation.time,
+        pair=violation.pair,
+        depth=depth,
+        q=violation.q.tolist(),
+        proven=not violation.undecided,
+        reason=f"{a} and {b}",
+    )

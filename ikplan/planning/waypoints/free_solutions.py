@@ -1,0 +1,53 @@
+"""Many solutions of one waypoint, of which those free of contact are kept."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ikplan.arrays import Array
+from ikplan.planning.ladder.ik_candidates import sample_ik_solutions
+from ikplan.planning.waypoints.in_collision import in_collision
+from ikplan.planning.waypoints.stack import stack_targets
+from ikplan.planning.waypoints.waypoint_problem import WaypointProblem
+
+__all__ = ["free_solutions"]
+
+_CAP = 400
+_SEEDS = 1500
+"""Evenly spread seeds: more than elsewhere, since the usual ones are all in contact."""
+
+
+def free_solutions(problem: WaypointProblem, k: int, q_near: Array) -> Array:
+    """Return solutions of a waypoint that are free of contact, nearest first, shape (c, dof).
+
+    Args:
+        problem: The targets, and what refuses configurations.
+        k: Index of the waypoint.
+        q_near: Where they should be near to, shape (dof,) [rad or m].
+
+    Raises:
+        InCollision: All that were found are in contact; how many, and for which pairs.
+    """
+    assert problem.contact is not None
+    arm = problem.solver.arm
+    found = sample_ik_solutions(
+        arm.chain,
+        stack_targets(problem.targets[k : k + 1]),
+        np.empty((1, 0, arm.dof)),
+        q_near,
+        arm.lower,
+        arm.upper,
+        _CAP,
+        _SEEDS,
+        0,
+        (0.5 + problem.solver.seed * 0.6180339887498949) % 1.0,
+        1e-9,
+    )
+    q = found.q[0, : found.counts[0]]
+    order = np.argsort(np.linalg.norm(q - q_near, axis=1), kind="stable")
+    q = np.ascontiguousarray(q[order]) if len(q) else q_near[None]
+    free = problem.contact.free(q, problem.segment(k))
+    if not free.any():
+        row = problem.first_row + k
+        raise in_collision(problem.contact, q, row, f"waypoint {row}", problem.segment(k))
+    return q[free]

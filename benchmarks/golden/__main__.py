@@ -54,6 +54,8 @@ def outcome(kind: str, document: dict[str, Any]) -> str:
         if kind == "joint path":
             return _timed(document)
         request = {**document, "budget_s": BUDGET_S}
+        if kind == "plan":
+            request["scene"] = {"self_collision": False}
         plan = time_request(request) if kind == "timing" else ikplan.plan(request)
     except IkplanError as error:
         return type(error).__name__

@@ -22,6 +22,7 @@ def e9_request(name: str, free: Any = None) -> dict[str, Any]:
     """Return the request of a trajectory; free: what of the orientation is."""
     return {
         "robot": "eod_arm",
+        "scene": {"self_collision": False},
         "path": {
             "waypoints": [pose_document(EQ_47, p) for p in path_points(name)],
             "orientation_free": free,

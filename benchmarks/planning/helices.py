@@ -42,6 +42,7 @@ def helix_request(name: str, seed: int = 0) -> dict[str, Any]:
         waypoints.append(pose_document(R, np.array(p)))
     return {
         "robot": "iiwa14",
+        "scene": {"self_collision": False},
         "start": START.tolist(),
         "path": {"waypoints": waypoints},
         "ik": {"seed": seed},

@@ -58,6 +58,7 @@ def line_request(
         waypoints.insert(0, pose_document(T.rotation, T.translation))
     return {
         "robot": "ur5",
+        "scene": {"self_collision": False},
         "start": "free" if free else q.tolist(),
         "path": {
             "waypoints": waypoints,

@@ -28,6 +28,7 @@ def spline_request(count: int, interpolation: str = "spline") -> dict[str, objec
         waypoints.append(pose_document(R, np.array(p)))
     return {
         "robot": "iiwa14",
+        "scene": {"self_collision": False},
         "path": {
             "waypoints": waypoints,
             "interpolation": interpolation,

@@ -42,6 +42,7 @@ def figures(paths: int) -> Iterator[Figure]:
             poses = [robot.fk(robot.random_configuration(rng)) for _ in range(_WAYPOINTS)]
             request = {
                 "robot": name,
+                "scene": {"self_collision": False},
                 "start": [float(v) for v in robot.home],
                 "path": {"waypoints": [pose_document(T.rotation, T.translation) for T in poses]},
                 "budget_s": 600,

@@ -58,6 +58,8 @@ def draw(
         if rng.random() < 0.2:
             ik["elongation"] = "greedy"
         request["ik"] = ik
+        # Random starts touch themselves often: contact is studied by benchmarks of its own.
+        request["scene"] = {"self_collision": False}
     request["limits"] = random_limits(rng, robot)
     if rng.random() < 0.5:
         request["sampling"] = random_sampling(rng)

@@ -11,6 +11,10 @@ from ikplan.arrays import Array
 
 __all__ = ["enclosing_capsule", "segment_distance"]
 
+_LEAN = (-0.2, -0.1, 0.0, 0.1, 0.2)
+_TURNS = np.array([(1.0, a, b) for a in _LEAN for b in _LEAN])
+"""The first principal axis turned a little about the others."""
+
 
 def enclosing_capsule(points: Array) -> tuple[Array, Array, float]:
     """Return a small capsule that encloses some points.
@@ -25,43 +29,31 @@ def enclosing_capsule(points: Array) -> tuple[Array, Array, float]:
         Both ends of its axis, shape (3,) [m], and its radius [m].
     """
     middle = 0.5 * (points.min(axis=0) + points.max(axis=0))
-    _, _, axes = np.linalg.svd(points - points.mean(axis=0), full_matrices=True)
-    best: tuple[float, Array, Array, float] | None = None
-    for axis in _around(axes):
-        side = points - middle
-        across = side - np.outer(side @ axis, axis)
-        # The middle of the shadow along the axis: of its bounding box, in two directions.
-        u = np.cross(axis, np.eye(3)[int(np.argmin(np.abs(axis)))])
-        u /= np.linalg.norm(u)
-        v = np.cross(axis, u)
-        shadow = np.column_stack([across @ u, across @ v])
-        centre = 0.5 * (shadow.min(axis=0) + shadow.max(axis=0))
-        off = np.linalg.norm(shadow - centre, axis=1)
-        radius = float(off.max())
-        # A point this far from the axis may stand out beyond its end by the rest of the radius.
-        rest = np.sqrt(np.maximum(radius * radius - off * off, 0.0))
-        along = side @ axis
-        low, high = float((along + rest).min()), float((along - rest).max())
-        if low > high:
-            low = high = 0.5 * (low + high)
-            radius = float(np.sqrt(off**2 + (along - low) ** 2).max())
-        volume = np.pi * radius**2 * (high - low) + 4.0 / 3.0 * np.pi * radius**3
-        if best is None or volume < best[0]:
-            origin = middle + centre[0] * u + centre[1] * v
-            best = (volume, origin + low * axis, origin + high * axis, radius)
-    assert best is not None
+    _, _, principal = np.linalg.svd(points - points.mean(axis=0), full_matrices=True)
+    axes = np.vstack([principal, _TURNS @ principal])
+    axes /= np.linalg.norm(axes, axis=1)[:, None]
+    # Two directions across each axis, and the middle of the points' bounding box in them.
+    helper = np.eye(3)[np.argmin(np.abs(axes), axis=1)]
+    u = np.cross(axes, helper)
+    u /= np.linalg.norm(u, axis=1)[:, None]
+    v = np.cross(axes, u)
+    side = points - middle
+    x, y, along = side @ u.T, side @ v.T, side @ axes.T
+    centre_x = 0.5 * (x.min(axis=0) + x.max(axis=0))
+    centre_y = 0.5 * (y.min(axis=0) + y.max(axis=0))
+    off = np.hypot(x - centre_x, y - centre_y)
+    radius = off.max(axis=0)
+    # A point this far from the axis may stand out beyond its end by the rest of the radius.
+    rest = np.sqrt(np.maximum(radius**2 - off**2, 0.0))
+    low, high = (along + rest).min(axis=0), (along - rest).max(axis=0)
+    short = low > high
+    low[short] = high[short] = 0.5 * (low + high)[short]
+    radius = np.where(short, np.hypot(off, along - low).max(axis=0), radius)
+    k = int(np.argmin(radius**2 * (high - low) + 4.0 / 3.0 * radius**3))
+    origin = middle + centre_x[k] * u[k] + centre_y[k] * v[k]
     # Rounding must not leave a point outside.
-    return best[1], best[2], best[3] * (1.0 + 1e-12) + 1e-12
-
-
-def _around(axes: Array) -> list[Array]:
-    """The three axes, and the first turned a little about the others."""
-    found = [axes[0], axes[1], axes[2]]
-    for one in (-0.2, -0.1, 0.0, 0.1, 0.2):
-        for other in (-0.2, -0.1, 0.0, 0.1, 0.2):
-            axis = axes[0] + one * axes[1] + other * axes[2]
-            found.append(axis / np.linalg.norm(axis))
-    return found
+    wide = float(radius[k]) * (1.0 + 1e-12) + 1e-12
+    return origin + low[k] * axes[k], origin + high[k] * axes[k], wide
 
 
 @leaf_kernel

@@ -154,13 +154,18 @@ class PlanRequest(Document):
     def content_hash(self, *context: str) -> str:
         """Return the plan's id: a hash of this request in canonical form and its context.
 
+        A request without a scene is one with an empty scene; one that switches every check off
+        is hashed as if there were no scenes.
+
         Args:
             context: What else decides the plan: the robot's fingerprint and the version.
 
         Returns:
             32 hexadecimal digits.
         """
-        return content_hash(self, *context)
+        scene = Scene() if self.scene is None else self.scene
+        checked = None if scene == Scene(self_collision=False) else scene
+        return content_hash(self.model_copy(update={"scene": checked}), *context)
 
 
 class FkRequest(Document):

@@ -68,7 +68,10 @@ def prove_motion(
         curve = JointCurve.of_samples(samples.time, samples.q, samples.dq)
     proof = prove_clearance(robot, model, curve, segment_times=segment_times)
     violation = proof.violation
-    if violation is None or len(model.pairs) == 0:
+    if len(model.pairs) == 0:
+        # Nothing is known of a robot without bodies.
+        return proof.clearance.model_copy(update={"proven": not model.unchecked})
+    if violation is None:
         return proof.clearance
     a, b = violation.pair
     depth = max(model.clearance - violation.gap, 0.0) + violation.depth

@@ -10,6 +10,8 @@ from catalogue.facts import Facts
 
 __all__ = ["listed"]
 
+_NOTICE = "Figures from published descriptions, by licence and repository (`python -m catalogue`):"
+
 
 def listed(facts: Facts, root: Path) -> dict[Path, str]:
     """What the lists hold, by their path in the checkout; the text around the lists stays.
@@ -20,7 +22,7 @@ def listed(facts: Facts, root: Path) -> dict[Path, str]:
     """
     parts = {
         Path("licenses/robots.toml"): ("# Written by `python -m catalogue`:", _licences(facts)),
-        Path("NOTICE"): ("Written by `python -m catalogue`:", _notice(facts)),
+        Path("NOTICE"): (_NOTICE, _notice(facts)),
         Path("robots/README.md"): ("## Robots of published descriptions", _table(facts)),
     }
     return {

@@ -10,7 +10,7 @@ from statistics import median
 import numpy as np
 import pytest
 
-from benchmarks.catalogue import fk_errors, lines_planned, poses_solved, serial_values
+from benchmarks.catalogue.measure import fk_errors, lines_planned, poses_solved, serial_values
 from catalogue.__main__ import ROOT, written
 from catalogue.documents import robot_document
 from catalogue.facts import Arm, read_facts

@@ -37,6 +37,7 @@ def pick_home(arm: Arm) -> list[float]:
         The values of the joints that the user has [rad or m].
     """
     middle, half, steps = _ranges(arm)
+    frames = [_frame(origin.xyz, origin.rpy) for origin in (*arm.joints, arm.tool)]
     matrix = np.array(arm.counting.matrix) if arm.counting else np.eye(len(arm.joints))
     best: tuple[bool, float] = (False, -1.0)
     home = middle
@@ -46,7 +47,7 @@ def pick_home(arm: Arm) -> list[float]:
         for end in (0, -1):
             q[end] = np.clip(0.0, *(middle[end] + _MIDDLE * half[end] * np.array([-1.0, 1.0])))
         q = np.round(q / steps) * steps
-        J, lowest = _jacobian(arm, matrix @ q)
+        J, lowest = _jacobian(arm, frames, matrix @ q)
         least = np.linalg.svd(J @ matrix, compute_uv=False)[-1]
         rank = (lowest > -1e-9, round(float(least), 6))
         if rank > best:
@@ -80,17 +81,20 @@ def _radical_inverse(k: int, base: int) -> float:
     return value
 
 
-def _jacobian(arm: Arm, q: Array) -> tuple[Array, float]:
-    """Jacobian of the tip in the base, and the least height of a joint origin or the tip."""
+def _jacobian(arm: Arm, frames: list[Array], q: Array) -> tuple[Array, float]:
+    """Jacobian of the tip in the base, and the least height of a joint origin or the tip.
+
+    ``frames`` are those of the joints and the tip, each in the one before.
+    """
     T = np.eye(4)
     axes, origins = [], []
-    for joint, value in zip(arm.joints, q, strict=True):
-        T = T @ _frame(joint.xyz, joint.rpy)
+    for joint, frame, value in zip(arm.joints, frames[:-1], q, strict=True):
+        T = T @ frame
         axis = np.array(joint.axis) / np.linalg.norm(joint.axis)
         axes.append(T[:3, :3] @ axis)
         origins.append(T[:3, 3].copy())
         T = T @ _moved(axis, float(value), joint.type == "prismatic")
-    tip = (T @ _frame(arm.tool.xyz, arm.tool.rpy))[:3, 3]
+    tip = (T @ frames[-1])[:3, 3]
     J = np.zeros((6, len(q)))
     for i, joint in enumerate(arm.joints):
         if joint.type == "prismatic":

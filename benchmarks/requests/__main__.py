@@ -24,6 +24,7 @@ from benchmarks.requests.drawing import KINDS, draw
 from ikplan.errors import CertificateViolated, IkplanError
 from ikplan.pipeline.retime import time_request
 from ikplan.plans.plan import Plan
+from ikplan.robots import robot_names
 
 
 def asked(kind: str, request: dict[str, Any]) -> Plan:
@@ -64,6 +65,7 @@ def main() -> int:
     parser.add_argument("--first", type=int, default=0, help="number of the first request")
     parser.add_argument("--only", type=int, help="number of the one request to ask")
     parser.add_argument("--kind", choices=(*KINDS, "all"), default="all")
+    parser.add_argument("--all-robots", action="store_true", help="not the reference robots alone")
     parser.add_argument("--slow", type=float, default=5.0, help="processor seconds that are long")
     parser.add_argument("--budget", type=float, default=40.0, help="budget_s of each request")
     parser.add_argument("--tell", nargs="*", default=[], help="refusals to print, by class")
@@ -76,6 +78,7 @@ def main() -> int:
     )
     parser.add_argument("--out", type=Path, default=Path("out/requests"))
     options = parser.parse_args()
+    robots = robot_names() if options.all_robots else None
     kinds = KINDS if options.kind == "all" else (options.kind,)
     numbers = itertools.count(options.first) if options.only is None else [options.only]
     counts: collections.Counter[str] = collections.Counter()
@@ -84,7 +87,7 @@ def main() -> int:
     for number, kind in ((number, kind) for number in numbers for kind in kinds):
         if time.monotonic() > end:
             break
-        request = draw(kind, options.seed, number, options.budget)
+        request = draw(kind, options.seed, number, options.budget, robots)
         if options.between and kind != "timing":
             request = as_polynomial(request)
         begin = time.process_time()

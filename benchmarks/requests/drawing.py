@@ -11,7 +11,8 @@ import numpy as np
 from benchmarks.requests.curves import random_curves
 from benchmarks.requests.limits import random_limits, random_sampling
 from benchmarks.requests.paths import random_joint_path, random_path
-from ikplan.robots import Robot, load_robot, robot_names
+from benchmarks.requests.robots import REFERENCE_ROBOTS
+from ikplan.robots import Robot, load_robot
 
 __all__ = ["KINDS", "draw"]
 
@@ -33,13 +34,13 @@ def draw(
         seed: Which series.
         number: Which of it.
         budget_s: Its time budget [s].
-        robots: Names of the robots to draw from; None: all of the catalogue.
+        robots: Names of the robots to draw from; None: the reference robots.
 
     Returns:
         The request document.
     """
     rng = np.random.default_rng([KINDS.index(kind), seed, number])
-    names = robot_names() if robots is None else list(robots)
+    names = REFERENCE_ROBOTS if robots is None else robots
     name = names[int(rng.integers(len(names)))]
     robot = _robot(name)
     request: dict[str, Any] = {"robot": name, "budget_s": budget_s}

@@ -173,7 +173,7 @@ def _documents(path: Path, expected: str | None) -> tuple[bytes, bytes]:
     return text, document
 
 
-@functools.lru_cache(maxsize=64)
+@functools.lru_cache(maxsize=256)
 def _parsed_file(text: bytes, robot: str) -> RobotFile:
     try:
         return read_robot_file(text.decode(), robot=robot)
@@ -181,7 +181,7 @@ def _parsed_file(text: bytes, robot: str) -> RobotFile:
         raise InvalidRobot(f"{robot}: not UTF-8 text: {error}", robot=robot) from error
 
 
-@functools.lru_cache(maxsize=64)
+@functools.lru_cache(maxsize=256)
 def _file_robot(
     text: bytes,
     document: bytes,

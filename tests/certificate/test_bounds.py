@@ -10,12 +10,13 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
+from benchmarks.requests.robots import REFERENCE_ROBOTS
 from ikplan.certificate.elongation import elongation_lower_bound
 from ikplan.certificate.offsets import Allowance
 from ikplan.certificate.requested import RequestedWaypoint
 from ikplan.certificate.waypoints import Misses
 from ikplan.documents.path import PathRequest
-from ikplan.robots import Robot, load_robot, robot_from_urdf, robot_names
+from ikplan.robots import Robot, load_robot, robot_from_urdf
 from tests.kinematics.synthetic import Joint, chains, robot_of, urdf_of
 
 Vector = NDArray[Any]
@@ -52,7 +53,7 @@ def motion(path: Vector, *, free: bool) -> float:
     return float(np.linalg.norm(np.diff(path[1:] if free else path, axis=0), axis=1).sum())
 
 
-@pytest.mark.parametrize("name", robot_names())
+@pytest.mark.parametrize("name", REFERENCE_ROBOTS)
 def test_no_joint_path_of_the_catalogue_undercuts_it(name: str) -> None:
     plain = load_robot(name)
     rng = np.random.default_rng([71, len(name)])

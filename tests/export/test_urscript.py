@@ -12,11 +12,12 @@ import ikplan
 from benchmarks.programs.plans import random_plans
 from benchmarks.programs.playing import compare
 from benchmarks.programs.urscript import ScriptError, play
+from benchmarks.requests.robots import REFERENCE_ROBOTS
 from ikplan import InvalidRequest, load_robot
 from ikplan.documents.controller import ControllerInfo, LanguageInfo
 from ikplan.plans.export import FORMATS, check_format, encode, format_for
 from ikplan.plans.export.resampling import CLOSE_ENOUGH, positions_at_cycle
-from ikplan.robots import RobotUpload, robot_names
+from ikplan.robots import RobotUpload
 
 from .plans import CB3, E_SERIES, rest_to_rest
 
@@ -62,7 +63,7 @@ def test_the_interpreter_sees_what_a_controller_would_do_otherwise() -> None:
         play(program.replace("0.000000000", "1e-9", 1), 0.002)
 
 
-@pytest.mark.parametrize("name", robot_names())
+@pytest.mark.parametrize("name", REFERENCE_ROBOTS)
 def test_a_program_goes_with_the_controller_and_not_with_the_name(name: str) -> None:
     info = load_robot(name).info()
     for known in FORMATS:

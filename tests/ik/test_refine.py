@@ -7,14 +7,15 @@ import pinocchio as pin
 import pytest
 from scipy.stats import qmc
 
+from benchmarks.requests.robots import REFERENCE_ROBOTS
 from ikplan.ik.levenberg_marquardt import Effort, differentiate, new_workspace, refine, residual
 from ikplan.ik.restarts import restart_into
 from ikplan.kinematics.arm import arm_of
 from ikplan.kinematics.target import no_freedom, pose_target
-from ikplan.robots import load_robot, robot_names
+from ikplan.robots import load_robot
 
 
-@pytest.mark.parametrize("name", robot_names())
+@pytest.mark.parametrize("name", REFERENCE_ROBOTS)
 def test_a_seed_nearby_converges_to_machine_precision(name: str) -> None:
     robot = load_robot(name)
     arm = arm_of(robot)

@@ -8,7 +8,8 @@ import numpy as np
 import pinocchio as pin
 import pytest
 
-from ikplan import IkSolution, Robot, Unreachable, load_robot, robot_names, solve_ik
+from benchmarks.requests.robots import REFERENCE_ROBOTS
+from ikplan import IkSolution, Robot, Unreachable, load_robot, solve_ik
 from ikplan.ik import PoseSolver
 from ikplan.kinematics.arm import arm_of
 from ikplan.kinematics.target import pose_target
@@ -35,7 +36,7 @@ def check(robot: Robot, solution: IkSolution, pose: pin.SE3, *, oriented: bool =
 
 
 @pytest.mark.parametrize("method", METHODS)
-@pytest.mark.parametrize("name", robot_names())
+@pytest.mark.parametrize("name", REFERENCE_ROBOTS)
 def test_every_reachable_pose_is_solved_from_home(name: str, method: str) -> None:
     robot = load_robot(name)
     rng = np.random.default_rng([31, len(name)])
@@ -48,7 +49,7 @@ def test_every_reachable_pose_is_solved_from_home(name: str, method: str) -> Non
 
 
 @pytest.mark.parametrize("method", METHODS)
-@pytest.mark.parametrize("name", robot_names())
+@pytest.mark.parametrize("name", REFERENCE_ROBOTS)
 def test_every_reachable_position_is_solved_from_anywhere(name: str, method: str) -> None:
     robot = load_robot(name)
     rng = np.random.default_rng([32, len(name)])
@@ -68,7 +69,7 @@ def test_a_tool_is_part_of_the_pose(method: str) -> None:
         check(robot, solve_ik(robot, pose, method=method), pose)
 
 
-@pytest.mark.parametrize("name", robot_names())
+@pytest.mark.parametrize("name", REFERENCE_ROBOTS)
 def test_near_a_solution_the_answer_is_no_farther_than_it(name: str) -> None:
     robot = load_robot(name)
     rng = np.random.default_rng([34, len(name)])
@@ -80,7 +81,7 @@ def test_near_a_solution_the_answer_is_no_farther_than_it(name: str) -> None:
 
 
 @pytest.mark.parametrize("method", METHODS)
-@pytest.mark.parametrize("name", robot_names())
+@pytest.mark.parametrize("name", REFERENCE_ROBOTS)
 def test_a_pose_already_met_needs_no_motion(name: str, method: str) -> None:
     robot = load_robot(name)
     q = robot.random_configuration(np.random.default_rng(35))

@@ -10,10 +10,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from benchmarks.requests.robots import REFERENCE_ROBOTS
 from ikplan.kinematics import chain_of, forward, forward_batch, jacobian, pose_error
 from ikplan.kinematics.chain import aligning_rotation
 from ikplan.kinematics.forward import rotation_log
-from ikplan.robots import Robot, load_robot, robot_names
+from ikplan.robots import Robot, load_robot
 
 from .synthetic import chains, pinocchio_pose, robot_of, urdf_of
 
@@ -23,7 +24,7 @@ def random_tool(robot: Robot, rng: np.random.Generator) -> Robot:
     return robot.with_tool(0.3 * rng.normal(size=3), quaternion / np.linalg.norm(quaternion))
 
 
-@pytest.mark.parametrize("name", robot_names())
+@pytest.mark.parametrize("name", REFERENCE_ROBOTS)
 def test_poses_and_jacobians_of_the_catalogue_equal_pinocchios(name: str) -> None:
     rng = np.random.default_rng(11)
     plain = load_robot(name)
@@ -72,7 +73,7 @@ def test_any_chain_of_any_axes_equals_pinocchio(parts, seed: int) -> None:
     np.testing.assert_allclose(jacobian(chain, q), robot.jacobian(q), rtol=0, atol=1e-12)
 
 
-@pytest.mark.parametrize("name", robot_names())
+@pytest.mark.parametrize("name", REFERENCE_ROBOTS)
 def test_the_jacobian_is_the_derivative_of_the_kernels_pose(name: str) -> None:
     robot = load_robot(name)
     chain = chain_of(robot)

@@ -7,10 +7,11 @@ import math
 import numpy as np
 import pytest
 
+from benchmarks.requests.robots import REFERENCE_ROBOTS
 from ikplan.kinematics import forward
 from ikplan.kinematics.arm import arm_of
 from ikplan.kinematics.wrist import nearest_wrist, wrist_angles
-from ikplan.robots import Robot, load_robot, robot_names
+from ikplan.robots import Robot, load_robot
 
 from .synthetic import Joint, robot_of
 
@@ -19,7 +20,7 @@ SPHERICAL = {"iiwa14": 4e-13, "mh5": 4e-13, "kinova_j2s6s200": 2e-12, "tiago": 2
 axes to so many digits only."""
 
 
-@pytest.mark.parametrize("name", robot_names())
+@pytest.mark.parametrize("name", REFERENCE_ROBOTS)
 def test_a_wrist_is_found_where_the_last_three_axes_meet_at_right_angles(name: str) -> None:
     assert (arm_of(load_robot(name)).wrist is not None) == (name in SPHERICAL)
 

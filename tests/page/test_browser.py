@@ -20,9 +20,10 @@ from PIL import Image
 from playwright.sync_api import Browser, Page, expect
 
 import ikplan
+from benchmarks.requests.robots import REFERENCE_ROBOTS
 from ikplan.client.api_keys import key_hash, new_key
 from ikplan.plans.export import encode
-from ikplan.robots import Robot, catalogue_robot, robot_names
+from ikplan.robots import Robot, catalogue_robot
 from ikplan_api.settings import Settings
 
 from .browser import NoPlanner, Visit, chromium, served
@@ -254,7 +255,7 @@ def test_nothing_hangs_over_the_edge_of_any_window(helix: Page) -> None:
 
 def test_every_robot_stands_in_the_scene_as_pinocchio_has_it(visit: Open) -> None:
     page = visit()
-    for name in robot_names():
+    for name in REFERENCE_ROBOTS:
         robot = catalogue_robot(name)
         page.select_option("#robot", name)
         try:

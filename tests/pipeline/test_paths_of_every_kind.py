@@ -10,7 +10,8 @@ import pinocchio as pin
 import pytest
 
 import ikplan
-from ikplan import BudgetExceeded, Plan, Unreachable, load_robot, robot_names
+from benchmarks.requests.robots import REFERENCE_ROBOTS
+from ikplan import BudgetExceeded, Plan, Unreachable, load_robot
 from tests.measured import check_motion, waypoint_errors
 
 from .paths import helix, on, pose, printed_helix
@@ -40,7 +41,7 @@ def check(plan: Plan, poses: list[pin.SE3], *, oriented: bool = True) -> None:
 
 
 @pytest.mark.parametrize("elongation", ["global", "greedy"])
-@pytest.mark.parametrize("name", robot_names())
+@pytest.mark.parametrize("name", REFERENCE_ROBOTS)
 def test_full_poses_on_every_robot(name: str, elongation: str) -> None:
     poses = near_home(name, 5)
     plan = ikplan.plan(on(name, *map(pose, poses), ik={"elongation": elongation}))
@@ -49,7 +50,7 @@ def test_full_poses_on_every_robot(name: str, elongation: str) -> None:
     assert plan.joint_units == ["m" if s else "rad" for s in load_robot(name).prismatic]
 
 
-@pytest.mark.parametrize("name", robot_names())
+@pytest.mark.parametrize("name", REFERENCE_ROBOTS)
 def test_positions_alone_on_every_robot(name: str) -> None:
     poses = near_home(name, 4, seed=82)
     waypoints = [{"position": T.translation.tolist()} for T in poses]

@@ -10,6 +10,7 @@ import pinocchio as pin
 import pytest
 
 import ikplan
+from benchmarks.requests.robots import REFERENCE_ROBOTS
 from ikplan import InvalidRequest
 from ikplan.documents import parse
 from ikplan.documents.plan_request import PathRequest
@@ -156,7 +157,7 @@ def test_joints_are_read_under_the_names_that_programs_give_them(header: str) ->
     np.testing.assert_allclose(points.joints, [np.radians([0, 10, 20, 30, 40, 50])], rtol=1e-14)
 
 
-@pytest.mark.parametrize("robot", ikplan.robot_names())
+@pytest.mark.parametrize("robot", REFERENCE_ROBOTS)
 @pytest.mark.parametrize("title", ["{}", "{} [{}]", "q {} [{}]", "{}_{}", "/states/{}/position"])
 def test_the_joints_of_every_robot_are_known_by_their_names(robot: str, title: str) -> None:
     arm = ikplan.load_robot(robot)

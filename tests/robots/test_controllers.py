@@ -19,8 +19,8 @@ from ikplan.robots.folders import robot_folder
 from .urdfs import joint, two_joints, urdf
 
 CONTROLLED = {
-    "fr3": 0.001, "panda": 0.001, "ur10": 0.008, "ur10e": 0.002, "ur3": 0.008, "ur3e": 0.002,
-    "ur5": 0.008, "ur5e": 0.002,
+    "fer": 0.001, "fr3": 0.001, "panda": 0.001, "ur10": 0.008, "ur10e": 0.002, "ur16e": 0.002,
+    "ur20": 0.002, "ur3": 0.008, "ur30": 0.002, "ur3e": 0.002, "ur5": 0.008, "ur5e": 0.002,
 }  # fmt: skip
 HALF_PI = np.pi / 2
 

@@ -13,11 +13,12 @@ import pinocchio as pin
 import pytest
 import yaml
 
+from benchmarks.requests.robots import REFERENCE_ROBOTS
 from ikplan.errors import InvalidRequest
-from ikplan.robots import Robot, load_robot, robot_names
+from ikplan.robots import Robot, load_robot
 from ikplan.robots.folders import package_file, robot_folder
 
-NAMES = robot_names()
+NAMES = REFERENCE_ROBOTS
 
 
 def _from_package(name: str) -> Path | None:

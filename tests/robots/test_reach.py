@@ -9,14 +9,15 @@ import pinocchio as pin
 import pytest
 
 import ikplan
+from benchmarks.requests.robots import REFERENCE_ROBOTS
 from ikplan import InvalidRequest, Unreachable
 from ikplan.documents.plan_request import Frame
-from ikplan.robots import Robot, load_robot, robot_names
+from ikplan.robots import Robot, load_robot
 from ikplan.robots.base_frames import base_links, frame_in_base
 from ikplan.robots.reach import reach, unit_hint
 
 
-@pytest.mark.parametrize("name", robot_names())
+@pytest.mark.parametrize("name", REFERENCE_ROBOTS)
 def test_no_tool_is_farther_than_the_reach(name: str) -> None:
     robot = load_robot(name).with_tool([0.1, 0.0, 0.2], [0.0, 0.0, 0.0, 1.0])
     lower, upper = np.maximum(robot.lower, -7.0), np.minimum(robot.upper, 7.0)

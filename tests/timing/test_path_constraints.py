@@ -8,10 +8,11 @@ import numpy as np
 import pinocchio as pin
 import pytest
 
+from benchmarks.requests.robots import REFERENCE_ROBOTS
 from ikplan.errors import InvalidRequest, TimingFailed
 from ikplan.joint_path import JointPath
 from ikplan.limits import JointLimits
-from ikplan.robots import Robot, load_robot, robot_names
+from ikplan.robots import Robot, load_robot
 from ikplan.timing import (
     SegmentJointLimits,
     ToolLimits,
@@ -169,7 +170,7 @@ def test_torques_of_the_samples_are_within_limits(name: str) -> None:
     assert timed.duration > time_joint_path(path, limits).duration
 
 
-@pytest.mark.parametrize("name", [n for n in robot_names() if robot(n).info().inertias_sourced])
+@pytest.mark.parametrize("name", [n for n in REFERENCE_ROBOTS if robot(n).info().inertias_sourced])
 def test_torques_are_those_of_pinocchio(name: str) -> None:
     arm = robot(name).with_tool([0.05, -0.02, 0.1])
     load = pin.Inertia(1.3, np.array([0.01, 0.02, 0.03]), np.zeros((3, 3)))

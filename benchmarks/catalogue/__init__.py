@@ -1,0 +1,1 @@
+"""The robots that ``python -m catalogue`` writes, against the facts of their sources."""

@@ -41,7 +41,7 @@ def plan_joint_path(problem: JointPathProblem) -> JointRoute:
         Unreachable: A waypoint, or a place on a tool path, has no solution.
         Disconnected: No continuous motion follows a tool path.
         InCollision: The start, or all that was found for a waypoint or a path, is in contact.
-        TrackingFailed: The same, where ``problem.brief`` is set.
+        TrackingFailed: The same, where ``problem.explain`` is false.
         BudgetExceeded: The time budget ran out.
     """
     planner = _JointPathPlanner(problem)
@@ -51,13 +51,13 @@ def plan_joint_path(problem: JointPathProblem) -> JointRoute:
         T = problem.robot.fk(problem.q_start)
         start = Pose(T.rotation.copy(), T.translation.copy())
     legs = legs_of(problem.path, start, planner.fk)
-    problem.clock.expect(sum(map(_waypoint_count, legs)))
+    problem.clock.set_total(sum(map(_waypoint_count, legs)))
     for leg, after in zip(legs, [*legs[1:], None], strict=True):
         if isinstance(leg, JointLeg):
             planner.joint_leg(leg, after)
         else:
             planner.tool_leg(leg)
-        problem.clock.advance(len(planner.waypoints))
+        problem.clock.report(len(planner.waypoints))
     return planner.route()
 
 
@@ -172,7 +172,7 @@ class _JointPathPlanner:
             problem.path.tolerance,
             problem.clock,
             run[0].row,
-            problem.brief,
+            problem.explain,
             problem.contact,
             tuple(_segment_to(waypoint) for waypoint in run),
         )
@@ -203,7 +203,7 @@ class _JointPathPlanner:
         try:
             tracked = self.tracker.track(path, starts, costs)
         except TrackingFailed as failure:
-            if self.problem.brief:
+            if not self.problem.explain:
                 raise
             verdict = self._verdict(path, failure)
             if not isinstance(verdict, Disconnected | InCollision):

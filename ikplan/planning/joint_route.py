@@ -29,8 +29,8 @@ class JointPathProblem:
         start_free: Whether the path may begin anywhere.
         limits: Position limits.
         clock: The time budget.
-        brief: Whether a refusal may leave out why: what holds the arm takes longer to find out
-            than that it is held.
+        explain: Whether a refusal says why: what holds the arm takes longer to find out than
+            that it is held.
         contact: Refuses configurations and motions in contact; None: nothing is checked.
     """
 
@@ -42,7 +42,7 @@ class JointPathProblem:
     start_free: bool
     limits: JointLimits
     clock: TimeBudget
-    brief: bool = False
+    explain: bool = True
     contact: ContactCheck | None = None
 
 

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ikplan.certificate.clearance.path_time import PathTime
-from ikplan.documents.timing_report import PathMotion
+from ikplan.documents.timing_report import MotionPolynomials
 from ikplan.errors import InvalidRequest
 
 __all__ = ["JointCurve"]
@@ -34,7 +34,7 @@ class JointCurve:
     timing: PathTime | None
 
     @classmethod
-    def of_motion(cls, motion: PathMotion) -> JointCurve:
+    def of_motion(cls, motion: MotionPolynomials) -> JointCurve:
         """Return the polynomials of a plan.
 
         Raises:

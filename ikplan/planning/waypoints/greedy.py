@@ -31,7 +31,7 @@ def select_greedily(problem: WaypointProblem) -> SelectedConfigurations:
     with problem.clock.stage("ik"):
         for k in range(len(problem.targets)):
             problem.clock.check({"waypoints_solved": k, "q": q[:k].tolist()})
-            problem.clock.advance(problem.first_row + k)
+            problem.clock.report(problem.first_row + k)
             q_near = q_before
             q_before, spent = solve_waypoint(problem, k, q_near)
             contact = problem.contact

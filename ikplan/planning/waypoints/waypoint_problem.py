@@ -30,7 +30,7 @@ class WaypointProblem:
         tolerance: Deviation allowed where a target cannot be met exactly.
         clock: The time budget.
         first_row: Number of the first target among the waypoints of the path.
-        brief: Whether a refusal may name the first waypoint out of reach only.
+        explain: Whether a refusal names every waypoint out of reach; else the first only.
         contact: Refuses configurations and motions in contact; None: nothing is checked.
         segments: Number of the segment that ends at each target; empty: not known.
     """
@@ -43,7 +43,7 @@ class WaypointProblem:
     tolerance: Tolerance
     clock: TimeBudget
     first_row: int = 0
-    brief: bool = False
+    explain: bool = True
     contact: ContactCheck | None = None
     segments: tuple[int | None, ...] = ()
 

@@ -1,4 +1,4 @@
-"""Jerk-limited timing: the time-optimal path speed, smoothed over time and held back on bends."""
+"""Jerk-limited timing: closed forms, and motions played as fast as the limits allow."""
 
 from __future__ import annotations
 
@@ -15,6 +15,8 @@ from ikplan.timing.engines.engine import Check, EngineFailed, unlimited
 from ikplan.timing.jerk.cubic_kernels import times_of
 from ikplan.timing.jerk.cubic_motion import CubicMotion
 from ikplan.timing.jerk.smoothing import JointDemand, Smoothing
+from ikplan.timing.jerk.straight import straight_motion
+from ikplan.timing.jerk.warp import fastest
 from ikplan.timing.problem import SpanProblem
 
 __all__ = ["Smoothed", "smooth_span", "smooth_span_alike"]
@@ -36,7 +38,14 @@ _EFFORT = 60_000
 _FINE_POINTS = 12
 _INSIDE = 1e-7
 # Kept below the limits: they are measured at points of intervals, not between them.
-_MARGIN = 1e-3
+_MARGIN = 1e-4
+# The same for a closed form, so that rounding in a sample cannot step over a limit.
+_ROUNDING = 2e-9
+# The window of the motion to begin with, as one of the multiples above.
+_FIRST_WINDOW = 1.2
+# Jerk limits hardly matter where the motion takes so many times as long as accelerations take to
+# build up.
+_WEAK = 100.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,12 +57,13 @@ class Smoothed:
         softness: Share of the acceleration that a swing over the duration would build up, to
             which accelerations were limited; None: they were not.
         window: The window, as a multiple of the time in which the jerk limits build up the
-            acceleration limits where it is longest; inf: the duration.
+            acceleration limits where it is longest; inf: the duration; None: the motion is a
+            closed form, or was played along its course.
     """
 
     motion: CubicMotion
     softness: float | None
-    window: float
+    window: float | None
 
     @property
     def duration(self) -> float:
@@ -64,11 +74,10 @@ class Smoothed:
 def smooth_span(problem: SpanProblem, check: Check = unlimited) -> Smoothed:
     """Time a span within jerk limits, on the same geometric path.
 
-    The time-optimal path speed is smoothed by a moving average over time, which bounds the jerk of
-    a change of acceleration by its step over the window. Where the result still exceeds a limit,
-    the path is timed again with the motion slowed there and within the window about it, until
-    nothing is exceeded by much; the rest is taken from the whole. Of several windows, the best is
-    kept. The result is not the optimum: the benchmark tells the distance.
+    A straight line of the joint space has a closed form. Else the time-optimal path speed is
+    smoothed by a moving average over time, slowed where it exceeds limits, and then played along
+    its own course as fast as the limits allow (see fastest): a local optimum, on a grid. Where
+    jerk limits hardly matter, several ways of smoothing are tried as well, and the best is kept.
 
     Args:
         problem: The span, with continuous curvature where jerks are limited, and its limits.
@@ -81,6 +90,35 @@ def smooth_span(problem: SpanProblem, check: Check = unlimited) -> Smoothed:
         EngineFailed: There is no timing even without jerk limits.
     """
     demand = _demand(problem)
+    straight = _straight(problem, demand)
+    if straight is not None and straight[1]:
+        return straight[0]
+    found = [] if straight is None else [straight[0]]
+    x = problem.twin / max(problem.slowdown(problem.twin), 1e-300)
+    duration = float(problem.times(x).sum())
+    build_up = _build_up(problem, duration)
+    search = Smoothing(problem, x, min(_FIRST_WINDOW * build_up[1], duration), demand)
+    search.run(_FIRST_ROUNDS, check)
+    assert search.best is not None  # the first round has made one
+    motion = fastest(problem, search.best, build_up[1], demand, check)
+    found.append(Smoothed(_within_limits(problem, motion, demand), None, None))
+    if duration > _WEAK * build_up[1]:
+        found.append(_smoothed(problem, demand, check))
+    return min(found, key=lambda each: each.duration)
+
+
+def _straight(problem: SpanProblem, demand: JointDemand) -> tuple[Smoothed, bool] | None:
+    """Return the closed form, and whether it is optimal; None: there is none."""
+    motion = straight_motion(problem)
+    if motion is None:
+        return None
+    slower = _within_limits(problem, motion, demand, _ROUNDING)
+    factor = float(slower.time[-1] / motion.time[-1])
+    return Smoothed(slower, None, None), factor <= 1.0 + 10.0 * _ROUNDING
+
+
+def _smoothed(problem: SpanProblem, demand: JointDemand, check: Check) -> Smoothed:
+    """Return the best motion of several ways of smoothing the time-optimal path speed."""
     best = _best_window(problem, demand, None, None, check)
     for share in _SOFTNESS:
         soft = _softer(problem, share, best.duration)
@@ -109,6 +147,13 @@ def smooth_span_alike(problem: SpanProblem, known: Smoothed, check: Check = unli
         EngineFailed: There is no timing even without jerk limits.
     """
     demand, best = _demand(problem), None
+    if known.window is None:
+        straight = _straight(problem, demand)
+        if straight is not None and straight[1]:
+            return straight[0]
+        build_up = _build_up(problem, known.duration)
+        motion = fastest(problem, known.motion, build_up[1], demand, check)
+        return Smoothed(_within_limits(problem, motion, demand), None, None)
     duration = known.duration
     # The swing goes with the duration, which is known after the first time only.
     for _ in range(1 if known.softness is None else 2):
@@ -140,14 +185,19 @@ def _softer(problem: SpanProblem, share: float, duration: float) -> SpanProblem 
     return problem.within(weaker)
 
 
-def _windows(problem: SpanProblem, duration: float, only: float | None) -> dict[float, float]:
-    """Return the windows to be tried [s], and what Smoothed calls them."""
+def _build_up(problem: SpanProblem, duration: float) -> tuple[float, float]:
+    """Return the least and the greatest time in which jerks build up accelerations on the span."""
     span, profile = np.unique(problem.grid.pieces), problem.profile
     limit = np.minimum(profile.acceleration, -profile.acceleration_lower)
-    build_up = (limit / profile.jerk)[span].max(axis=1)
+    times = (limit / profile.jerk)[span].max(axis=1)
     # Where no jerk is limited, accelerations still change within some time, a short one.
-    build_up[build_up == 0.0] = _SHORT * duration
-    longest, shortest = float(build_up.max()), float(build_up.min())
+    times[times == 0.0] = _SHORT * duration
+    return float(times.min()), float(times.max())
+
+
+def _windows(problem: SpanProblem, duration: float, only: float | None) -> dict[float, float]:
+    """Return the windows to be tried [s], and what Smoothed calls them."""
+    shortest, longest = _build_up(problem, duration)
     multiples = [only] if only is not None else [*reversed(_WINDOWS)]
     if only is None and shortest < 0.5 * longest:
         multiples += [multiple * shortest / longest for multiple in reversed(_WINDOWS)]
@@ -181,13 +231,15 @@ def _best_window(
     return Smoothed(motion, softness, best)
 
 
-def _within_limits(problem: SpanProblem, motion: CubicMotion, demand: JointDemand) -> CubicMotion:
+def _within_limits(
+    problem: SpanProblem, motion: CubicMotion, demand: JointDemand, margin: float = _MARGIN
+) -> CubicMotion:
     """Slow a motion by what it exceeds its limits, looked at in finer steps."""
     path = problem.path
     times = times_of(motion.time, motion.s, motion.v, motion.a, path.s_knots)
     motion = motion.divided(times)
     top = demand(motion, _FINE_POINTS, motion.s[[0, -1]])
-    motion = motion.slowed(float(top[0]) * (1.0 + _MARGIN))
+    motion = motion.slowed(float(top[0]) * (1.0 + margin))
     return _within_constraints(path, motion, problem.constraints)
 
 

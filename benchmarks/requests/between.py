@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from ikplan.certificate.claim import Claim
-from ikplan.certificate.deviation import Tool, follow_legs, timed_legs
+from ikplan.certificate.deviation import Tool, match_legs, timed_legs
 from ikplan.certificate.offsets import Allowance
 from ikplan.certificate.requested import read_motion
 from ikplan.documents.plan_request import PlanRequest
@@ -59,7 +59,7 @@ def share_between(request: dict[str, Any], plan: Plan, finer: int) -> float:
         limits,
     )
     allowance = Allowance(document.path)
-    legs = follow_legs(claim, timed_legs(claim, motion), Tool.of(claim, samples=True))
+    legs = match_legs(claim, timed_legs(claim, motion), Tool.of(claim, samples=True))
     shares = [
         np.maximum(leg.distance / allowance.position, leg.angle / allowance.orientation).max()
         for leg in legs

@@ -7,18 +7,18 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ikplan.documents.limits import StretchLimits
+from ikplan.documents.limits import SegmentLimits
 from ikplan.documents.path import PathRequest
 from ikplan.limits.motion_limits import MotionLimits
 from ikplan.robots import Robot
 
-__all__ = ["Claim", "LimitedWaypoints"]
+__all__ = ["Claim", "RequestedSegment"]
 
 Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
-class LimitedWaypoints:
+class RequestedSegment:
     """Limits that a request asks for between two waypoints of a joint path.
 
     Attributes:
@@ -31,7 +31,7 @@ class LimitedWaypoints:
     field: str
     first: int
     last: int
-    limits: StretchLimits
+    limits: SegmentLimits
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,4 +65,4 @@ class Claim:
     dq: Array
     ddq: Array
     limits: MotionLimits
-    segments: tuple[LimitedWaypoints, ...] = ()
+    segments: tuple[RequestedSegment, ...] = ()

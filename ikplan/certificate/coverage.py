@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ikplan.certificate.claim import Claim
-from ikplan.certificate.deviation import FollowedLeg, Tool
+from ikplan.certificate.deviation import MatchedLeg, Tool
 from ikplan.certificate.elongation import joint_reach
 from ikplan.certificate.offsets import Allowance
 
@@ -26,7 +26,7 @@ _MOST = 24
 
 
 def left_out(
-    claim: Claim, part: FollowedLeg, tool: Tool, allowance: Allowance
+    claim: Claim, part: MatchedLeg, tool: Tool, allowance: Allowance
 ) -> tuple[float, float]:
     """Return how far the tool is from the part of a path that it comes least near to.
 

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ikplan.certificate.claim import Claim
-from ikplan.certificate.deviation import FollowedLeg
+from ikplan.certificate.deviation import MatchedLeg
 from ikplan.certificate.offsets import Allowance
 from ikplan.certificate.requested import RequestedMotion
 
@@ -19,7 +19,7 @@ _LOOKS = 128
 
 
 def least_singular_value(
-    claim: Claim, motion: RequestedMotion | None, followed: list[FollowedLeg]
+    claim: Claim, motion: RequestedMotion | None, matched: list[MatchedLeg]
 ) -> tuple[float, float]:
     """Return the smallest singular value of the tool Jacobian over the samples, and its time [s].
 
@@ -32,9 +32,9 @@ def least_singular_value(
     Args:
         claim: The trajectory.
         motion: What the path asks for; None: joint waypoints, whose tool is measured in all rows.
-        followed: Where the tool is on its paths.
+        matched: Where the tool is on its paths.
     """
-    oriented = _oriented(claim, motion, followed)
+    oriented = _oriented(claim, motion, matched)
     axis = None if claim.path is None else Allowance(claim.path).free_axis
     count = len(claim.time)
     stride = max(1, count // _LOOKS)
@@ -46,7 +46,7 @@ def least_singular_value(
     return float(found[k]), float(claim.time[fine[k]])
 
 
-def _oriented(claim: Claim, motion: RequestedMotion | None, followed: list[FollowedLeg]) -> Flags:
+def _oriented(claim: Claim, motion: RequestedMotion | None, matched: list[MatchedLeg]) -> Flags:
     """Whether an orientation is asked for at each sample, shape (m,)."""
     if claim.path is None or motion is None:
         return np.ones(len(claim.time), dtype=np.bool_)
@@ -56,7 +56,7 @@ def _oriented(claim: Claim, motion: RequestedMotion | None, followed: list[Follo
     after = np.clip(np.searchsorted(claim.waypoint_time, claim.time), 0, len(asked) - 1)
     before = np.maximum(after - 1, 0)
     oriented = asked[after] | asked[before]
-    for part in followed:
+    for part in matched:
         oriented[part.sample] = part.oriented
     return np.asarray(oriented)
 

@@ -38,11 +38,11 @@ __all__ = [
     "Number",
     "Vec3",
     "Vector",
+    "as_list",
     "content_hash",
     "load_json",
     "parse",
     "parse_json",
-    "plain",
     "raise_invalid",
     "write_json",
 ]
@@ -66,7 +66,7 @@ def content_hash(document: Document, *context: str) -> str:
     return hashlib.sha256(canonical).hexdigest()[:32]
 
 
-def plain(value: Any) -> Any:
+def as_list(value: Any) -> Any:
     """Let Python callers pass arrays and tuples where the document has lists."""
     if isinstance(value, np.ndarray):
         return value.tolist()
@@ -79,8 +79,8 @@ MAX_NUMBER = 1e6
 """Largest length [m] or joint value [rad or m]: beyond it squares lose the digits that count."""
 
 Number = Annotated[float, Field(ge=-MAX_NUMBER, le=MAX_NUMBER)]
-Floats = Annotated[list[Number], BeforeValidator(plain)]
-Vec3 = Annotated[list[Number], BeforeValidator(plain), Field(min_length=3, max_length=3)]
+Floats = Annotated[list[Number], BeforeValidator(as_list)]
+Vec3 = Annotated[list[Number], BeforeValidator(as_list), Field(min_length=3, max_length=3)]
 
 
 _ARRAYS = object()

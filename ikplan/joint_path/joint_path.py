@@ -173,11 +173,6 @@ class JointPath:
         """Path positions of the waypoints, shape (n,)."""
         return self.s_knots[self.knot_of_waypoint]
 
-    @property
-    def breakpoints(self) -> Array:
-        """Path positions of the knots, shape (k + 1,)."""
-        return self.s_knots
-
     def __call__(self, s: ArrayLike, order: int = 0) -> Array:
         """Evaluate the path or a derivative by s.
 

@@ -12,7 +12,7 @@ from ikplan.path.pieces.piece import Motion, Piece
 from ikplan.path.pieces.steady import SteadyPiece, stack_steady, steady_motion
 from ikplan.path.pieces.steady_kernels import SteadyStack
 
-__all__ = ["Corner", "PathStretch", "PathWaypoint", "ToolPath"]
+__all__ = ["Corner", "PathWaypoint", "SegmentRange", "ToolPath"]
 
 Array = NDArray[np.float64]
 
@@ -22,7 +22,7 @@ class PathWaypoint:
     """A pose asked for, on a tool path.
 
     Attributes:
-        index: Its row among the waypoints of the request.
+        row: Its row among the waypoints of the request.
         name: Where the request asks for it, such as ``path.waypoints[3]``.
         s: Path length at which it is passed, or passed nearest [m].
         R: Rotation asked for in the base, shape (3, 3); None: free.
@@ -30,7 +30,7 @@ class PathWaypoint:
         exact: Whether the path passes it; false at a blended corner.
     """
 
-    index: int
+    row: int
     name: str
     s: float
     R: Array | None
@@ -62,7 +62,7 @@ class Corner:
 
 
 @dataclass(frozen=True)
-class PathStretch:
+class SegmentRange:
     """The part of a path that comes from one field of the request, rounded corners included.
 
     Attributes:
@@ -87,14 +87,14 @@ class ToolPath:
         pieces: The pieces in order, at least one; of length 0 only if it is the only one.
         waypoints: The poses asked for that are on this path, in order.
         corner_list: Every corner, rounded or exact, in order.
-        stretches: What of the request each part comes from, in order; rounded corners belong to
+        segments: What of the request each part comes from, in order; rounded corners belong to
             both their neighbours.
     """
 
     pieces: tuple[Piece, ...]
     waypoints: tuple[PathWaypoint, ...] = ()
     corner_list: tuple[Corner, ...] = ()
-    stretches: tuple[PathStretch, ...] = ()
+    segments: tuple[SegmentRange, ...] = ()
 
     @cached_property
     def begins(self) -> Array:
@@ -119,11 +119,6 @@ class ToolPath:
     @cached_property
     def _oriented(self) -> NDArray[np.bool_]:
         return np.array([piece.oriented for piece in self.pieces])
-
-    @cached_property
-    def any_oriented(self) -> bool:
-        """Whether an orientation is asked for on any piece."""
-        return bool(self._oriented.any())
 
     @cached_property
     def _steady(self) -> tuple[SteadyStack, NDArray[np.int64]]:

@@ -20,15 +20,15 @@ from ikplan.ik.arguments import check_start
 from ikplan.ik.solve import PoseSolver, pose_distance, solve_pose
 from ikplan.joint_path import JointPath
 from ikplan.kinematics.arm import arm_of
-from ikplan.limits.motion_limits import LimitedStretch, MotionLimits
+from ikplan.limits.motion_limits import LimitedSegment, MotionLimits
 from ikplan.path import rotation_of
 from ikplan.pipeline.identity import plan_id, with_tool
 from ikplan.pipeline.timing_stage import joint_limits, time_motion, warm_up_timing
 from ikplan.pipeline.warm_up import warm_up, warm_up_ik
 from ikplan.planning import (
     JointPathProblem,
+    JointRoute,
     Progress,
-    Route,
     TimeBudget,
     find_repairs,
     plan_joint_path,
@@ -99,18 +99,18 @@ def plan(
             error.repairs = find_repairs(problem, error)
             raise
     with clock.stage("planning"):
-        path = JointPath.through(route.knots, arm_limits, rest_at=route.rest)
-        # Knots too close to tell apart are passed as one.
+        path = JointPath.through(route.q, arm_limits, rest_at=route.rest)
+        # Configurations too close to tell apart are passed as one.
         passed = path.q_knots[path.knot_of_waypoint]
-        waypoint_q = passed[[w.knot for w in route.wanted]]
+        waypoint_q = passed[[w.index for w in route.waypoints]]
     with clock.stage("timing"):
-        stretches = [
-            LimitedStretch(x.field, x.first, x.last, limits_of[x.field])
-            for x in route.stretches
+        segments = [
+            LimitedSegment(x.field, x.first, x.last, limits_of[x.field])
+            for x in route.segments
             if x.field in limits_of
         ]
-        timing = time_motion(path, robot, limits, request.sampling, stretches, clock.check)
-        knot_time = timing.timed.times
+        timing = time_motion(path, robot, limits, request.sampling, segments, clock.check)
+        q_time = timing.timed.times
     with clock.stage("certificate"):
         certificate = certify(
             Claim(
@@ -118,7 +118,7 @@ def plan(
                 request.path,
                 None if start_free else q_start,
                 waypoint_q,
-                knot_time[[w.knot for w in route.wanted]],
+                q_time[[w.index for w in route.waypoints]],
                 timing.samples.time,
                 timing.samples.q,
                 timing.samples.dq,
@@ -132,7 +132,7 @@ def plan(
         robot=request.robot,
         joint_names=list(robot.joint_names),
         joint_units=["m" if slides else "rad" for slides in robot.prismatic],
-        waypoints=_waypoint_results(robot, route, waypoint_q, knot_time, start_free),
+        waypoints=_waypoint_results(robot, route, waypoint_q, q_time, start_free),
         trajectory=timing.trajectory,
         certificate=certificate,
         timing=timing.report,
@@ -156,22 +156,22 @@ def _segment_limits(
 
 def _waypoint_results(
     robot: Robot,
-    route: Route,
+    route: JointRoute,
     q: NDArray[np.float64],
-    knot_time: NDArray[np.float64],
+    q_time: NDArray[np.float64],
     start_free: bool,
 ) -> WaypointResults:
     """The rows of the waypoints: one for each asked for."""
     arm = arm_of(robot)
-    errors = [pose_distance(arm, w.target, q_w) for w, q_w in zip(route.wanted, q, strict=True)]
-    steps = np.diff(np.vstack([q[:1] if start_free else route.knots[:1], q]), axis=0)
+    errors = [pose_distance(arm, w.target, q_w) for w, q_w in zip(route.waypoints, q, strict=True)]
+    steps = np.diff(np.vstack([q[:1] if start_free else route.q[:1], q]), axis=0)
     return WaypointResults(
         q=q,
-        time=knot_time[[w.knot for w in route.wanted]],
+        time=q_time[[w.index for w in route.waypoints]],
         position_error=np.array([distance for distance, _ in errors]),
         orientation_error=[
             angle if w.target.oriented else None
-            for w, (_, angle) in zip(route.wanted, errors, strict=True)
+            for w, (_, angle) in zip(route.waypoints, errors, strict=True)
         ],
         elongation=np.linalg.norm(steps, axis=1),
     )

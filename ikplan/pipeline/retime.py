@@ -9,13 +9,13 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ikplan._version import __version__
-from ikplan.certificate import Claim, LimitedWaypoints, certify
+from ikplan.certificate import Claim, RequestedSegment, certify
 from ikplan.documents import parse
 from ikplan.documents.timing_request import TimingRequest
 from ikplan.documents.trajectory import Stats, WaypointResults
 from ikplan.errors import InvalidRequest
 from ikplan.joint_path import JointPath
-from ikplan.limits.motion_limits import LimitedStretch, MotionLimits
+from ikplan.limits.motion_limits import LimitedSegment, MotionLimits
 from ikplan.pipeline.identity import plan_id, with_tool
 from ikplan.pipeline.timing_stage import joint_limits, time_motion, warm_up_timing
 from ikplan.planning import Progress, TimeBudget
@@ -107,19 +107,19 @@ def time_request(
     robot = with_tool(robot, request.tool)
     limits = MotionLimits.of(robot, request.limits)
     asked = _rows(request.waypoints, robot)
-    stretches = _stretches(request, robot, limits)
-    segments = tuple(
-        LimitedWaypoints(f"segments[{k}]", part.first, part.last, part.limits)
+    segments = _limited_segments(request, robot, limits)
+    requested = tuple(
+        RequestedSegment(f"segments[{k}]", part.first, part.last, part.limits)
         for k, part in enumerate(request.segments)
     )
-    warm_up_timing(any(x.jerk is not None for x in (limits, *(s.limits for s in stretches))))
+    warm_up_timing(any(x.jerk is not None for x in (limits, *(s.limits for s in segments))))
     clock = TimeBudget(request.budget_s, progress)
     with clock.stage("planning"):
         path = JointPath.through(asked, joint_limits(robot, limits), rest_at=request.rest_at)
         # Waypoints too close to tell apart are passed as one.
         waypoints = path.q_knots[path.knot_of_waypoint]
     with clock.stage("timing"):
-        timing = time_motion(path, robot, limits, request.sampling, stretches, clock.check)
+        timing = time_motion(path, robot, limits, request.sampling, segments, clock.check)
         waypoint_time = timing.timed.times
     with clock.stage("certificate"):
         samples = timing.samples
@@ -135,7 +135,7 @@ def time_request(
                 samples.dq,
                 samples.ddq,
                 limits,
-                segments,
+                requested,
             )
         )
     distances = [
@@ -165,7 +165,9 @@ def time_request(
     )
 
 
-def _stretches(request: TimingRequest, robot: Robot, limits: MotionLimits) -> list[LimitedStretch]:
+def _limited_segments(
+    request: TimingRequest, robot: Robot, limits: MotionLimits
+) -> list[LimitedSegment]:
     """The parts of the path with limits of their own."""
     found, count = [], len(request.waypoints)
     for k, part in enumerate(request.segments):
@@ -176,7 +178,7 @@ def _stretches(request: TimingRequest, robot: Robot, limits: MotionLimits) -> li
                 allowed=f"1 to {count - 1}",
             )
         own = limits.within(robot, part.limits, f"segments[{k}].limits")
-        found.append(LimitedStretch(f"segments[{k}]", part.first, part.last, own))
+        found.append(LimitedSegment(f"segments[{k}]", part.first, part.last, own))
     return found
 
 

@@ -62,7 +62,7 @@ def warm_up(method: str = "ik-ba") -> None:
             robot, solver, path, options, q_start, False, limits, TimeBudget(float("inf"))
         )
         route = plan_joint_path(problem)
-        joint_path = JointPath.through(route.knots, limits, rest_at=route.rest)
+        joint_path = JointPath.through(route.q, limits, rest_at=route.rest)
         sample(time_joint_path(joint_path, limits), 250.0)
     _warm_up_verdict(arm, pose, q_start)
 

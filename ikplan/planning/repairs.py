@@ -245,7 +245,7 @@ def _targets(problem: JointPathProblem) -> list[Target]:
     poses: list[tuple[Any, Array]] = []
     for leg in _legs(problem):
         if isinstance(leg, JointLeg):
-            poses += [(t.pose.R, t.pose.p) for t in leg.targets if t.pose is not None]
+            poses += [(t.pose.R, t.pose.p) for t in leg.waypoints if t.pose is not None]
             continue
         s = np.linspace(0.0, leg.path.length, _SAMPLES)
         R, p = leg.path.poses(s)

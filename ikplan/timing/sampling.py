@@ -16,10 +16,10 @@ __all__ = [
     "MAX_SAMPLES",
     "Samples",
     "check_rate",
-    "knots",
     "on_grid",
     "periods",
     "sample",
+    "sample_at_nodes",
     "with_nodes",
 ]
 
@@ -153,7 +153,7 @@ def _samples(timed: TimedPath, time: Array) -> Samples:
     return Samples(time, q, dq, ddq)
 
 
-def knots(timed: TimedPath) -> Samples:
+def sample_at_nodes(timed: TimedPath) -> Samples:
     """Return the motion at its nodes, and nothing between.
 
     Between nodes the path acceleration is constant; in a jerk-limited motion, linear.

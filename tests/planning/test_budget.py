@@ -14,12 +14,12 @@ import ikplan
 from ikplan import BudgetExceeded, Plan
 from ikplan.documents.plan_request import IkOptions, Tolerance
 from ikplan.kinematics.target import pose_target
-from ikplan.planning import TimeBudget, choose
+from ikplan.planning import TimeBudget, select_configurations
 from ikplan.planning.tracking.densify import densify
 from ikplan.planning.waypoints.waypoint_problem import WaypointProblem
 
 from .conftest import Time
-from .planar import Polyline, joints, led, line, problem_of, solver_of, two_links
+from .planar import Polyline, joints, line, problem_of, solver_of, tracker_of, two_links
 
 STAGES = ["ik", "planning", "timing", "certificate"]
 
@@ -124,7 +124,7 @@ def test_greedy_waypoints_solved_so_far_are_the_best_so_far(passing: Time) -> No
         robot, solver_of(robot), targets, start, False, Tolerance(), TimeBudget(10.0, gone)
     )
     with pytest.raises(BudgetExceeded) as caught:
-        choose(problem, IkOptions(method="lm", elongation="greedy"))
+        select_configurations(problem, IkOptions(method="lm", elongation="greedy"))
     best = caught.value.best
     assert best is not None
     assert best["waypoints_solved"] == len(best["q"]) == 3
@@ -141,20 +141,20 @@ def test_the_verdict_on_many_waypoints_ends_with_the_budget_too(
 
     problem = problem_of(two_links(), clock=TimeBudget(10.0, gone))
     with pytest.raises(BudgetExceeded) as caught:
-        choose(problem, IkOptions(method="lm", elongation=elongation))
+        select_configurations(problem, IkOptions(method="lm", elongation=elongation))
     assert caught.value.best == {"waypoints_solved": 1}
 
 
 def test_following_a_path_ends_with_the_budget(passing: Time) -> None:
     guide = line((0.5, -0.4), (0.45, 0.35))
-    follower = led(two_links(), budget_s=10.0)
+    tracker = tracker_of(two_links(), budget_s=10.0)
     start = joints(guide.points[0], 1.0)
-    assert len(follower.follow(guide, start[None], np.zeros(1)).s) > 2
+    assert len(tracker.track(guide, start[None], np.zeros(1)).s) > 2
     passing.now = 11.0
     with pytest.raises(BudgetExceeded):
-        follower.follow(guide, start[None], np.zeros(1))
+        tracker.track(guide, start[None], np.zeros(1))
     with pytest.raises(BudgetExceeded):
-        densify(follower, guide, np.array([0.0, guide.length]), joints(guide.points, 1.0))
+        densify(tracker, guide, np.array([0.0, guide.length]), joints(guide.points, 1.0))
 
 
 def test_no_further_start_is_led_once_the_budget_is_gone(passing: Time) -> None:
@@ -170,8 +170,8 @@ def test_no_further_start_is_led_once_the_budget_is_gone(passing: Time) -> None:
     looks = []
     for count in (1, 2):
         passing.now = 0.0
-        follower = led(two_links(), budget_s=1.5)
+        tracker = tracker_of(two_links(), budget_s=1.5)
         with pytest.raises(BudgetExceeded):
-            follower.follow(guide, starts[:count], np.zeros(count))
+            tracker.track(guide, starts[:count], np.zeros(count))
         looks.append(passing.now)
     assert looks[0] == looks[1] > 1.5

@@ -15,7 +15,7 @@ from fastapi.routing import APIRoute
 from starlette.exceptions import HTTPException
 from starlette.routing import Match
 
-from ikplan.documents.json_ready import plain
+from ikplan.documents.json_ready import json_ready
 from ikplan.errors import (
     AccessDenied,
     IkplanError,
@@ -58,7 +58,7 @@ def problem_response(
     """Return a response with a problem document; its ``instance`` is the request's id."""
     body = {**document, "instance": f"urn:ikplan:request:{request_id}"}
     return Response(
-        json.dumps(plain(body), allow_nan=False),
+        json.dumps(json_ready(body), allow_nan=False),
         status_code=int(document["status"]),
         media_type=PROBLEM,
         headers=dict(headers or {}),

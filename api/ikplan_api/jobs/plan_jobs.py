@@ -10,7 +10,7 @@ import logging
 from collections import OrderedDict
 from typing import Any
 
-from ikplan.documents.json_ready import plain
+from ikplan.documents.json_ready import json_ready
 from ikplan.documents.status import PlanStatus
 from ikplan.errors import (
     BudgetExceeded,
@@ -229,7 +229,7 @@ class PlanJobs:
             await self._start_storing(job.plan_id, result.document)
             return result
         except IkplanError as error:
-            in_progress.problem = plain(error.to_problem())
+            in_progress.problem = json_ready(error.to_problem())
             # A job that found no worker, as during a shutdown, stays accepted and runs later.
             if in_progress.accepted and not isinstance(error, ServiceUnavailable):
                 await self._store_failure(in_progress)

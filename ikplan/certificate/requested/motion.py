@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from ikplan.certificate.requested.path import RequestedPath
 
-__all__ = ["JointRange", "RequestedMotion", "RequestedWaypoint", "ToolLeg"]
+__all__ = ["JointSegmentRange", "RequestedMotion", "RequestedWaypoint", "ToolLeg"]
 
 Array = NDArray[np.float64]
 
@@ -46,7 +46,7 @@ class ToolLeg:
 
 
 @dataclass(frozen=True)
-class JointRange:
+class JointSegmentRange:
     """A joint segment: the motion from one waypoint to the next.
 
     Attributes:
@@ -67,11 +67,11 @@ class RequestedMotion:
     Attributes:
         waypoints: The waypoints, in order.
         legs: The tool paths, in order.
-        joint_ranges: The joint segments.
+        joint_segments: The joint segments.
         last_rows: Waypoint at which each segment ends, by its field.
     """
 
     waypoints: tuple[RequestedWaypoint, ...]
     legs: tuple[ToolLeg, ...]
-    joint_ranges: tuple[JointRange, ...]
+    joint_segments: tuple[JointSegmentRange, ...]
     last_rows: dict[str, int]

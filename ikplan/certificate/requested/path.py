@@ -59,13 +59,13 @@ class RequestedPath:
 
     Attributes:
         pieces: The pieces, at least one.
-        marks: Path length [m] and row of each waypoint on the path, in order.
-        ranges: What of the request each part comes from.
+        waypoints: Path length [m] and row of each waypoint on the path, in order.
+        segments: What of the request each part comes from.
     """
 
     pieces: tuple[Piece, ...]
-    marks: tuple[tuple[float, int], ...]
-    ranges: tuple[SegmentRange, ...]
+    waypoints: tuple[tuple[float, int], ...]
+    segments: tuple[SegmentRange, ...]
 
     @cached_property
     def begins(self) -> Array:

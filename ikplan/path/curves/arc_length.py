@@ -22,7 +22,7 @@ _CHECKS = np.array([-1.0, -0.52, 0.07, 0.61, 1.0])
 _FIT = 1e-10
 """Error of the speed allowed, as a share of it."""
 _POINT = 1e-10
-"""A stretch shorter than this share of the length counts as a point."""
+"""An interval shorter than this share of the length counts as a point."""
 _LEVELS = 60
 
 
@@ -51,9 +51,9 @@ class CurvePoints(NamedTuple):
 class ArcLength:
     """A shape with its arc length as the parameter.
 
-    On each stretch between two nodes the speed |dp/dt| is the polynomial through its values at
+    On each interval between two nodes the speed |dp/dt| is the polynomial through its values at
     eight Gauss points, the arc length its integral, and t(s) the inverse of that, by Newton's
-    method. Stretches are halved until the polynomial is exact to 1e-10.
+    method. Intervals are halved until the polynomial is exact to 1e-10.
 
     Attributes:
         shape: The curve.
@@ -101,7 +101,7 @@ class ArcLength:
         return CurvePoints(s, t, node, p, v, bend, speed)
 
     def _parameters(self, node: NDArray[np.int64], since: Array) -> Array:
-        """Invert the arc length on the stretches after the nodes, shape (m,)."""
+        """Invert the arc length on the intervals after the nodes, shape (m,)."""
         half, arcs, speeds = self._half[node], self._arcs[:, node], self._speeds[:, node]
         x = np.clip(2.0 * since / self._lengths[node] - 1.0, -1.0, 1.0)
         for _ in range(8):
@@ -138,7 +138,7 @@ class ArcLength:
             scale = scale or float(length.sum())
             fits = (np.abs(checks @ polynomials - true) <= _FIT * true).all(axis=0)
             stop = fits | (length <= _POINT * scale) | (level == _LEVELS - 1)
-            # A point stands for a stretch too short to fit: run through evenly.
+            # A point stands for an interval too short to fit: run through evenly.
             polynomials[0, ~fits] = 0.5 * length[~fits] / half[~fits]
             polynomials[1:, ~fits] = 0.0
             done.append((a[stop], polynomials[:, stop], fits[stop]))
@@ -153,7 +153,7 @@ class ArcLength:
         return nodes, polynomials, np.concatenate([d[2] for d in done])[order]
 
     def _find_folds(self, fitted: NDArray[np.bool_]) -> tuple[float, ...]:
-        """Where the curve turns within stretches too short to be more than a point."""
+        """Where the curve turns within intervals too short to be more than a point."""
         folds = []
         edges = np.flatnonzero(np.diff(np.concatenate([[False], ~fitted, [False]]).astype(int)))
         for first, last in edges.reshape(-1, 2):

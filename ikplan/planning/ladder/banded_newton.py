@@ -1,4 +1,4 @@
-"""The Newton step of the polish: all waypoints together, in the tangent spaces of their targets.
+"""The Newton step of path shortening: all waypoints at once, in their targets' tangent spaces.
 
 The Hessian is block tridiagonal, so that a step costs time linear in the number of waypoints.
 """
@@ -135,8 +135,8 @@ def newton_step(
 
     A joint at its limit is fixed where the step would push it out, and freed again where the
     descent after the step would pull it in, over and over until the set stands (a primal-dual
-    active set). That fixes and frees whole stretches of waypoints at once; one waypoint looked at
-    by itself would let go of such a stretch only from its ends.
+    active set). That fixes and frees whole runs of waypoints at once; one waypoint looked at
+    by itself would let go of such a run only from its ends.
 
     Args:
         u: Directions of the steps into each waypoint, shape (n, dof).

@@ -20,7 +20,7 @@ from ikplan.ik.restarts import nearest_turns, restart_into
 from ikplan.kinematics.chain import Chain
 from ikplan.kinematics.target import Freedom, Target, constraint_rows
 
-__all__ = ["Candidates", "Targets", "sample_ik_solutions", "target_at"]
+__all__ = ["IkCandidates", "Targets", "sample_ik_solutions", "target_at"]
 
 Array = NDArray[np.float64]
 
@@ -47,7 +47,7 @@ class Targets(NamedTuple):
     freedom: Freedom
 
 
-class Candidates(NamedTuple):
+class IkCandidates(NamedTuple):
     """Solutions of each waypoint.
 
     Attributes:
@@ -103,7 +103,7 @@ def sample_ik_solutions(
     fresh: int,
     shift: float,
     tolerance: float,
-) -> Candidates:
+) -> IkCandidates:
     """Find solutions of every waypoint.
 
     Args:
@@ -124,7 +124,7 @@ def sample_ik_solutions(
         before come first, in their order.
     """
     n, dof = targets.p.shape[0], q_start.shape[0]
-    found = Candidates(
+    found = IkCandidates(
         np.empty((n, cap, dof)), np.zeros(n, dtype=np.int64), np.zeros(1, dtype=np.int64)
     )
     w: Workspace = new_workspace(chain)

@@ -1,6 +1,6 @@
 """The least joint motion through one candidate per waypoint: shortest paths over the ladder.
 
-The shortest path over the candidates is not always the one that is shortest after the polish, so
+The shortest path over the candidates is not always the one that is shortest once shortened, so
 several that really differ are offered.
 """
 
@@ -18,7 +18,7 @@ from ikplan.planning.ladder.equivalent_configurations import (
     nearest_copy,
     shortest_over_equivalents,
 )
-from ikplan.planning.ladder.ik_candidates import Candidates
+from ikplan.planning.ladder.ik_candidates import IkCandidates
 from ikplan.planning.ladder.joint_length import joint_path_length
 
 __all__ = ["diverse_shortest_paths"]
@@ -50,7 +50,7 @@ def _turn_to(
 
 @kernel
 def _climb(
-    candidates: Candidates,
+    candidates: IkCandidates,
     q_start: Array,
     start_free: bool,
     turns: NDArray[np.bool_],
@@ -90,7 +90,7 @@ def _climb(
 
 
 @kernel
-def _descend(candidates: Candidates, turns: NDArray[np.bool_]) -> tuple[Array, Indices]:
+def _descend(candidates: IkCandidates, turns: NDArray[np.bool_]) -> tuple[Array, Indices]:
     """Least joint motion from every candidate to the end, and the candidate after it there.
 
     As if no limit stood in the way of a turn: where the motion will have brought a joint by then
@@ -118,7 +118,7 @@ def _descend(candidates: Candidates, turns: NDArray[np.bool_]) -> tuple[Array, I
 @kernel
 def diverse_shortest_paths(
     chain: Chain,
-    candidates: Candidates,
+    candidates: IkCandidates,
     q_start: Array,
     start_free: bool,
     lower: Array,
@@ -134,7 +134,7 @@ def diverse_shortest_paths(
 
     Args:
         chain: The chain from base to tool.
-        candidates: Candidates of each waypoint; each waypoint has at least one.
+        candidates: IkCandidates of each waypoint; each waypoint has at least one.
         q_start: The start, shape (dof,) [rad or m].
         start_free: Whether the motion may begin at any candidate of the first waypoint.
         lower: Lower position limits, -inf for a joint without, shape (dof,) [rad or m].

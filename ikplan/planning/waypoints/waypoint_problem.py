@@ -13,7 +13,7 @@ from ikplan.kinematics.target import Target
 from ikplan.robots import Robot
 from ikplan.time_budget import TimeBudget
 
-__all__ = ["Chosen", "WaypointProblem"]
+__all__ = ["SelectedConfigurations", "WaypointProblem"]
 
 Array = NDArray[np.float64]
 
@@ -46,7 +46,7 @@ class WaypointProblem:
 
 
 @dataclass(frozen=True)
-class Chosen:
+class SelectedConfigurations:
     """One configuration per waypoint.
 
     Attributes:

@@ -50,13 +50,13 @@ class GridConstraints:
         """
         h = np.diff(self.grid.s)
         n = len(h)
-        used = np.zeros(n, dtype=np.int64)
+        occupied = np.zeros(n, dtype=np.int64)
         places = []
         for points in self.points:
-            first = int(used[points.inside].max())
-            used[points.inside] = first + 2 * points.rows.columns
+            first = int(occupied[points.inside].max())
+            occupied[points.inside] = first + 2 * points.rows.columns
             places.append(first)
-        a, b = np.zeros((2, n, int(used.max(initial=0))))
+        a, b = np.zeros((2, n, int(occupied.max(initial=0))))
         x_max = np.full((n, 2), np.inf)
         for first, points in zip(places, self.points, strict=True):
             inside, rows, start, end = points.inside, points.rows, points.where[0], points.where[-1]
@@ -67,15 +67,15 @@ class GridConstraints:
             x_max[inside, 1] = np.minimum(x_max[inside, 1], rows.x_max[end])
         return a, b, x_max
 
-    def demands(self, x: Array) -> list[tuple[IntervalPoints, Array]]:
-        """Return how far the constraints are used at the points of intervals.
+    def ratios(self, x: Array) -> list[tuple[IntervalPoints, Array]]:
+        """Return the limit ratios of the constraints at the points of intervals.
 
         Args:
             x: Squared path velocities at the nodes, shape (n + 1,).
 
         Returns:
-            For each constraint its points and the demands there, shape (p, r, labels); see
-            ConstraintRows.demand.
+            For each constraint its points and the ratios there, shape (p, r, labels); see
+            ConstraintRows.ratios.
         """
         if not self.constraints:
             return []
@@ -83,9 +83,9 @@ class GridConstraints:
         here = x[:-1] + share * (x[1:] - x[:-1])
         here[-1] = x[1:]
         u = np.broadcast_to(np.diff(x) / (2.0 * np.diff(self.grid.s)), here.shape)
-        return [(points, points.demand(u, here)) for points in self.points]
+        return [(points, points.ratios(u, here)) for points in self.points]
 
-    def asked(self, u: Array, x: Array) -> Array:
+    def slowdown_factors(self, u: Array, x: Array) -> Array:
         """Return by how much a motion would have to be slowed to keep the constraints.
 
         Args:
@@ -95,11 +95,11 @@ class GridConstraints:
         Returns:
             The greatest factor of time in each interval, 1 where a limit is just kept, shape (n,).
         """
-        top = np.zeros(len(self.grid.pieces))
+        largest = np.zeros(len(self.grid.pieces))
         for points in self.points:
-            demand = points.thrice.demand(u, x).max(axis=(0, 2))
-            top[points.inside] = np.maximum(top[points.inside], demand)
-        return np.asarray(np.sqrt(top))
+            ratio = points.thrice.ratios(u, x).max(axis=(0, 2))
+            largest[points.inside] = np.maximum(largest[points.inside], ratio)
+        return np.asarray(np.sqrt(largest))
 
     def parts(self, x: Array, steady: bool) -> Array:
         """Return into how many each interval should be divided to see constraints between points.
@@ -111,8 +111,8 @@ class GridConstraints:
         Returns:
             Numbers, >= 1, shape (n,).
         """
-        wanted = np.ones(len(self.grid.pieces))
-        for points, demand in self.demands(x):
-            number = parts_of(points, demand, steady)
-            wanted[points.inside] = np.maximum(wanted[points.inside], number)
-        return wanted
+        parts = np.ones(len(self.grid.pieces))
+        for points, ratios in self.ratios(x):
+            number = parts_of(points, ratios, steady)
+            parts[points.inside] = np.maximum(parts[points.inside], number)
+        return parts

@@ -9,7 +9,7 @@ from ikplan._jit import kernel, leaf_kernel
 from ikplan.kinematics.chain import Chain
 from ikplan.kinematics.forward import moved, placed
 
-__all__ = ["disc_rows", "tool_demand", "tool_rates"]
+__all__ = ["disc_rows", "tool_rates", "tool_ratios"]
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
@@ -114,7 +114,7 @@ def disc_rows(P: Array, R: Array, directions: int, limit: float) -> tuple[Array,
 
 
 @kernel
-def tool_demand(V: Array, A: Array, index: Indices, u: Array, x: Array, limits: Array) -> Array:
+def tool_ratios(V: Array, A: Array, index: Indices, u: Array, x: Array, limits: Array) -> Array:
     """Return by how much u and x would have to be divided to keep limits of the tool.
 
     Args:

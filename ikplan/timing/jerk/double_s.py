@@ -81,7 +81,7 @@ def _peak(
     """
     low, high = min(acceleration, deceleration), max(acceleration, deceleration)
     # Neither limit is reached: 2 peak sqrt(peak / j) = distance.
-    peak = (0.5 * distance * math.sqrt(jerk)) ** (2.0 / 3.0)
+    peak = math.pow(0.5 * distance * math.sqrt(jerk), 2.0 / 3.0)
     if peak * jerk > low * low:
         # The lower one is: 0.5 peak (peak / low + low / j + 2 sqrt(peak / j)) = distance.
         peak = _root(distance, low, jerk, peak)

@@ -9,7 +9,7 @@ from ikplan._jit import kernel
 from ikplan.joint_path.evaluation import _piece, interval_of
 from ikplan.timing.jerk.cubic_kernels import path_position
 
-__all__ = ["cubic_demand", "path_rates", "spread"]
+__all__ = ["path_rates", "slowdown_factors", "spread"]
 
 Array = NDArray[np.float64]
 
@@ -18,7 +18,7 @@ _INSIDE = 1e-7
 
 
 @kernel
-def cubic_demand(
+def slowdown_factors(
     s_knots: Array,
     q: Array,
     m0: Array,

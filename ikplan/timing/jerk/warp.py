@@ -8,11 +8,12 @@ from numpy.typing import NDArray
 from ikplan.joint_path.joint_path import JointPath
 from ikplan.timing.constraints.constraints import PathPoints
 from ikplan.timing.engines.engine import Check
+from ikplan.timing.jerk.course_kernels import course_rates, spline_basis
 from ikplan.timing.jerk.cubic_kernels import times_of
 from ikplan.timing.jerk.cubic_motion import CubicMotion
-from ikplan.timing.jerk.smoothing import JointDemand
+from ikplan.timing.jerk.smoothing import JointSlowdown
 from ikplan.timing.jerk.through_nodes import through_nodes
-from ikplan.timing.jerk.warp_kernels import fastest_warp, spline_basis, warp_rates
+from ikplan.timing.jerk.warp_kernels import fastest_warp
 from ikplan.timing.problem import SpanProblem
 
 __all__ = ["fastest"]
@@ -42,7 +43,11 @@ _GAUSS_WEIGHTS = np.array([5.0, 8.0, 5.0]) / 18.0
 
 
 def fastest(
-    problem: SpanProblem, motion: CubicMotion, build_up: float, demand: JointDemand, check: Check
+    problem: SpanProblem,
+    motion: CubicMotion,
+    build_up: float,
+    slowdown: JointSlowdown,
+    check: Check,
 ) -> CubicMotion:
     """Shorten a motion within its limits, to a local optimum on a grid.
 
@@ -54,7 +59,7 @@ def fastest(
         problem: The path and its limits.
         motion: A motion along it, from rest to rest, not at rest between.
         build_up: About the time in which the jerk limits build up the acceleration limits [s].
-        demand: The limits of the joints.
+        slowdown: The limits of the joints.
         check: Is called before each round, and may end the search by an error of its own.
 
     Returns:
@@ -74,10 +79,10 @@ def fastest(
         tight = np.ones(len(course.s) - 1)
         for _ in range(_TIGHTENINGS):
             check()
-            played = _played(problem, course, demand, tight)
+            played = _played(problem, course, slowdown, tight)
             if played is None:
                 return best
-            excess = demand(played, _POINTS, played.s)
+            excess = slowdown(played, _POINTS, played.s)
             top = float(excess.max())
             if top * played.time[-1] < shortest:
                 best, shortest = played, top * float(played.time[-1])
@@ -158,17 +163,17 @@ def through(time: Array, s: Array, v: Array, a: Array) -> CubicMotion | None:
 
 
 def _played(
-    problem: SpanProblem, course: CubicMotion, demand: JointDemand, tight: Array
+    problem: SpanProblem, course: CubicMotion, slowdown: JointSlowdown, tight: Array
 ) -> CubicMotion | None:
     """Return a motion played as fast as its limits allow; None: none was found."""
-    path, profile = demand.path, demand.profile
+    path, profile = slowdown.path, slowdown.profile
     n, end = len(course.time) - 1, float(course.time[-1])
-    rates, most, up, down, points = warp_rates(
+    rates, most, up, down, points = course_rates(
         path.s_knots,
         path.q_knots,
         path.tangents_start,
         path.tangents_end,
-        demand.third,
+        slowdown.third,
         course.time,
         course.s,
         course.v,

@@ -11,6 +11,7 @@ from ikplan.errors import InvalidRequest, TimingFailed
 from ikplan.joint_path.joint_path import JointPath
 from ikplan.limits.joint_limits import JointLimits
 from ikplan.timing.constraints.constraints import PathConstraint
+from ikplan.timing.engines.compiled_engine import CompiledEngine
 from ikplan.timing.engines.engine import Check, Engine, unlimited
 from ikplan.timing.jerk.jerk import Smoothed, smooth_span
 from ikplan.timing.profile import LimitProfile, SegmentJointLimits
@@ -72,6 +73,8 @@ def time_joint_path(
         limited = np.asarray(np.isfinite(profile.jerk).any(axis=1))
         jumps = path.curvature_jumps()
         path = path.stopping_at(jumps[limited[jumps - 1] | limited[jumps]])
+        # The path speed is where the search begins; it is smoothed anyway.
+        engine = engine or CompiledEngine()
     spans = tuple(
         time_span(
             path,

@@ -15,7 +15,7 @@ __all__ = ["Smoothed", "smooth_span", "smooth_span_alike"]
 
 # The motion to begin with: its window, as a multiple of the time in which the jerk limits build
 # up the acceleration limits, and for how many rounds it is slowed where it exceeds limits.
-_FIRST_WINDOW, _FIRST_ROUNDS = 1.2, 4
+_FIRST_WINDOW, _FIRST_ROUNDS = 1.2, 2
 # Jerk limits hardly matter where the motion takes so many times as long as that.
 _WEAK = 100.0
 
@@ -87,7 +87,7 @@ def smooth_span_alike(problem: SpanProblem, known: Smoothed, check: Check = unli
     if straight is not None and straight[1]:
         return straight[0]
     _, swing = build_up(problem, known.duration)
-    motion = fastest(problem, known.motion, swing, slowdown, check)
+    motion = fastest(problem, known.motion, swing, slowdown, check, regrids=1)
     return Smoothed(within_limits(problem, motion, slowdown), None, None)
 
 

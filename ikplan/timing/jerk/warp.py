@@ -21,7 +21,7 @@ __all__ = ["fastest"]
 Array = NDArray[np.float64]
 
 # Intervals of a motion: at least so many, so many a piece of the path, and at most so many.
-_LEAST, _A_PIECE, _MOST = 100, 8, 6_000
+_LEAST, _A_PIECE, _MOST = 64, 8, 6_000
 # As many as without jerk limits, where the motion takes so many times as long as accelerations
 # take to build up; where it takes less, fewer in proportion.
 _SLOW = 50.0
@@ -29,15 +29,16 @@ _SLOW = 50.0
 _A_SWING, _MOST_BY_SWINGS = 2.0, 1_000
 # Intervals shorter than this share of the mean one are joined with their neighbours.
 _SHORT = 0.02
-# How often a grid is laid, and how often a motion is played on the last one, limits tightened by
-# what is exceeded between the points that are looked at; when that is little enough.
-_REGRIDS, _TIGHTENINGS = 2, 4
-_ENOUGH, _POINTS = 1.001, 6
+# How often a motion is played on the last grid, limits tightened by what is exceeded between the
+# points that are looked at; when that is little enough.
+_TIGHTENINGS = 4
+_ENOUGH, _POINTS = 1.002, 6
 # Factors of the number of intervals tried, where a motion is not to be had on fewer.
 _FINER = (1.0, 2.0, 4.0)
-# Weights of the barrier, an interval, as shares of the duration: the last one is about what is
-# lost by it.
-_FIRST_MU, _AGAIN_MU, _LAST_MU, _SHRINK = 0.1, 3e-3, 1e-4, 0.2
+# Weights of the barrier, an interval, as shares of the duration: the first one for a motion that
+# exceeds limits by much, and for another; the last one, which is about what is lost by it, on a
+# grid that will be laid anew and on the last one.
+_FIRST_MU, _AGAIN_MU, _ROUGH_MU, _LAST_MU, _SHRINK = 0.1, 3e-3, 1e-3, 1e-4, 0.1
 _GAUSS = np.array([0.5 - np.sqrt(0.15), 0.5, 0.5 + np.sqrt(0.15)])
 _GAUSS_WEIGHTS = np.array([5.0, 8.0, 5.0]) / 18.0
 
@@ -48,6 +49,7 @@ def fastest(
     build_up: float,
     slowdown: JointSlowdown,
     check: Check,
+    regrids: int = 2,
 ) -> CubicMotion:
     """Shorten a motion within its limits, to a local optimum on a grid.
 
@@ -61,6 +63,8 @@ def fastest(
         build_up: About the time in which the jerk limits build up the acceleration limits [s].
         slowdown: The limits of the joints.
         check: Is called before each round, and may end the search by an error of its own.
+        regrids: How often a grid is laid, at least once; a motion that is nearly optimal needs
+            one.
 
     Returns:
         The motion, which may exceed limits by a little.
@@ -71,15 +75,15 @@ def fastest(
     least = max(_LEAST, min(_A_SWING * swings, _MOST_BY_SWINGS))
     count = min(max(least, min(swings / _SLOW, 1.0) * len(problem.h)), _MOST)
     best, shortest = motion, np.inf
-    for k in range(_REGRIDS):
-        check()
-        course = _course(path, motion, count, even=k == 0)
+    for k in range(regrids):
+        last = k == regrids - 1
+        course = _course(path, motion, count, even=not last)
         if course is None:
             return best
         tight = np.ones(len(course.s) - 1)
         for _ in range(_TIGHTENINGS):
             check()
-            played = _played(problem, course, slowdown, tight)
+            played = _played(problem, course, slowdown, tight, _LAST_MU if last else _ROUGH_MU)
             if played is None:
                 return best
             excess = slowdown(played, _POINTS, played.s)
@@ -87,7 +91,7 @@ def fastest(
             if top * played.time[-1] < shortest:
                 best, shortest = played, top * float(played.time[-1])
             course = motion = played
-            if k < _REGRIDS - 1 or top <= _ENOUGH:
+            if not last or top <= _ENOUGH:
                 break
             tight *= np.maximum(excess, 1.0)
     return best
@@ -163,7 +167,7 @@ def through(time: Array, s: Array, v: Array, a: Array) -> CubicMotion | None:
 
 
 def _played(
-    problem: SpanProblem, course: CubicMotion, slowdown: JointSlowdown, tight: Array
+    problem: SpanProblem, course: CubicMotion, slowdown: JointSlowdown, tight: Array, last_mu: float
 ) -> CubicMotion | None:
     """Return a motion played as fast as its limits allow; None: none was found."""
     path, profile = slowdown.path, slowdown.profile
@@ -197,7 +201,7 @@ def _played(
         down * square[..., None],
         rows_b * square[..., None],
         rows_d * square[..., None] / end,
-        (_FIRST_MU / n, _AGAIN_MU / n, _LAST_MU / n),
+        (_FIRST_MU / n, _AGAIN_MU / n, last_mu / n),
         _SHRINK,
     )
     if not c.any():

@@ -8,9 +8,7 @@ from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
-
+from ikplan.arrays import Flags
 from ikplan.errors import BudgetExceeded
 
 __all__ = ["Progress", "SearchCut", "TimeBudget"]
@@ -54,19 +52,19 @@ class TimeBudget:
         self._stage = name
         self.check()
         self._waypoints = 0
-        self.advance(0)
+        self.report(0)
         begin = time.perf_counter()
         try:
             yield
         finally:
             self.seconds[name] = self.seconds.get(name, 0.0) + time.perf_counter() - begin
 
-    def expect(self, waypoints: int) -> None:
+    def set_total(self, waypoints: int) -> None:
         """Tell how many waypoints there are to do."""
         self._waypoints = waypoints
-        self.advance(0)
+        self.report(0)
 
-    def advance(self, done: int) -> None:
+    def report(self, done: int) -> None:
         """Tell how many waypoints the stage has done."""
         if self._progress is not None:
             self._progress(self._stage, done, self._waypoints)
@@ -83,7 +81,7 @@ class TimeBudget:
             raise self._exceeded()
 
     @contextmanager
-    def cutting(self, cut: NDArray[np.bool_], evaluations: int) -> Iterator[None]:
+    def cutting(self, cut: Flags, evaluations: int) -> Iterator[None]:
         """End long searches when the budget has run out.
 
         Args:

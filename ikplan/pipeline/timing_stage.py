@@ -11,7 +11,7 @@ import numpy as np
 import pinocchio as pin
 
 from ikplan.documents.limits import LimitOptions, SamplingOptions
-from ikplan.documents.timing_report import BindingLimit, PathMotion, TimingReport, WiderLimit
+from ikplan.documents.timing_report import BindingLimit, MotionPolynomials, TimingReport, WiderLimit
 from ikplan.documents.trajectory import Trajectory
 from ikplan.joint_path import JointPath
 from ikplan.limits import JointLimits
@@ -62,7 +62,7 @@ class Timing:
     timed: TimedPath
     samples: Samples
     trajectory: Trajectory
-    motion: PathMotion | None
+    motion: MotionPolynomials | None
     report: TimingReport
 
 
@@ -230,9 +230,9 @@ def _report(
     )
 
 
-def _motion(timed: TimedPath) -> PathMotion:
+def _motion(timed: TimedPath) -> MotionPolynomials:
     path = timed.path
-    return PathMotion(
+    return MotionPolynomials(
         s_knots=path.s_knots,
         q_knots=path.q_knots,
         tangents_start=path.tangents_start,

@@ -4,9 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import numpy as np
-from numpy.typing import NDArray
-
+from ikplan.arrays import Array
 from ikplan.documents.plan_request import IkOptions, PathRequest
 from ikplan.ik.solve import PoseSolver
 from ikplan.kinematics.target import Target
@@ -15,8 +13,6 @@ from ikplan.robots import Robot
 from ikplan.time_budget import TimeBudget
 
 __all__ = ["JointPathProblem", "JointRoute", "RouteSegment", "RouteWaypoint"]
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -32,8 +28,8 @@ class JointPathProblem:
         start_free: Whether the path may begin anywhere.
         limits: Position limits.
         clock: The time budget.
-        brief: Whether a refusal may leave out why: what holds the arm takes longer to find out
-            than that it is held.
+        explain: Whether a refusal says why: what holds the arm takes longer to find out than
+            that it is held.
     """
 
     robot: Robot
@@ -44,7 +40,7 @@ class JointPathProblem:
     start_free: bool
     limits: JointLimits
     clock: TimeBudget
-    brief: bool = False
+    explain: bool = True
 
 
 @dataclass(frozen=True)

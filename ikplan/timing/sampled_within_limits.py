@@ -6,8 +6,8 @@ import math
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ikplan.arrays import Array, Indices
 from ikplan.timing.constraints.constraints import PathConstraint
 from ikplan.timing.engines.engine import Check, unlimited
 from ikplan.timing.sampling import Samples, on_grid, sample, with_nodes
@@ -15,8 +15,6 @@ from ikplan.timing.timed_path import TimedPath
 
 __all__ = ["sampled_within_limits"]
 
-Array = NDArray[np.float64]
-Indices = NDArray[np.int64]
 
 # What a motion is slowed by beyond its ratio, ten times more each time: what exceeds a limit at
 # one rate of samples need not be what exceeds it at the next.
@@ -110,7 +108,7 @@ def _joint_ratio(timed: TimedPath, samples: Samples) -> float:
 def _pieces_at(timed: TimedPath, time: Array) -> tuple[Indices, Indices]:
     """Return the pieces of the path just before and just after times, shape (m,) each."""
     jerk = timed.jerk_limited
-    at = timed.places_at(time) if jerk else time
+    at = timed.positions_at(time) if jerk else time
     ends = timed.path.s_knots if jerk else timed.node_times
     edge = _EDGE * float(ends[-1])
     before, after = (

@@ -6,19 +6,16 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ikplan.arrays import Array, Flags, Indices
 from ikplan.certificate.requested.pieces import BendPiece, CurvePiece, Piece, line
 from ikplan.certificate.requested.rotations import exp
 
-__all__ = ["Places", "RequestedPath", "SegmentRange"]
-
-Array = NDArray[np.float64]
-Index = NDArray[np.int64]
+__all__ = ["PathDerivatives", "RequestedPath", "SegmentRange"]
 
 
 @dataclass(frozen=True, eq=False)
-class Places:
+class PathDerivatives:
     """Poses of a path and their derivatives by its length.
 
     Attributes:
@@ -78,12 +75,12 @@ class RequestedPath:
         return float(self.begins[-1])
 
     @cached_property
-    def oriented(self) -> NDArray[np.bool_]:
+    def oriented(self) -> Flags:
         """Whether each piece asks for an orientation, shape (n,)."""
         return np.array([piece.oriented for piece in self.pieces])
 
     @cached_property
-    def spots(self) -> NDArray[np.bool_]:
+    def spots(self) -> Flags:
         """Whether each piece is a turn on the spot, shape (n,)."""
         return np.array([piece.spot for piece in self.pieces])
 
@@ -105,7 +102,7 @@ class RequestedPath:
         )
 
     @cached_property
-    def _curved(self) -> NDArray[np.bool_]:
+    def _curved(self) -> Flags:
         return np.array([isinstance(piece, CurvePiece) for piece in self.pieces])
 
     @cached_property
@@ -119,21 +116,23 @@ class RequestedPath:
         return np.sort(np.concatenate([self.begins, *inner]))
 
     @cached_property
-    def curved_and_oriented(self) -> NDArray[np.bool_]:
+    def curved_and_oriented(self) -> Flags:
         """Whether each piece is a curve without closed arc length that turns the tool, (n,)."""
         return self._curved & self.oriented
 
-    def piece_at(self, s: Array) -> Index:
+    def piece_at(self, s: Array) -> Indices:
         """Return the piece at path lengths s, shape (m,); where two meet, the later one."""
         return np.clip(np.searchsorted(self.begins, s, "right") - 1, 0, len(self.pieces) - 1)
 
-    def places(self, piece: Index, s: Array) -> Places:
+    def derivatives(self, piece: Indices, s: Array) -> PathDerivatives:
         """Return poses and derivatives at lengths s from the begins of pieces, both (m,) [m]."""
         curved = self._curved[piece]
         if not curved.any():
             return self._on_bends(piece, s)
         m = len(s)
-        out = Places(np.empty((m, 3, 3)), np.empty((m, 3)), np.empty((m, 3)), np.zeros((m, 3)))
+        out = PathDerivatives(
+            np.empty((m, 3, 3)), np.empty((m, 3)), np.empty((m, 3)), np.zeros((m, 3))
+        )
         groups = [np.flatnonzero(piece == k) for k in np.unique(piece[curved])]
         if not curved.all():
             groups.append(np.flatnonzero(~curved))
@@ -145,7 +144,7 @@ class RequestedPath:
             out.v[here], out.w[here] = found.v, found.w
         return out
 
-    def _on_bends(self, piece: Index, s: Array) -> Places:
+    def _on_bends(self, piece: Indices, s: Array) -> PathDerivatives:
         p0, t, n, c, h, k, R0, w = (stack[piece] for stack in self._bends)
         half = 0.5 * k * s
         chord = h * s * np.sinc(half / np.pi)
@@ -157,12 +156,12 @@ class RequestedPath:
         )
         v = (h * np.cos(k * s))[:, None] * t + (h * np.sin(k * s))[:, None] * n + c
         if not w.any():
-            return Places(R0, p, v, np.zeros_like(p))
+            return PathDerivatives(R0, p, v, np.zeros_like(p))
         R = R0 @ exp(s[:, None] * w)
-        return Places(R, p, v, (R @ w[:, :, None])[:, :, 0])
+        return PathDerivatives(R, p, v, (R @ w[:, :, None])[:, :, 0])
 
-    def _on_curve(self, k: int, s: Array) -> Places:
+    def _on_curve(self, k: int, s: Array) -> PathDerivatives:
         piece = self.pieces[k]
         if not isinstance(piece, CurvePiece):
             raise TypeError(f"piece {k} is no curve")
-        return Places(*piece.places(s))
+        return PathDerivatives(*piece.derivatives(s))

@@ -6,15 +6,14 @@ import math
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ikplan.arrays import Array
 from ikplan.certificate.requested.arc_length import ArcLength
 from ikplan.certificate.requested.rotations import exp
 from ikplan.certificate.requested.turning import EvenTurn, HeadingTurn, Turning
 
 __all__ = ["TURN_LENGTH", "BendPiece", "CurvePiece", "End", "Piece", "helix", "line"]
 
-Array = NDArray[np.float64]
 
 TURN_LENGTH = 0.3
 """Length that a radian of a turn on the spot counts for [m/rad]; only to tell places apart."""
@@ -130,7 +129,7 @@ class CurvePiece:
         """Whether an orientation is asked for."""
         return self.law is not None
 
-    def places(self, s: Array) -> tuple[Array, Array, Array, Array]:
+    def derivatives(self, s: Array) -> tuple[Array, Array, Array, Array]:
         """Return the piece at lengths s, shape (m,) [m].
 
         Returns:
@@ -155,7 +154,7 @@ class CurvePiece:
 
     def end(self, s: float) -> End:
         """Return what the piece does at length s [m]."""
-        R, p, v, w = (found[0] for found in self.places(np.array([s])))
+        R, p, v, w = (found[0] for found in self.derivatives(np.array([s])))
         t = self.arc.parameter(np.array([self.begin + s]))
         _, first, second = (d[0] for d in self.arc.curve.derivatives(t))
         bend = (second - float(v @ second) * v) / float(first @ first)

@@ -5,14 +5,14 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ikplan.arrays import Array
 from ikplan.documents.curve import CurveSegment
 from ikplan.documents.segment import ArcSegment, EndOrientation, LineSegment, OrientationRule
 from ikplan.errors import InvalidRequest
 from ikplan.path.build.assembly import assemble
 from ikplan.path.build.items import ItemWaypoint, PathItem
-from ikplan.path.build.orientation_lead_in import lead_to_orientations
+from ikplan.path.build.orientation_lead_in import lead_in_orientations
 from ikplan.path.build.path_frame import PathFrame
 from ikplan.path.build.spline_items import spline_items
 from ikplan.path.coincidence import COINCIDENT, joined
@@ -26,7 +26,6 @@ from ikplan.path.tool_path import ToolPath
 
 __all__ = ["PathBuilder"]
 
-Array = NDArray[np.float64]
 
 _AXES = {"tool_x": 0, "tool_y": 1, "tool_z": 2}
 
@@ -208,7 +207,7 @@ class PathBuilder:
             InvalidRequest: A corner cannot be blended, or a free part leads to an orientation
                 180 degrees away.
         """
-        items = lead_to_orientations(self._items, self._begin, self._first_name, self._free_axis)
+        items = lead_in_orientations(self._items, self._begin, self._first_name, self._free_axis)
         return assemble(self._begin, self._first, items, self._blend)
 
     def _turn_to(

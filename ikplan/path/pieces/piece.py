@@ -6,11 +6,11 @@ from abc import ABC, abstractmethod
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-__all__ = ["TURN_LENGTH", "Motion", "Piece", "Pose", "dot", "unit"]
+from ikplan.arrays import Array
 
-Array = NDArray[np.float64]
+__all__ = ["TURN_LENGTH", "PathDerivatives", "Piece", "Pose", "dot", "unit"]
+
 
 TURN_LENGTH = 0.3
 """Path length that one radian of a turn on the spot counts for [m/rad]."""
@@ -28,7 +28,7 @@ class Pose(NamedTuple):
     p: Array
 
 
-class Motion(NamedTuple):
+class PathDerivatives(NamedTuple):
     """Poses of a path and their derivatives by the path length s, all in the robot's base.
 
     Attributes:
@@ -62,7 +62,7 @@ class Piece(ABC):
     folds: tuple[float, ...]
 
     @abstractmethod
-    def evaluate(self, s: Array) -> Motion:
+    def evaluate(self, s: Array) -> PathDerivatives:
         """Return poses and derivatives at the lengths s from the piece's begin, shape (m,) [m]."""
 
     @abstractmethod

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ikplan.arrays import Array
 from ikplan.errors import Disconnected, Unreachable
 from ikplan.ik.solve import NoSolution, PoseSolver, unreachable
 from ikplan.path import ToolPath
@@ -16,7 +16,6 @@ from ikplan.robots import Robot
 
 __all__ = ["explain_tracking_failure"]
 
-Array = NDArray[np.float64]
 
 _NEXT = 2e-4
 """How far along the path the next motion is reported, at most [m]."""
@@ -51,7 +50,7 @@ def explain_tracking_failure(
         solver.solve(target, failure.q)
     except NoSolution as verdict:
         subject = f"waypoint {after} (the path to it is feasible for {where})"
-        return unreachable(robot, verdict.miss, after, subject, target)
+        return unreachable(robot, verdict.closest, after, subject, target)
     ahead = [failure.s + share * path.length for share in _PROBES]
     ahead = [s for s in ahead if s < path.length] or [path.length]
     others = [] if failure.beyond is None else [failure.beyond]
@@ -61,7 +60,7 @@ def explain_tracking_failure(
             solution = solver.solve(target, failure.q).q[0]
         except NoSolution as verdict:
             subject = f"the path to waypoint {after}, from {where} on,"
-            return unreachable(robot, verdict.miss, after, subject, target)
+            return unreachable(robot, verdict.closest, after, subject, target)
         if failure.beyond is None:
             others.append(solution)
     # The nearest solutions ahead may still be of this branch, which ends a little later.

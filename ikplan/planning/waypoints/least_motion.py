@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
+from ikplan.arrays import Array
 from ikplan.kinematics.target import Target
 from ikplan.planning.ladder.ik_candidates import IkCandidates, Targets
 from ikplan.planning.ladder.shortest_sequences import ik_candidates, shortened_sequences
 from ikplan.planning.waypoints.waypoint_ik import solve_waypoint
 from ikplan.planning.waypoints.waypoint_problem import (
-    Array,
     SelectedConfigurations,
     WaypointProblem,
 )
@@ -73,7 +73,7 @@ def _metaheuristic_seeds(problem: WaypointProblem, lower: Array, upper: Array) -
     rows, evaluations, q_s = [], 0, problem.q_start
     for k, target in enumerate(problem.targets):
         problem.clock.check()
-        problem.clock.advance(problem.first_row + k)
+        problem.clock.report(problem.first_row + k)
         seeds, spent = searcher.seeds(target, q_s, lower, upper)
         rows.append(seeds)
         evaluations += spent

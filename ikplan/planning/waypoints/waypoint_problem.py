@@ -4,9 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import numpy as np
-from numpy.typing import NDArray
-
+from ikplan.arrays import Array
 from ikplan.documents.plan_request import Tolerance
 from ikplan.ik.solve import PoseSolver
 from ikplan.kinematics.target import Target
@@ -14,8 +12,6 @@ from ikplan.robots import Robot
 from ikplan.time_budget import TimeBudget
 
 __all__ = ["SelectedConfigurations", "WaypointProblem"]
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -31,7 +27,7 @@ class WaypointProblem:
         tolerance: Deviation allowed where a target cannot be met exactly.
         clock: The time budget.
         first_row: Number of the first target among the waypoints of the path.
-        brief: Whether a refusal may name the first waypoint out of reach only.
+        explain: Whether a refusal names every waypoint out of reach; else the first only.
     """
 
     robot: Robot
@@ -42,7 +38,7 @@ class WaypointProblem:
     tolerance: Tolerance
     clock: TimeBudget
     first_row: int = 0
-    brief: bool = False
+    explain: bool = True
 
 
 @dataclass(frozen=True)

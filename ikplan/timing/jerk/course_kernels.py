@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ikplan._jit import kernel
+from ikplan.arrays import Array
 from ikplan.joint_path.evaluation import _piece, interval_of
 from ikplan.timing.jerk.cubic_kernels import path_position
 
 __all__ = ["FIRST", "course_rates", "spline_basis"]
-
-Array = NDArray[np.float64]
 
 # Where in an interval limits are looked at: the nodes of Gauss, at which means are exact.
 FIRST = 0.5 - 0.5 / np.sqrt(3.0)

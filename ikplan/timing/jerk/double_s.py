@@ -5,13 +5,10 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ikplan.timing.jerk.cubic_motion import CubicMotion
 
 __all__ = ["double_s", "double_s_duration"]
-
-Array = NDArray[np.float64]
 
 
 def double_s(

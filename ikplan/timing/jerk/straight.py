@@ -3,15 +3,12 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ikplan.timing.jerk.cubic_motion import CubicMotion
 from ikplan.timing.jerk.double_s import double_s
 from ikplan.timing.problem import SpanProblem
 
 __all__ = ["straight_motion"]
-
-Array = NDArray[np.float64]
 
 # How far tangents may be from one direction, as a share of the greatest; rounding is below it.
 _STRAIGHT = 1e-9

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ikplan.arrays import Array
 from ikplan.joint_path.joint_path import JointPath
 from ikplan.timing.constraints.constraints import PathPoints
 from ikplan.timing.engines.engine import Check
@@ -17,8 +17,6 @@ from ikplan.timing.jerk.warp_kernels import fastest_warp
 from ikplan.timing.problem import SpanProblem
 
 __all__ = ["fastest"]
-
-Array = NDArray[np.float64]
 
 # Intervals of a motion: at least so many, so many a piece of the path, and at most so many.
 _LEAST, _A_PIECE, _MOST = 64, 8, 6_000

@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ikplan._jit import kernel
+from ikplan.arrays import Array
 from ikplan.timing.jerk.course_kernels import FIRST, spline_basis
 
 __all__ = ["fastest_warp"]
-
-Array = NDArray[np.float64]
 
 _MAX_STEPS = 40
 _HALVINGS = 30

@@ -13,6 +13,7 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from benchmarks.timing.further import steady_study, tool_study, torque_study
+from benchmarks.timing.moves import moves_study
 from benchmarks.timing.paths import KINDS, random_limits, random_waypoints
 from benchmarks.timing.reference import toppra_duration
 from ikplan.errors import TimingFailed
@@ -192,6 +193,9 @@ def main() -> None:
     parser.add_argument("--wild", type=int, default=2000, help="paths of every kind")
     parser.add_argument("--jerk", type=int, default=60, help="paths timed under jerk limits")
     parser.add_argument(
+        "--moves", type=int, default=1000, help="straight moves timed under jerk limits"
+    )
+    parser.add_argument(
         "--further", type=int, default=20, help="paths a robot under torque and tool limits"
     )
     parser.add_argument(
@@ -211,6 +215,10 @@ def main() -> None:
         print("the first of the paths over six robots, under jerk limits")
         for multiple in (5.0, 20.0, 100.0):
             jerk_study(robot_cases(options.jerk), multiple)
+    if options.moves:
+        print("random straight moves, under jerk limits")
+        for joints in (1, 4):
+            moves_study(options.moves, joints)
     if options.further:
         print("torque limits at half of what the free motion takes beyond gravity")
         torque_study(options.further)

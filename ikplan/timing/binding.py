@@ -201,7 +201,7 @@ def _jerk_limited_ratios(
     s = timed.s[:-1] + half * (v + half * (0.5 * a + half * jerk / 6.0))
     x, u = np.square(v + half * (a + 0.5 * half * jerk)), a + half * jerk
     found = []
-    for constraint in timed.spans[0].problem.constraints:
+    for constraint in dict.fromkeys(c for x in timed.spans for c in x.problem.constraints):
         inside = np.flatnonzero((s > constraint.start) & (s < constraint.end))
         if len(inside):
             points = PathPoints(s[inside], *path.derivatives(s[inside]), path.length)
@@ -225,7 +225,7 @@ def what_if(
 
     The path speed is solved again on the same grid, before and after the change, and the duration
     scaled by the ratio: what the grid costs is not mistaken for what the limit brings. A
-    jerk-limited motion is smoothed again only in the way that was best for it; another one might
+    jerk-limited motion is timed again only in the way that was best for it; another one might
     bring a little more.
 
     Args:
@@ -246,13 +246,16 @@ def what_if(
         raise InvalidRequest(
             f"factor must be positive, not {factor!r}", field="factor", allowed="a positive number"
         )
+    _check_label(timed, (limit, joint))
     before = after = 0.0
     for k, span in enumerate(timed.spans):
         changed = _changed(span.problem, (limit, joint), factor)
         known = timed.smoothed[k] if timed.jerk_limited else None
         mine = known.duration if known is not None else _duration(span.problem)
         try:
-            if known is None:
+            if changed is span.problem:
+                new = mine
+            elif known is None:
                 new = _duration(changed, check)
             else:
                 new = smooth_span_alike(changed, known, check).duration
@@ -286,24 +289,31 @@ def _duration(problem: SpanProblem, check: Check = unlimited) -> float:
     return float(problem.times(x).sum())
 
 
-def _changed(problem: SpanProblem, label: Label, factor: float) -> SpanProblem:
-    limit, joint = label
-    profile: LimitProfile = problem.profile
-    constraints = problem.constraints
-    labels: list[Label] = [
-        (k, n) for k in ("velocity", "acceleration") for n in profile.joint_names
-    ]
-    if np.isfinite(profile.jerk).any():
-        labels += [("jerk", name) for name in profile.joint_names]
-    for constraint in constraints:
-        labels += constraint.labels
-    if label not in labels:
+def _check_label(timed: TimedPath, label: Label) -> None:
+    """Refuse a limit that a motion does not have."""
+    labels: dict[Label, None] = {}
+    for span in timed.spans:
+        problem = span.problem
+        labels |= dict.fromkeys(_joint_labels(problem.profile))
+        if np.isfinite(problem.profile.jerk).any():
+            labels |= dict.fromkeys(("jerk", name) for name in problem.profile.joint_names)
+    for span in timed.spans:
+        labels |= dict.fromkeys(x for c in span.problem.constraints for x in c.labels)
+    if timed.spans and label not in labels:
+        limit, joint = label
         raise InvalidRequest(
             f"this motion has no limit {limit!r} of joint {joint!r}",
             field="limit",
-            allowed=[f"{k} {n}" if n else k for k, n in dict.fromkeys(labels)],
+            allowed=[f"{k} {n}" if n else k for k, n in labels],
         )
+
+
+def _changed(problem: SpanProblem, label: Label, factor: float) -> SpanProblem:
+    """Return a problem with one limit multiplied; itself where it has no such limit."""
+    limit, joint = label
     if limit in ("velocity", "acceleration", "jerk"):
-        joint_index = profile.joint_names.index(str(joint))
-        return problem.within(profile.scaled(limit, joint_index, factor))
-    return problem.under(tuple(constraint.scaled(label, factor) for constraint in constraints))
+        profile = problem.profile
+        return problem.within(profile.scaled(limit, profile.joint_names.index(str(joint)), factor))
+    if not any(label in constraint.labels for constraint in problem.constraints):
+        return problem
+    return problem.under(tuple(c.scaled(label, factor) for c in problem.constraints))

@@ -11,6 +11,7 @@ from ikplan.errors import InvalidRequest, TimingFailed
 from ikplan.joint_path.joint_path import JointPath
 from ikplan.limits.joint_limits import JointLimits
 from ikplan.timing.constraints.constraints import PathConstraint
+from ikplan.timing.engines.compiled_engine import CompiledEngine
 from ikplan.timing.engines.engine import Check, Engine, unlimited
 from ikplan.timing.jerk.jerk import Smoothed, smooth_span
 from ikplan.timing.profile import LimitProfile, SegmentJointLimits
@@ -72,13 +73,15 @@ def time_joint_path(
         limited = np.asarray(np.isfinite(profile.jerk).any(axis=1))
         jumps = path.curvature_jumps()
         path = path.stopping_at(jumps[limited[jumps - 1] | limited[jumps]])
+        # The path speed is where the search begins; it is smoothed anyway.
+        engine = engine or CompiledEngine()
     spans = tuple(
         time_span(
             path,
             first,
             last,
             profile,
-            constraints,
+            _within(constraints, *path.s_knots[[first, last]]),
             engine,
             steady=not jerk_limited,
             check=check,
@@ -98,6 +101,13 @@ def time_joint_path(
         node_times=np.concatenate([[0.0], np.cumsum(dt)]),
         spans=spans,
     )
+
+
+def _within(
+    constraints: Sequence[PathConstraint], start: float, end: float
+) -> tuple[PathConstraint, ...]:
+    """Return the constraints that hold anywhere between two places."""
+    return tuple(c for c in constraints if c.start < end and c.end > start)
 
 
 def _joined(

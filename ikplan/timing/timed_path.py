@@ -56,8 +56,11 @@ class TimedPath:
 
     @property
     def unlimited_duration(self) -> float:
-        """Duration that the same limits allow without those of the jerk [s]."""
-        return float(sum(span.dt.sum() for span in self.spans))
+        """Duration that the same limits allow without those of the jerk [s].
+
+        It is found on a grid, and no more than that of this motion, which keeps them too.
+        """
+        return min(float(sum(span.dt.sum() for span in self.spans)), self.duration)
 
     @property
     def times(self) -> Array:

@@ -93,10 +93,11 @@ def test_the_price_of_a_jerk_limit_is_told_and_grows_as_it_tightens() -> None:
     durations = []
     for multiple in (1000.0, 30.0, 5.0):
         timed = time_joint_path(path, with_jerk(limits, multiple))
-        assert timed.unlimited_duration == pytest.approx(free, rel=1e-9)
+        assert timed.unlimited_duration == pytest.approx(min(free, timed.duration), rel=1e-9)
         durations.append(timed.duration)
-    assert free < durations[0] < durations[1] < durations[2]
-    assert durations[0] < 1.01 * free
+    # The free motion is on a coarser grid, which may cost it 0.3 %.
+    assert 0.997 * free < durations[0] < durations[1] < durations[2]
+    assert durations[0] < 1.002 * free
 
 
 def test_the_geometric_path_is_kept_exactly() -> None:
@@ -119,7 +120,7 @@ def test_a_short_move_is_near_the_closed_form_of_the_jerk_limit(distance: float)
     limits = JointLimits([-9], [9], [9.0], [900.0], ("j",), jerk=[50.0])  # type: ignore[arg-type]
     timed = time_joint_path(JointPath.through([[0.0], [distance]], limits), limits)
     best = np.cbrt(32.0 * distance / 50.0)
-    assert best <= timed.duration <= 1.02 * best
+    assert best <= timed.duration <= (1.0 + 1e-7) * best
 
 
 def test_a_bent_spline_stops_where_its_curvature_steps() -> None:

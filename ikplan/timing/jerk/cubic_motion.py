@@ -10,6 +10,9 @@ from ikplan.arrays import Array
 
 __all__ = ["CubicMotion"]
 
+# Nodes nearer than this share of the duration have a jerk between them that is made of rounding.
+_APART = 1e-9
+
 
 @dataclass(frozen=True, eq=False)
 class CubicMotion:
@@ -39,8 +42,11 @@ class CubicMotion:
         return s, v, a
 
     def divided(self, times: Array) -> CubicMotion:
-        """Return the same motion with more nodes, at given times."""
-        more = np.setdiff1d(times[(times > 0.0) & (times < self.time[-1])], self.time)
+        """Return the same motion with more nodes, at given times; none all but at another."""
+        more = np.unique(times)
+        after = np.clip(np.searchsorted(self.time, more), 1, len(self.time) - 1)
+        room = np.minimum(more - self.time[after - 1], self.time[after] - more)
+        more = more[room > _APART * self.time[-1]]
         s, v, a = self.at(more)
         at = np.searchsorted(self.time, more, side="right")
         return CubicMotion(

@@ -16,6 +16,7 @@ from ikplan_api.settings import Settings, load_settings
 from .bad_requests import GOOD
 
 JSON = {"content-type": "application/json"}
+TYPE = [(b"content-type", b"application/json")]
 
 
 def post(http: httpx.Client, path: str, document: object) -> httpx.Response:
@@ -180,7 +181,7 @@ def raw_exchange(headers: list[tuple[bytes, bytes]], chunk: bytes) -> tuple[int,
 
     scope = {
         "type": "http", "method": "POST", "path": "/v1/plans", "raw_path": b"/v1/plans",
-        "query_string": b"", "headers": [(b"content-type", b"application/json"), *headers],
+        "query_string": b"", "headers": [(b"host", b"localhost"), *TYPE, *headers],
         "http_version": "1.1", "scheme": "http", "server": ("test", 80), "client": ("test", 1),
         "root_path": "",
     }  # fmt: skip

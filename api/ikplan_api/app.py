@@ -12,6 +12,7 @@ from typing import Any
 from fastapi import FastAPI
 
 import ikplan
+from ikplan_api.connections.registry import ConnectionLimits, Connections, most_open
 from ikplan_api.http import openapi, problems
 from ikplan_api.jobs.plan_jobs import PlanJobs
 from ikplan_api.jobs.shutdown import Shutdown
@@ -80,7 +81,8 @@ def create_app(
         memory_bytes=settings.worker_memory_bytes,
         grace_s=settings.grace_s,
     )
-    app.state.metrics = Metrics(planner)
+    app.state.connections = Connections(_connection_limits(settings))
+    app.state.metrics = Metrics(planner, app.state.connections)
     app.state.planner = InstrumentedPlanner(planner, app.state.metrics)
     app.state.store = store or _store(settings)
     app.state.plan_jobs = PlanJobs(app.state.planner, app.state.store, settings.max_budget_s)
@@ -93,6 +95,18 @@ def create_app(
     openapi.install(app)
     install_middleware(app, settings, app.state.metrics)
     return app
+
+
+def _connection_limits(settings: Settings) -> ConnectionLimits:
+    most = most_open(settings.max_connections, settings.worker_count)
+    # One address leaves a quarter to the others.
+    by_address = min(settings.max_connections_per_address, most - most // 4)
+    return ConnectionLimits(
+        settings.header_s,
+        settings.body_s,
+        most=most,
+        most_per_address=by_address,
+    )
 
 
 def _store(settings: Settings) -> SqlitePlanStore:
@@ -126,8 +140,9 @@ async def _lifespan(app: FastAPI) -> AsyncIterator[dict[str, Any]]:
     warming = asyncio.create_task(planner.warm_up())
     warming.add_done_callback(_report)
     try:
-        # The server calls it as soon as a shutdown is requested.
-        yield {"stop": shutdown.begin}
+        # The server calls the first as soon as a shutdown is requested; its protocol keeps to the
+        # bounds of the second.
+        yield {"stop": shutdown.begin, "connections": app.state.connections}
     finally:
         warming.cancel()
         await shutdown.drain()

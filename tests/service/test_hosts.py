@@ -11,8 +11,8 @@ from hypothesis import strategies as st
 from ikplan import InvalidRequest
 from ikplan.client.api_keys import key_hash, new_key
 from ikplan_api.app import create_app
+from ikplan_api.http.security_headers import SECURITY_HEADERS
 from ikplan_api.middleware.hosts import host_name
-from ikplan_api.middleware.security_headers import SECURITY_HEADERS
 from ikplan_api.settings import Settings, load_settings
 
 from .test_access import KEY, KEYS, Idle, ask, bearer

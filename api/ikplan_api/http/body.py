@@ -6,9 +6,11 @@ from collections.abc import Sequence
 from email.message import Message
 
 from fastapi import Request
+from starlette.requests import ClientDisconnect
 
 from ikplan.documents.json_text import shortened
 from ikplan.errors import InvalidRequest
+from ikplan_api.http.disconnect import ClientGone
 from ikplan_api.http.problems import Refusal
 
 __all__ = ["media_type_of", "read_body", "read_json_body"]
@@ -39,6 +41,7 @@ async def read_body(request: Request, accepted: Sequence[str], limit: int) -> by
         limit: Longest body [bytes].
 
     Raises:
+        ClientGone: The client disconnected, or sent too slowly.
         Refusal: 415, another media type, a content encoding or a charset other than UTF-8; 413,
             the body is too long. It is raised as soon as the limit is exceeded, not after the
             whole body.
@@ -60,10 +63,13 @@ async def read_body(request: Request, accepted: Sequence[str], limit: int) -> by
     if announced.isdecimal() and int(announced[:20]) > limit:
         raise _too_long(limit)
     body = bytearray()
-    async for chunk in request.stream():
-        body += chunk
-        if len(body) > limit:
-            raise _too_long(limit)
+    try:
+        async for chunk in request.stream():
+            body += chunk
+            if len(body) > limit:
+                raise _too_long(limit)
+    except ClientDisconnect as error:
+        raise ClientGone from error
     return bytes(body)
 
 

@@ -125,9 +125,10 @@ async def _on_refusal(request: Request, error: Exception) -> Response:
     return error_response(request, error.error, error.status, error.headers)
 
 
-async def _on_client_gone(_: Request, error: Exception) -> Response:
+async def _on_client_gone(request: Request, error: Exception) -> Response:
     assert isinstance(error, ClientGone)
-    return Response(status_code=499)  # for the log only: the client is gone
+    # For the log only: the client is gone, or the server gave it up with a status of its own.
+    return Response(status_code=request.scope.get("state", {}).get("given_up", 499))
 
 
 async def _on_validation_error(request: Request, error: Exception) -> Response:

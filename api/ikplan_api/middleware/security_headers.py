@@ -5,20 +5,9 @@ from __future__ import annotations
 from starlette.datastructures import MutableHeaders
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
-__all__ = ["SECURITY_HEADERS", "SecurityHeadersMiddleware"]
+from ikplan_api.http.security_headers import SECURITY_HEADERS
 
-SECURITY_HEADERS = {
-    # Plans, robots and their problems are the caller's: no cache keeps what does not say so.
-    "cache-control": "private, no-store",
-    "x-content-type-options": "nosniff",
-    "x-frame-options": "DENY",
-    "referrer-policy": "no-referrer",
-    "cross-origin-opener-policy": "same-origin",
-    "cross-origin-resource-policy": "same-origin",
-    "permissions-policy": "camera=(), geolocation=(), microphone=()",
-    # For responses without a policy of their own: data that loads and runs nothing.
-    "content-security-policy": "default-src 'none'; frame-ancestors 'none'",
-}
+__all__ = ["SecurityHeadersMiddleware"]
 
 
 class SecurityHeadersMiddleware:

@@ -63,6 +63,24 @@ class Settings(AccessSettings):
         le=3600,
         description="Time for plans in progress to finish during a shutdown [s].",
     )
+    header_s: float = Field(
+        10.0, gt=0, le=600, description="Time for a client to send the header of a request [s]."
+    )
+    body_s: float = Field(
+        30.0,
+        gt=0,
+        le=3600,
+        description="Time for a client to send a body [s]; longer at 16 KiB/s or more.",
+    )
+    max_connections: int = Field(
+        1000,
+        ge=8,
+        description="Largest number of connections; fewer if the process may not open as many "
+        "files.",
+    )
+    max_connections_per_address: int = Field(
+        500, ge=4, description="Largest number of connections of one address."
+    )
     max_body_bytes: int = Field(
         8 * 2**20,
         ge=1024,

@@ -46,6 +46,7 @@ def assemble_plan(
     path: PathRequest | None = None,
     segments: tuple[RequestedSegment, ...] = (),
     evaluations: int = 0,
+    known_id: str | None = None,
 ) -> Plan:
     """Certify a timed trajectory and return it as the plan of its request.
 
@@ -60,6 +61,7 @@ def assemble_plan(
         path: The path asked for; None: the waypoints are joint values.
         segments: Parts of a joint path with limits of their own.
         evaluations: Forward-kinematics evaluations spent.
+        known_id: The id of the plan, where it is known already.
 
     Raises:
         BudgetExceeded: The time budget ran out.
@@ -83,7 +85,7 @@ def assemble_plan(
             )
         )
     return Plan(
-        id=plan_id(request, robot),
+        id=known_id or plan_id(request, robot),
         version=__version__,
         robot=request.robot,
         joint_names=list(robot.joint_names),

@@ -35,7 +35,7 @@ from ikplan.planning import (
 from ikplan.plans.plan import Plan
 from ikplan.robots import Robot
 
-__all__ = ["plan", "solve_ik_request"]
+__all__ = ["make_plan", "plan", "solve_ik_request"]
 
 _EXACT = 1e-9
 """What counts as a solution of a waypoint, whatever the path tolerates [m and rad]."""
@@ -68,7 +68,24 @@ def plan(
         BudgetExceeded: ``budget_s`` ran out.
         CertificateViolated: The finished plan broke a promise: a bug.
     """
-    request = parse(PlanRequest, request)
+    return make_plan(parse(PlanRequest, request), robot, progress)
+
+
+def make_plan(
+    request: PlanRequest,
+    robot: Robot | None = None,
+    progress: Progress | None = None,
+    *,
+    known_id: str | None = None,
+) -> Plan:
+    """Plan a request that is parsed already, see :func:`plan`.
+
+    Args:
+        request: The request.
+        robot: As in :func:`plan`.
+        progress: As in :func:`plan`.
+        known_id: The id of the plan, where it is known already: it is not computed again.
+    """
     robot = resolve_robot(request, robot)
     limits = MotionLimits.of(robot, request.limits)
     limits_of = _segment_limits(robot, request, limits)
@@ -119,6 +136,7 @@ def plan(
         q_start=None if start_free else q_start,
         path=request.path,
         evaluations=route.evaluations,
+        known_id=known_id,
     )
 
 

@@ -8,9 +8,7 @@ from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
-
+from ikplan.arrays import Flags
 from ikplan.errors import BudgetExceeded
 
 __all__ = ["Progress", "SearchCut", "TimeBudget"]
@@ -106,7 +104,7 @@ class TimeBudget:
             raise self._exceeded()
 
     @contextmanager
-    def cutting(self, cut: NDArray[np.bool_], evaluations: int) -> Iterator[None]:
+    def cutting(self, cut: Flags, evaluations: int) -> Iterator[None]:
         """End long searches when the budget has run out.
 
         Args:

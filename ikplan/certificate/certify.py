@@ -10,8 +10,8 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ikplan.arrays import Array
 from ikplan.certificate.claim import Claim
 from ikplan.certificate.continuity import check_finite, discontinuities
 from ikplan.certificate.coverage import left_out
@@ -27,8 +27,6 @@ from ikplan.documents.certificate import Certificate
 from ikplan.errors import CertificateViolated
 
 __all__ = ["certify"]
-
-Array = NDArray[np.float64]
 
 
 def certify(claim: Claim) -> Certificate:

@@ -4,17 +4,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import numpy as np
-from numpy.typing import NDArray
-
+from ikplan.arrays import Array
 from ikplan.documents.limits import SegmentLimits
 from ikplan.documents.path import PathRequest
 from ikplan.limits.motion_limits import MotionLimits
 from ikplan.robots import Robot
 
 __all__ = ["Claim", "RequestedSegment"]
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -5,16 +5,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ikplan.arrays import Array, Flags, Indices
 from ikplan.certificate.claim import Claim
 from ikplan.certificate.matching import Samples, match_samples
 from ikplan.certificate.offsets import Allowance
 from ikplan.certificate.requested import RequestedMotion, RequestedPath, ToolLeg
 
 __all__ = ["MatchedLeg", "TimedLeg", "Tool", "match_legs", "timed_legs"]
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,7 +54,7 @@ class TimedLeg:
     path: RequestedPath
     s: Array
     time: Array
-    row: NDArray[np.int64]
+    row: Indices
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,9 +71,9 @@ class MatchedLeg:
     """
 
     leg: TimedLeg
-    sample: NDArray[np.int64]
+    sample: Indices
     s: Array
-    oriented: NDArray[np.bool_]
+    oriented: Flags
     distance: Array
     angle: Array
 
@@ -118,7 +116,7 @@ def match_legs(claim: Claim, legs: list[TimedLeg], tool: Tool) -> list[MatchedLe
 
 
 def _samples(
-    leg: TimedLeg, tool: Tool, time: Array, sample: NDArray[np.int64], allowance: Allowance
+    leg: TimedLeg, tool: Tool, time: Array, sample: Indices, allowance: Allowance
 ) -> Samples:
     """The samples with the path lengths at which they are expected.
 

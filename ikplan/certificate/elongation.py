@@ -7,16 +7,14 @@ from collections.abc import Sequence
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 
+from ikplan.arrays import Array
 from ikplan.certificate.offsets import Allowance
 from ikplan.certificate.requested import RequestedWaypoint
 from ikplan.certificate.waypoints import Misses
 from ikplan.robots import Robot
 
 __all__ = ["elongation_lower_bound", "joint_reach"]
-
-Array = NDArray[np.float64]
 
 
 def elongation_lower_bound(

@@ -10,8 +10,8 @@ from typing import Any
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 
+from ikplan.arrays import Array
 from ikplan.documents.certificate import LimitPlace
 from ikplan.limits.motion_limits import MotionLimits
 from ikplan.robots import Robot
@@ -26,7 +26,6 @@ __all__ = [
     "torque_ratios",
 ]
 
-Array = NDArray[np.float64]
 
 RATIO_SLACK = 1e-9
 """Rounding allowed in a ratio against a limit."""

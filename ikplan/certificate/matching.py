@@ -5,15 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ikplan.arrays import Array, Flags, Indices
 from ikplan.certificate.offsets import Allowance, Offsets
 from ikplan.certificate.requested import RequestedPath
 
 __all__ = ["Match", "Samples", "match_samples"]
 
-Array = NDArray[np.float64]
-Index = NDArray[np.int64]
 
 _STEPS = 16
 _SETTLED = 1e-4
@@ -62,7 +60,7 @@ class Match:
     """
 
     s: Array
-    oriented: NDArray[np.bool_]
+    oriented: Flags
     distance: Array
     angle: Array
     ratio: Array
@@ -133,12 +131,12 @@ class _Search:
         piece = np.concatenate([k for _, k in pairs])
         self._descend(sample, piece, samples.hint[sample])
 
-    def left(self) -> Index:
+    def left(self) -> Indices:
         """Samples that keep to no place found so far, the worst first."""
         order = np.argsort(-self._ratio, kind="stable")
         return order[self._ratio[order] > 1.0]
 
-    def among(self, samples: Index) -> Index:
+    def among(self, samples: Indices) -> Indices:
         """Those of some samples that keep to no place found so far, in their order."""
         return np.sort(samples[self._ratio[samples] > 1.0])
 
@@ -148,7 +146,7 @@ class _Search:
         if len(much):
             self._spread(much, hint - 2.0 * self.near, hint + 2.0 * self.near, _STARTS)
 
-    def look_farther(self, left: Index) -> None:
+    def look_farther(self, left: Indices) -> None:
         """Look from places spread ever farther about the hints, then between matched samples."""
         hint = self._samples.hint
         spans = 0.05 * (self._samples.high - self._samples.low)
@@ -160,7 +158,7 @@ class _Search:
             self._from_nodes(self.among(left), low, high)
             self._spread(self.among(left), low, high, _STARTS_BETWEEN)
 
-    def _spread(self, left: Index, low: Array, high: Array, count: int) -> None:
+    def _spread(self, left: Indices, low: Array, high: Array, count: int) -> None:
         """Look from ``count`` places between path lengths, each of shape (m,) [m]."""
         samples = self._samples
         low, high = np.maximum(low, samples.low), np.minimum(high, samples.high)
@@ -170,7 +168,7 @@ class _Search:
             starts = low[part, None] + (high - low)[part, None] * shares
             self._look_from(part, starts)
 
-    def _from_nodes(self, left: Index, low: Array, high: Array) -> None:
+    def _from_nodes(self, left: Indices, low: Array, high: Array) -> None:
         """Look from the nodes of the path between path lengths, and from half-way between them.
 
         A curve that turns within less than a step has its nodes there.
@@ -183,7 +181,7 @@ class _Search:
             if len(inside):
                 self._look_from(np.array([k]), inside[None])
 
-    def _look_from(self, part: Index, starts: Array) -> None:
+    def _look_from(self, part: Indices, starts: Array) -> None:
         """Look from places, shape (n, count) [m], and on from the best of each sample."""
         count = starts.shape[1]
         begins, sample = starts.ravel(), np.repeat(part, count)
@@ -193,7 +191,7 @@ class _Search:
         chosen = (best + count * np.arange(len(part))[:, None]).ravel()
         self._descend(sample[chosen], piece[chosen], begins[chosen])
 
-    def _piece_at(self, sample: Index, s: Array) -> Index:
+    def _piece_at(self, sample: Indices, s: Array) -> Indices:
         """The pieces at path lengths, among those between the waypoints of samples."""
         return np.clip(self._path.piece_at(s), self._first[sample], self._last[sample])
 
@@ -205,7 +203,7 @@ class _Search:
         high = np.minimum.accumulate(np.where(known, self._s, np.inf)[::-1])[::-1]
         return np.minimum(low, samples.high) - width, np.maximum(high, samples.low) + width
 
-    def _descend(self, sample: Index, piece: Index, starts: Array) -> None:
+    def _descend(self, sample: Indices, piece: Indices, starts: Array) -> None:
         """Gauss-Newton steps on pieces, within the waypoints; keeps what is better than known."""
         path, samples = self._path, self._samples
         begin, end = path.begins[piece], path.begins[piece + 1]
@@ -229,7 +227,7 @@ class _Search:
         if len(at):
             self._look(sample[at], piece[at], s[at])
 
-    def _look(self, sample: Index, piece: Index, s: Array) -> tuple[Array, Array, Array]:
+    def _look(self, sample: Indices, piece: Indices, s: Array) -> tuple[Array, Array, Array]:
         """Measure samples at lengths s of pieces, and keep what is better than known.
 
         Returns:

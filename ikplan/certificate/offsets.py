@@ -10,14 +10,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ikplan.arrays import Array, Flags
 from ikplan.certificate.requested.rotations import rotation_of
 from ikplan.documents.path import PathRequest
 
 __all__ = ["Allowance", "Offsets"]
 
-Array = NDArray[np.float64]
 
 _AXES = {"tool_x": 0, "tool_y": 1, "tool_z": 2}
 
@@ -93,7 +92,7 @@ class Allowance:
             self._axes = rotation_of(path.frame.quaternion_xyzw)
 
     def offsets(
-        self, p: Array, R: Array, p_target: Array, R_target: Array, oriented: NDArray[np.bool_]
+        self, p: Array, R: Array, p_target: Array, R_target: Array, oriented: Flags
     ) -> Offsets:
         """Return how far poses are outside what their targets allow.
 

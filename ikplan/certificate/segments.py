@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ikplan.arrays import Flags
 from ikplan.certificate.claim import Claim
 from ikplan.certificate.deviation import MatchedLeg
 from ikplan.certificate.limits import measured_limits
@@ -17,7 +17,6 @@ from ikplan.limits.motion_limits import MotionLimits
 
 __all__ = ["TimedSegment", "segment_checks", "timed_segments"]
 
-Array = NDArray[np.float64]
 
 _EDGE = 1e-9
 """A sample this near to an end of a segment, as a share of the duration, is of its neighbour."""
@@ -131,7 +130,7 @@ def segment_checks(
 
 
 def _measured(
-    claim: Claim, part: TimedSegment, inside: NDArray[np.bool_]
+    claim: Claim, part: TimedSegment, inside: Flags
 ) -> tuple[SegmentCertificate, list[str]]:
     certificate = SegmentCertificate(field=part.field, begin=part.begin, end=part.end)
     if not inside.any():

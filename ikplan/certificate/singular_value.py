@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ikplan.arrays import Array, Flags, Indices
 from ikplan.certificate.claim import Claim
 from ikplan.certificate.deviation import MatchedLeg
 from ikplan.certificate.offsets import Allowance
@@ -12,8 +12,6 @@ from ikplan.certificate.requested import RequestedMotion
 
 __all__ = ["least_singular_value"]
 
-Array = NDArray[np.float64]
-Flags = NDArray[np.bool_]
 
 _LOOKS = 128
 
@@ -61,7 +59,7 @@ def _oriented(claim: Claim, motion: RequestedMotion | None, matched: list[Matche
     return np.asarray(oriented)
 
 
-def _values(claim: Claim, samples: NDArray[np.int64], oriented: Flags, axis: int | None) -> Array:
+def _values(claim: Claim, samples: Indices, oriented: Flags, axis: int | None) -> Array:
     J = claim.robot.jacobians(claim.q[samples])
     full = [0, 1, 2, *(3 + k for k in range(3) if k != axis)]
     if claim.robot.dof < len(full):

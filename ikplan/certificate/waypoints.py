@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ikplan.arrays import Array, Flags
 from ikplan.certificate.claim import Claim
 from ikplan.certificate.deviation import Tool
 from ikplan.certificate.offsets import Allowance
@@ -15,7 +15,6 @@ from ikplan.certificate.requested import RequestedWaypoint
 
 __all__ = ["Misses", "missed_waypoints", "waypoint_misses"]
 
-Array = NDArray[np.float64]
 
 _ROUNDING = 1e-9
 """What joint values asked for may be missed by through rounding [rad or m]."""
@@ -34,7 +33,7 @@ class Misses:
 
     distance: Array
     angle: Array
-    oriented: NDArray[np.bool_]
+    oriented: Flags
     joints: Array
 
 

@@ -16,7 +16,6 @@ from typing import Annotated, Any, NoReturn, TypeVar, get_args
 
 import numpy as np
 import orjson
-from numpy.typing import NDArray
 from pydantic import (
     BaseModel,
     BeforeValidator,
@@ -28,6 +27,7 @@ from pydantic import (
     WithJsonSchema,
 )
 
+from ikplan.arrays import Array
 from ikplan.errors import InvalidRequest, near_names
 
 __all__ = [
@@ -88,7 +88,7 @@ _ARRAYS = object()
 
 
 def _array(ndim: int, schema: dict[str, Any]) -> Any:
-    def load(value: Any) -> NDArray[np.float64]:
+    def load(value: Any) -> Array:
         array = np.array(value, dtype=np.float64)
         if array.size == 0 and array.ndim < ndim:
             array = array.reshape((0,) * ndim)
@@ -98,7 +98,7 @@ def _array(ndim: int, schema: dict[str, Any]) -> Any:
         return array
 
     return Annotated[
-        NDArray[np.float64],
+        Array,
         PlainValidator(load),
         PlainSerializer(lambda a, info: a if info.context is _ARRAYS else a.tolist()),
         WithJsonSchema(schema),

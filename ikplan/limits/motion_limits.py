@@ -6,15 +6,13 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ikplan.arrays import Array
 from ikplan.documents.limits import LimitOptions, SegmentLimits, ToolRate
 from ikplan.errors import InvalidRequest
 from ikplan.robots import Robot
 
 __all__ = ["LimitedSegment", "MotionLimits"]
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)

@@ -6,15 +6,13 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ikplan.arrays import Array, Flags, Indices
 from ikplan.path.pieces.piece import Motion, Piece
 from ikplan.path.pieces.steady import SteadyPiece, stack_steady, steady_motion
 from ikplan.path.pieces.steady_kernels import SteadyStack
 
 __all__ = ["Corner", "PathWaypoint", "SegmentRange", "ToolPath"]
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -117,11 +115,11 @@ class ToolPath:
         return np.array([waypoint.s for waypoint in self.waypoints])
 
     @cached_property
-    def _oriented(self) -> NDArray[np.bool_]:
+    def _oriented(self) -> Flags:
         return np.array([piece.oriented for piece in self.pieces])
 
     @cached_property
-    def _steady(self) -> tuple[SteadyStack, NDArray[np.int64]]:
+    def _steady(self) -> tuple[SteadyStack, Indices]:
         """The steady pieces as one stack, and the row of each piece in it, -1 for the others."""
         steady = [piece for piece in self.pieces if isinstance(piece, SteadyPiece)]
         rows = np.full(len(self.pieces), -1)
@@ -150,7 +148,7 @@ class ToolPath:
         piece = self.piece_at(s)
         return self.motion_on(piece, s - self.begins[piece])
 
-    def piece_at(self, s: Array) -> NDArray[np.int64]:
+    def piece_at(self, s: Array) -> Indices:
         """Return the index of the piece at path lengths s, shape (m,).
 
         At a joint: the piece after it, unless only the one before asks for an orientation.
@@ -160,7 +158,7 @@ class ToolPath:
         back = (s == self.begins[piece]) & ~self._oriented[piece] & self._oriented[before]
         return np.where(back, before, piece)
 
-    def motion_on(self, piece: NDArray[np.int64], s: Array) -> Motion:
+    def motion_on(self, piece: Indices, s: Array) -> Motion:
         """Return the motion at lengths s from the begins of pieces, both of shape (m,)."""
         stack, rows = self._steady
         row = rows[piece]
@@ -184,6 +182,6 @@ class ToolPath:
         """Whether an orientation is asked for at path length s; yes at the ends of such spans."""
         return bool(self.orientation_mask(np.array([s]))[0])
 
-    def orientation_mask(self, s: Array) -> NDArray[np.bool_]:
+    def orientation_mask(self, s: Array) -> Flags:
         """Return :meth:`oriented` at path lengths s, shape (m,)."""
         return self._oriented[self.piece_at(np.asarray(s, dtype=np.float64))]

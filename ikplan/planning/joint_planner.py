@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ikplan.arrays import Array
 from ikplan.errors import Disconnected, InvalidRequest
 from ikplan.ik.arguments import check_start
 from ikplan.kinematics.target import Freedom, Target, pose_target
@@ -22,8 +22,6 @@ from ikplan.planning.waypoints.select import select_configurations
 from ikplan.planning.waypoints.waypoint_problem import WaypointProblem
 
 __all__ = ["plan_joint_path"]
-
-Array = NDArray[np.float64]
 
 
 def plan_joint_path(problem: JointPathProblem) -> JointRoute:

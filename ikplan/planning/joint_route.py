@@ -4,9 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import numpy as np
-from numpy.typing import NDArray
-
+from ikplan.arrays import Array
 from ikplan.documents.plan_request import IkOptions, PathRequest
 from ikplan.ik.solve import PoseSolver
 from ikplan.kinematics.target import Target
@@ -15,8 +13,6 @@ from ikplan.robots import Robot
 from ikplan.time_budget import TimeBudget
 
 __all__ = ["JointPathProblem", "JointRoute", "RouteSegment", "RouteWaypoint"]
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

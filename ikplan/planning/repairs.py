@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ikplan.arrays import Array
 from ikplan.documents.plan_request import Frame, PathRequest
 from ikplan.errors import BudgetExceeded, Disconnected, InvalidRequest, Unreachable
 from ikplan.ik.solve import NoSolution, PoseSolver
@@ -26,7 +27,6 @@ from ikplan.planning.waypoints.least_motion import stack_targets
 
 __all__ = ["find_repairs"]
 
-Array = NDArray[np.float64]
 
 _MOST_BRANCHES = 12
 _SAMPLES = 12

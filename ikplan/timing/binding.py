@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ikplan.arrays import Array, Indices
 from ikplan.errors import InvalidRequest, TimingFailed
 from ikplan.timing.constraints.constraints import Label, PathConstraint, PathPoints
 from ikplan.timing.engines.engine import Check, EngineFailed, unlimited
@@ -18,9 +18,6 @@ from ikplan.timing.span import SpanTiming
 from ikplan.timing.timed_path import TimedPath
 
 __all__ = ["Binding", "BindingShare", "WhatIf", "binding", "what_if"]
-
-Array = NDArray[np.float64]
-Indices = NDArray[np.int64]
 
 
 @dataclass(frozen=True)

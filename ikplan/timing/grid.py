@@ -5,15 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ikplan._jit import kernel
+from ikplan.arrays import Array, Indices
 from ikplan.joint_path.joint_path import JointPath
 
 __all__ = ["Grid", "curvature_grid", "regridded"]
-
-Array = NDArray[np.float64]
-Indices = NDArray[np.int64]
 
 
 @dataclass(frozen=True, eq=False)

@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ikplan._jit import kernel
+from ikplan.arrays import Array
 
 __all__ = ["acceleration_ratio", "limit_ratios", "speed_ratios", "velocity_ratio"]
-
-Array = NDArray[np.float64]
 
 
 @kernel

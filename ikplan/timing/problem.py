@@ -7,8 +7,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ikplan.arrays import Array
 from ikplan.joint_path.joint_path import JointPath
 from ikplan.timing.constraints.constraints import PathConstraint
 from ikplan.timing.constraints.grid_constraints import GridConstraints
@@ -23,7 +23,6 @@ from ikplan.timing.profile import LimitProfile
 
 __all__ = ["SpanProblem"]
 
-Array = NDArray[np.float64]
 
 _TIGHTENINGS = 4
 _ENOUGH = 2e-4

@@ -6,15 +6,14 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ikplan.arrays import Array
 from ikplan.errors import InvalidRequest
 from ikplan.joint_path.joint_path import JointPath
 from ikplan.limits.joint_limits import JointLimits
 
 __all__ = ["LimitProfile", "SegmentJointLimits"]
 
-Array = NDArray[np.float64]
 
 _RATES = ("velocity", "velocity_lower", "acceleration", "acceleration_lower")
 

@@ -6,8 +6,8 @@ import math
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ikplan.arrays import Array, Indices
 from ikplan.timing.constraints.constraints import PathConstraint
 from ikplan.timing.engines.engine import Check, unlimited
 from ikplan.timing.sampling import Samples, on_grid, sample, with_nodes
@@ -15,8 +15,6 @@ from ikplan.timing.timed_path import TimedPath
 
 __all__ = ["sampled_within_limits"]
 
-Array = NDArray[np.float64]
-Indices = NDArray[np.int64]
 
 # What a motion is slowed by beyond its ratio, ten times more each time: what exceeds a limit at
 # one rate of samples need not be what exceeds it at the next.

@@ -6,8 +6,8 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ikplan.arrays import Array
 from ikplan.errors import InvalidRequest
 from ikplan.timing.timed_path import TimedPath
 
@@ -23,7 +23,6 @@ __all__ = [
     "with_nodes",
 ]
 
-Array = NDArray[np.float64]
 
 MAX_RATE_HZ = 10_000.0
 MAX_SAMPLES = 250_000

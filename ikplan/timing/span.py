@@ -7,8 +7,8 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ikplan.arrays import Array
 from ikplan.errors import TimingFailed
 from ikplan.joint_path.joint_path import JointPath
 from ikplan.timing.constraints.constraints import PathConstraint
@@ -21,7 +21,6 @@ from ikplan.timing.profile import LimitProfile
 
 __all__ = ["SpanTiming", "time_span"]
 
-Array = NDArray[np.float64]
 
 # Kept below the limits, so that rounding in a sample cannot step over one.
 _MARGIN = 2e-9

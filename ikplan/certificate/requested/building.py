@@ -6,8 +6,8 @@ import math
 from collections.abc import Callable, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ikplan.arrays import Array
 from ikplan.certificate.requested.assembly import assembled
 from ikplan.certificate.requested.corners import PathItem
 from ikplan.certificate.requested.named_curves import curve_pieces
@@ -21,7 +21,6 @@ from ikplan.documents.segment import ArcSegment, EndOrientation, LineSegment, Or
 
 __all__ = ["PathReader"]
 
-Array = NDArray[np.float64]
 NewRow = Callable[[RequestedPose], int]
 
 

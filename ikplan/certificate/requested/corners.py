@@ -12,8 +12,8 @@ import dataclasses
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ikplan.arrays import Array
 from ikplan.certificate.requested.arc_length import ArcLength
 from ikplan.certificate.requested.curves import QuinticCurve
 from ikplan.certificate.requested.pieces import TURN_LENGTH, CurvePiece, End, Piece
@@ -21,7 +21,6 @@ from ikplan.certificate.requested.turning import BlendTurn
 
 __all__ = ["PathItem", "Rounding", "corner_radius", "round_corner"]
 
-Array = NDArray[np.float64]
 
 _JUMP = 1e-6
 """A change of direction, or of angular rate times TURN_LENGTH, by more than this is a corner."""

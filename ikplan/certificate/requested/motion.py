@@ -4,14 +4,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import numpy as np
-from numpy.typing import NDArray
-
+from ikplan.arrays import Array
 from ikplan.certificate.requested.path import RequestedPath
 
 __all__ = ["JointSegmentRange", "RequestedMotion", "RequestedWaypoint", "ToolLeg"]
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)

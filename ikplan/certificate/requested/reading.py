@@ -9,8 +9,8 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ikplan.arrays import Array
 from ikplan.certificate.requested.building import PathReader
 from ikplan.certificate.requested.motion import (
     JointSegmentRange,
@@ -25,8 +25,6 @@ from ikplan.documents.segment import ArcSegment, JointSegment, LineSegment, Spli
 from ikplan.robots import Robot
 
 __all__ = ["read_motion"]
-
-Array = NDArray[np.float64]
 
 
 def read_motion(robot: Robot, path: PathRequest, q_start: Array | None) -> RequestedMotion:

@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ikplan.arrays import Array
 from ikplan.certificate.requested.arc_length import ArcLength
 from ikplan.certificate.requested.corners import PathItem
 from ikplan.certificate.requested.curves import CubicCurve
@@ -17,8 +17,6 @@ from ikplan.certificate.requested.rotations import exp, quaternions_of, rotation
 from ikplan.certificate.requested.turning import EvenTurn, QuaternionSpline, Turning
 
 __all__ = ["spline_items"]
-
-Array = NDArray[np.float64]
 
 
 def spline_items(poses: Sequence[RequestedPose], rows: Sequence[int], field: str) -> list[PathItem]:

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ikplan.arrays import Array
 from ikplan.documents.curve import CurveSegment
 from ikplan.documents.segment import ArcSegment, EndOrientation, LineSegment, OrientationRule
 from ikplan.errors import InvalidRequest
@@ -26,7 +26,6 @@ from ikplan.path.tool_path import ToolPath
 
 __all__ = ["PathBuilder"]
 
-Array = NDArray[np.float64]
 
 _AXES = {"tool_x": 0, "tool_y": 1, "tool_z": 2}
 

@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ikplan.arrays import Array, Flags
 from ikplan.errors import InvalidRequest
 from ikplan.path.build.items import PathItem
 from ikplan.path.pieces.piece import TURN_LENGTH, dot
@@ -15,7 +15,6 @@ from ikplan.path.tool_path import ToolPath
 
 __all__ = ["Joints", "blend_radii"]
 
-Array = NDArray[np.float64]
 
 _JUMP = 1e-6
 """A change of direction, or of angular rate times TURN_LENGTH, by more than this is a corner."""
@@ -36,9 +35,9 @@ class Joints(NamedTuple):
         rate: Angular rates of both sides added, 0 where one is free [rad/m].
     """
 
-    jump: NDArray[np.bool_]
-    back: NDArray[np.bool_]
-    spot: NDArray[np.bool_]
+    jump: Flags
+    back: Flags
+    spot: Flags
     rate: Array
 
     @classmethod

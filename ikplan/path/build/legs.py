@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from itertools import count
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ikplan.arrays import Array
 from ikplan.documents.curve import CurveSegment
 from ikplan.documents.plan_request import PathRequest
 from ikplan.documents.segment import ArcSegment, JointSegment, LineSegment, SplineSegment
@@ -20,7 +20,6 @@ from ikplan.path.tool_path import ToolPath
 
 __all__ = ["JointLeg", "JointWaypoint", "Leg", "ToolLeg", "legs_of"]
 
-Array = NDArray[np.float64]
 ForwardKinematics = Callable[[Array], tuple[Array, Array]]
 
 

@@ -11,8 +11,8 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ikplan.arrays import Array
 from ikplan.path.build.items import PathItem
 from ikplan.path.coincidence import COINCIDENT
 from ikplan.path.pieces.piece import Pose
@@ -21,8 +21,6 @@ from ikplan.path.rotation.geodesic import shortest_turn
 from ikplan.path.rotation.so3 import exp
 
 __all__ = ["lead_to_orientations"]
-
-Array = NDArray[np.float64]
 
 
 def lead_to_orientations(

@@ -7,8 +7,8 @@ from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ikplan.arrays import Array
 from ikplan.errors import InvalidRequest
 from ikplan.path.build.items import ItemWaypoint, PathItem
 from ikplan.path.coincidence import COINCIDENT, joined
@@ -24,7 +24,6 @@ from ikplan.path.rotation.so3 import exp, quaternion_of
 
 __all__ = ["spline_items"]
 
-Array = NDArray[np.float64]
 
 _OFF_SPHERE = 0.7
 """Quaternions farther than this from unit length turn back and forth when they are brought back."""

@@ -6,17 +6,14 @@ The Hessian is block tridiagonal, so that a step costs time linear in the number
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ikplan._jit import kernel
+from ikplan.arrays import Array, Flags, Indices
 from ikplan.planning.ladder.banded_cholesky import solve_banded
 from ikplan.planning.ladder.null_space import null_space_basis
 
 __all__ = ["newton_step"]
 
-Array = NDArray[np.float64]
-Indices = NDArray[np.int64]
-Flags = NDArray[np.bool_]
 
 _AT_LIMIT = 1e-4
 """Nearer to a limit than this, a joint that is pushed out rests: cut short by the limit, its steps

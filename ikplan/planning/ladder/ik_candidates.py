@@ -12,9 +12,9 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ikplan._jit import kernel
+from ikplan.arrays import Array, Flags, Indices
 from ikplan.ik.levenberg_marquardt import Effort, Workspace, new_workspace, refine
 from ikplan.ik.restarts import nearest_turns, restart_into
 from ikplan.kinematics.chain import Chain
@@ -22,7 +22,6 @@ from ikplan.kinematics.target import Freedom, Target, constraint_rows
 
 __all__ = ["IkCandidates", "Targets", "sample_ik_solutions", "target_at"]
 
-Array = NDArray[np.float64]
 
 _FAR = 0.6
 """Where every solution moves a joint by more than this on the way to the next waypoint, the ones
@@ -42,7 +41,7 @@ class Targets(NamedTuple):
 
     R: Array
     p: Array
-    oriented: NDArray[np.bool_]
+    oriented: Flags
     weight: Array
     freedom: Freedom
 
@@ -57,8 +56,8 @@ class IkCandidates(NamedTuple):
     """
 
     q: Array
-    counts: NDArray[np.int64]
-    evaluations: NDArray[np.int64]
+    counts: Indices
+    evaluations: Indices
 
 
 @kernel

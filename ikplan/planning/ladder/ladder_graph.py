@@ -9,9 +9,9 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ikplan._jit import kernel
+from ikplan.arrays import Array, Flags, Indices
 from ikplan.kinematics.chain import Chain
 from ikplan.planning.ladder.equivalent_configurations import (
     joints_with_full_turn,
@@ -23,14 +23,9 @@ from ikplan.planning.ladder.joint_length import joint_path_length
 
 __all__ = ["diverse_shortest_paths"]
 
-Array = NDArray[np.float64]
-Indices = NDArray[np.int64]
-
 
 @kernel
-def _step_to(
-    q: Array, q_before: Array, turns: NDArray[np.bool_], lower: Array, upper: Array
-) -> float:
+def _step_to(q: Array, q_before: Array, turns: Flags, lower: Array, upper: Array) -> float:
     """Return the distance to q, each joint at its copy nearest to where it is."""
     total = 0.0
     for d in range(q.shape[0]):
@@ -41,7 +36,7 @@ def _step_to(
 
 @kernel
 def _turn_to(
-    q: Array, q_before: Array, turns: NDArray[np.bool_], lower: Array, upper: Array, out: Array
+    q: Array, q_before: Array, turns: Flags, lower: Array, upper: Array, out: Array
 ) -> None:
     """Write q with each joint at its copy nearest to where it is."""
     for d in range(q.shape[0]):
@@ -53,7 +48,7 @@ def _climb(
     candidates: IkCandidates,
     q_start: Array,
     start_free: bool,
-    turns: NDArray[np.bool_],
+    turns: Flags,
     lower: Array,
     upper: Array,
 ) -> tuple[Array, Indices, Array]:
@@ -90,7 +85,7 @@ def _climb(
 
 
 @kernel
-def _descend(candidates: IkCandidates, turns: NDArray[np.bool_]) -> tuple[Array, Indices]:
+def _descend(candidates: IkCandidates, turns: Flags) -> tuple[Array, Indices]:
     """Least joint motion from every candidate to the end, and the candidate after it there.
 
     As if no limit stood in the way of a turn: where the motion will have brought a joint by then
@@ -199,6 +194,6 @@ def _away(rows: Array, q: Array, apart: float) -> bool:
 
 
 @kernel
-def _has_copies(turns: NDArray[np.bool_], lower: Array, upper: Array) -> bool:
+def _has_copies(turns: Flags, lower: Array, upper: Array) -> bool:
     """Whether a joint with limits has room for a full turn."""
     return bool(np.any(turns & np.isfinite(upper - lower)))

@@ -10,9 +10,9 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ikplan._jit import kernel
+from ikplan.arrays import Array
 from ikplan.ik.levenberg_marquardt import (
     Effort,
     Workspace,
@@ -28,8 +28,6 @@ from ikplan.planning.ladder.ik_candidates import Targets, target_at
 from ikplan.planning.ladder.joint_length import joint_path_length
 
 __all__ = ["shorten_sequence"]
-
-Array = NDArray[np.float64]
 
 
 @kernel

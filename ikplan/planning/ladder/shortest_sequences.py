@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ikplan.arrays import Array
 from ikplan.kinematics.arm import Arm
 from ikplan.planning.ladder.ik_candidates import IkCandidates, Targets, sample_ik_solutions
 from ikplan.planning.ladder.ladder_graph import diverse_shortest_paths
@@ -14,7 +14,6 @@ from ikplan.planning.ladder.path_shortening import shorten_sequence
 
 __all__ = ["ik_candidates", "shortened_sequences"]
 
-Array = NDArray[np.float64]
 
 _CAP = 40
 """Candidates kept of a target."""

@@ -6,8 +6,8 @@ import functools
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ikplan.arrays import Array, Indices
 from ikplan.errors import InvalidRequest
 from ikplan.joint_path import JointPath
 from ikplan.planning.ladder.ik_candidates import Targets
@@ -19,8 +19,6 @@ from ikplan.planning.tracking.tracking_kernels import project_onto_targets
 
 __all__ = ["densify"]
 
-Array = NDArray[np.float64]
-Index = NDArray[np.int64]
 
 _JUMP, _JUMP_STEP, _JUMP_TURN = 2.0**-20, 1e-6, 1e-4
 """A joint motion on less than this share of the path, this length [m] and this turn [rad], that is
@@ -99,8 +97,8 @@ def _between(
     targets_at: Callable[[Array], Targets],
     s: Array,
     path: JointPath,
-    steps: Index,
-) -> tuple[Array, Array, Index, int]:
+    steps: Indices,
+) -> tuple[Array, Array, Indices, int]:
     """Find a point within each of some steps, about its middle.
 
     Returns:

@@ -7,16 +7,14 @@ to a limit that it would have kept clear of had it begun to move aside long befo
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ikplan.arrays import Array
 from ikplan.kinematics.arm import Arm
 from ikplan.planning.ladder.ik_candidates import Targets
 from ikplan.planning.ladder.shortest_sequences import ik_candidates, shortened_sequences
 from ikplan.time_budget import TimeBudget
 
 __all__ = ["resolve_redundancy_globally"]
-
-Array = NDArray[np.float64]
 
 
 def resolve_redundancy_globally(

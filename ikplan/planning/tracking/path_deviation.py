@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ikplan.arrays import Array, Indices
 from ikplan.documents.plan_request import Tolerance
 from ikplan.joint_path import JointPath
 from ikplan.kinematics.chain import Chain
@@ -18,8 +18,6 @@ from ikplan.planning.tracking.tracking_kernels import errors_at
 
 __all__ = ["deviation_ratios"]
 
-Array = NDArray[np.float64]
-Index = NDArray[np.int64]
 
 _INSIDE = np.array([0.2, 0.5, 0.8])
 _THROUGHOUT = np.array([0.0, 0.03, 0.1, 0.2, 0.35, 0.5, 0.65, 0.8, 0.9, 0.97, 1.0])
@@ -112,7 +110,7 @@ def _left_out(
     s: Array,
     path: JointPath,
     tolerance: Tolerance,
-    steps: Index,
+    steps: Indices,
 ) -> Array:
     """Ratio to the tolerance of what the tool leaves out of a step, where it misses it most.
 

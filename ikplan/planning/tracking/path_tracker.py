@@ -11,8 +11,8 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ikplan.arrays import Array
 from ikplan.planning.ladder.joint_length import joint_path_length
 from ikplan.planning.ladder.path_shortening import shorten_sequence
 from ikplan.planning.tracking.densify import densify
@@ -33,7 +33,6 @@ from ikplan.planning.tracking.tracking_kernels import (
 
 __all__ = ["PathTracker"]
 
-Array = NDArray[np.float64]
 _JointSequence = tuple[float, Array, Array]
 """Joint path length, path positions, shape (m,), and configurations, shape (m, dof)."""
 

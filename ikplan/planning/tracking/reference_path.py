@@ -6,8 +6,8 @@ import itertools
 from typing import Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ikplan.arrays import Array, Flags, Indices
 from ikplan.path.rotation.so3 import angle_between
 
 __all__ = [
@@ -20,8 +20,6 @@ __all__ = [
     "turn_between",
 ]
 
-Array = NDArray[np.float64]
-Index = NDArray[np.int64]
 
 _ROUNDING = 1e-12
 """Path positions this near to one another [m], or this share of the path, differ by rounding."""
@@ -45,7 +43,7 @@ class ReferencePath(Protocol):
     def poses(self, s: Array) -> tuple[Array, Array]:
         """Rotations, shape (m, 3, 3), and positions, shape (m, 3) [m], at path positions."""
 
-    def orientation_mask(self, s: Array) -> NDArray[np.bool_]:
+    def orientation_mask(self, s: Array) -> Flags:
         """Where an orientation is asked for, shape (m,)."""
 
 
@@ -75,7 +73,7 @@ def rest_points(reference: ReferencePath, s: Array) -> list[int]:
     return [int(k) for k in nearest_points(s, reference.corners)]
 
 
-def nearest_points(s: Array, positions: Array) -> Index:
+def nearest_points(s: Array, positions: Array) -> Indices:
     """Indices of the points nearest to path positions; of two as near, the first.
 
     Args:

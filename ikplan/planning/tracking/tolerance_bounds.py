@@ -10,15 +10,13 @@ a parabola through three places tells how far it goes between them.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ikplan.arrays import Array
 from ikplan.kinematics.target import Freedom
 from ikplan.path.rotation.so3 import log
 from ikplan.planning.ladder.ik_candidates import Targets
 
 __all__ = ["box_size", "has_bounds", "violation_between"]
-
-Array = NDArray[np.float64]
 
 
 def has_bounds(freedom: Freedom) -> bool:

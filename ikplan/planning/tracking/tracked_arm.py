@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ikplan.arrays import Array
 from ikplan.documents.plan_request import Tolerance
 from ikplan.kinematics.arm import Arm
 from ikplan.kinematics.target import ORIENTATION_WEIGHT, Freedom, constraint_rows
@@ -17,7 +17,6 @@ from ikplan.time_budget import TimeBudget
 
 __all__ = ["EXACT", "MAX_POINTS", "TrackedArm"]
 
-Array = NDArray[np.float64]
 
 EXACT = 1e-9
 """Error of a point that counts as none [m and rad]."""

@@ -4,12 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import numpy as np
-from numpy.typing import NDArray
+from ikplan.arrays import Array, Indices
 
 __all__ = ["TrackedPath", "TrackingFailed"]
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -28,7 +25,7 @@ class TrackedPath:
     s: Array
     q: Array
     rest: list[int]
-    waypoint: NDArray[np.int64]
+    waypoint: Indices
     length: float
     evaluations: int
 

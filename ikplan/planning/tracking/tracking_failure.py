@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ikplan.arrays import Array
 from ikplan.errors import Disconnected, Unreachable
 from ikplan.ik.solve import NoSolution, PoseSolver, unreachable
 from ikplan.path import ToolPath
@@ -16,7 +16,6 @@ from ikplan.robots import Robot
 
 __all__ = ["explain_tracking_failure"]
 
-Array = NDArray[np.float64]
 
 _NEXT = 2e-4
 """How far along the path the next motion is reported, at most [m]."""

@@ -11,9 +11,9 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ikplan._jit import kernel
+from ikplan.arrays import Array
 from ikplan.ik.levenberg_marquardt import Effort, differentiate, refine, residual
 from ikplan.ik.workspace import Workspace, new_workspace
 from ikplan.kinematics.chain import Chain
@@ -28,7 +28,6 @@ __all__ = [
     "track_points",
 ]
 
-Array = NDArray[np.float64]
 
 _SINGULARITY_STEP = 0.02
 """How far to step aside from a singular configuration [rad or m]."""

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ikplan.arrays import Array
 from ikplan.planning.ladder.equivalent_configurations import with_equivalents
 from ikplan.planning.ladder.ik_candidates import sample_ik_solutions
 from ikplan.planning.waypoints.least_motion import stack_targets
@@ -13,7 +13,6 @@ from ikplan.planning.waypoints.waypoint_problem import WaypointProblem
 
 __all__ = ["branches"]
 
-Array = NDArray[np.float64]
 
 _STARTS = 24
 """Starts of a tool path that are tried where it may begin in any branch."""

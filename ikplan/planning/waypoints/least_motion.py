@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
+from ikplan.arrays import Array
 from ikplan.kinematics.target import Target
 from ikplan.planning.ladder.ik_candidates import IkCandidates, Targets
 from ikplan.planning.ladder.shortest_sequences import ik_candidates, shortened_sequences
 from ikplan.planning.waypoints.waypoint_ik import solve_waypoint
 from ikplan.planning.waypoints.waypoint_problem import (
-    Array,
     SelectedConfigurations,
     WaypointProblem,
 )

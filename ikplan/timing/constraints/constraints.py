@@ -6,8 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Protocol
 
-import numpy as np
-from numpy.typing import NDArray
+from ikplan.arrays import Array, Indices
 
 __all__ = [
     "BEND",
@@ -20,8 +19,6 @@ __all__ = [
     "PathPoints",
 ]
 
-Array = NDArray[np.float64]
-Indices = NDArray[np.int64]
 Label = tuple[str, str | None]
 
 # These limits are looked at in points of every interval and allowed for between them; they are

@@ -6,8 +6,8 @@ import functools
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ikplan.arrays import Array
 from ikplan.joint_path.joint_path import JointPath
 from ikplan.timing.constraints.constraints import PathConstraint
 from ikplan.timing.constraints.interval_points import IntervalPoints, parts_of
@@ -15,8 +15,6 @@ from ikplan.timing.engines.rows import place_rows
 from ikplan.timing.grid import Grid
 
 __all__ = ["GridConstraints"]
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)

@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ikplan.arrays import Array, Indices
 from ikplan.joint_path.joint_path import JointPath
 from ikplan.timing.constraints.constraints import (
     BEND,
@@ -20,8 +20,6 @@ from ikplan.timing.grid import Grid
 
 __all__ = ["COARSE", "FINE", "IntervalPoints", "bend", "highest", "parts_of"]
 
-Array = NDArray[np.float64]
-Indices = NDArray[np.int64]
 
 # Where in an interval limits are looked at, as shares of its length. From three points a limit
 # is taken to be a parabola; a curve like an S looks like a line to them, to five it does not.

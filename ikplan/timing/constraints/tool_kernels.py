@@ -3,16 +3,13 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ikplan._jit import kernel, leaf_kernel
+from ikplan.arrays import Array, Indices
 from ikplan.kinematics.chain import Chain
 from ikplan.kinematics.forward import moved, placed
 
 __all__ = ["disc_rows", "tool_rates", "tool_ratios"]
-
-Array = NDArray[np.float64]
-Indices = NDArray[np.int64]
 
 
 @leaf_kernel

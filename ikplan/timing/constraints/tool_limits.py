@@ -6,8 +6,8 @@ from collections.abc import Callable
 from dataclasses import dataclass, fields, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ikplan.arrays import Array, Indices
 from ikplan.errors import InvalidRequest
 from ikplan.timing.constraints.constraints import (
     MARGIN,
@@ -20,8 +20,6 @@ from ikplan.timing.constraints.tool_kernels import disc_rows, tool_ratios
 
 __all__ = ["ToolLimits", "ToolMotion"]
 
-Array = NDArray[np.float64]
-Indices = NDArray[np.int64]
 # (q, dq, ddq), each (m, dof), to the twists of the tool and their time derivatives, (m, 6) each:
 # linear first [m/s, m/s^2], then angular [rad/s, rad/s^2], in axes that do not turn with the tool.
 ToolMotion = Callable[[Array, Array, Array], tuple[Array, Array]]

@@ -6,15 +6,14 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from ikplan.arrays import Array, Indices
 from ikplan.errors import InvalidRequest, TimingFailed
 from ikplan.timing.constraints.constraints import MARGIN, ConstraintRows, Label, PathPoints
 
 __all__ = ["InverseDynamics", "TorqueLimits"]
 
-Array = NDArray[np.float64]
-Indices = NDArray[np.int64]
 # (q, dq, ddq) to joint torques or forces, all of shape (m, dof): gravity and payload included.
 InverseDynamics = Callable[[Array, Array, Array], Array]
 

@@ -5,15 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ikplan._jit import kernel
+from ikplan.arrays import Array, Indices
 from ikplan.timing.limit_ratios import velocity_ratio
 
 __all__ = ["StageRows", "acceleration_rows", "natural_units", "place_rows", "velocity_bounds"]
-
-Array = NDArray[np.float64]
-Indices = NDArray[np.int64]
 
 
 @dataclass(frozen=True, eq=False)

@@ -6,7 +6,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ikplan.joint_path.joint_path import JointPath
 from ikplan.timing.constraints.constraints import PathConstraint, PathPoints
@@ -19,7 +18,6 @@ from ikplan.timing.problem import SpanProblem
 
 __all__ = ["Smoothed", "smooth_span", "smooth_span_alike"]
 
-Array = NDArray[np.float64]
 
 # Windows tried, as multiples of the time in which the jerk limit builds up the acceleration limit
 # of the slowest joint, at most the duration: with that, a short move has four equal phases.

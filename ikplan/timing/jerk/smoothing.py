@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ikplan.arrays import Array
 from ikplan.joint_path.joint_path import JointPath
 from ikplan.timing.engines.compiled_engine import CompiledEngine
 from ikplan.timing.engines.engine import Check, EngineFailed
@@ -19,7 +19,6 @@ from ikplan.timing.profile import LimitProfile
 
 __all__ = ["JointSlowdown", "Smoothing"]
 
-Array = NDArray[np.float64]
 
 # How much of a local factor above 1 is taken at once, and when it is small enough.
 _STEP = 0.5

@@ -8,9 +8,7 @@ from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
-
+from ikplan.arrays import Flags
 from ikplan.errors import BudgetExceeded
 
 __all__ = ["Progress", "SearchCut", "TimeBudget"]
@@ -41,25 +39,47 @@ class TimeBudget:
         self.seconds: dict[str, float] = {}
         self._begin = time.perf_counter()
         self._stage = ""
+        self._since = self._begin
         self._best: Mapping[str, Any] | None = None
         self._waypoints = 0
+        self._done = 0
 
     @contextmanager
     def stage(self, name: str) -> Iterator[None]:
         """Time a stage, and refuse to begin it when the budget has run out.
 
+        A stage may run within another: its time does not count for the outer one, so that the
+        seconds of all stages add up to the time spent, and the count of waypoints goes on.
+
         Raises:
-            BudgetExceeded: The budget ran out before the stage.
+            BudgetExceeded: The budget ran out before the stage, or a search in it was cut short.
         """
-        self._stage = name
-        self.check()
-        self._waypoints = 0
-        self.advance(0)
-        begin = time.perf_counter()
+        outer = self._stage
+        if outer:
+            self.check()  # what has run out, has run out in the outer stage
+            self._stage = name
+        else:
+            self._stage = name
+            self.check()
+            self._waypoints = self._done = 0
+        self.advance(self._done)
+        self._book(outer)
         try:
             yield
+        except SearchCut as short:
+            raise self._exceeded() from short
         finally:
-            self.seconds[name] = self.seconds.get(name, 0.0) + time.perf_counter() - begin
+            self._book(name)
+            self._stage = outer
+        if outer:
+            self.advance(self._done)
+
+    def _book(self, stage: str) -> None:
+        """Count the time since the last change of stages for a stage; "": for none."""
+        now = time.perf_counter()
+        if stage:
+            self.seconds[stage] = self.seconds.get(stage, 0.0) + now - self._since
+        self._since = now
 
     def expect(self, waypoints: int) -> None:
         """Tell how many waypoints there are to do."""
@@ -67,7 +87,8 @@ class TimeBudget:
         self.advance(0)
 
     def advance(self, done: int) -> None:
-        """Tell how many waypoints the stage has done."""
+        """Tell how many waypoints are done."""
+        self._done = done
         if self._progress is not None:
             self._progress(self._stage, done, self._waypoints)
 
@@ -83,7 +104,7 @@ class TimeBudget:
             raise self._exceeded()
 
     @contextmanager
-    def cutting(self, cut: NDArray[np.bool_], evaluations: int) -> Iterator[None]:
+    def cutting(self, cut: Flags, evaluations: int) -> Iterator[None]:
         """End long searches when the budget has run out.
 
         Args:

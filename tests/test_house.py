@@ -21,6 +21,7 @@ API = SOURCE.parent / "api" / "ikplan_api"
 RANK = {
     "_jit": 0,
     "_version": 0,
+    "arrays": 0,
     "errors": 0,
     "documents": 1,
     "time_budget": 1,

@@ -20,9 +20,10 @@ import numpy as np
 import ikplan
 from benchmarks.golden.cases import BUDGET_S, golden_cases
 from ikplan.errors import IkplanError
+from ikplan.joint_path import JointPath
 from ikplan.limits import JointLimits
 from ikplan.pipeline.retime import time_request
-from ikplan.timing import retime
+from ikplan.timing import sample, time_joint_path
 
 LIST = Path(__file__).with_name("list.json")
 
@@ -36,24 +37,21 @@ def _digest(*arrays: Any) -> str:
     return found.hexdigest()[:32]
 
 
-def _retimed(vector: dict[str, Any]) -> str:
+def _timed(vector: dict[str, Any]) -> str:
     fields = vector["limits"]
     names = tuple(f"joint{i}" for i in range(len(fields["lower"])))
-    done = retime(
-        [[float(value) for value in row] for row in vector["waypoints"]],
-        JointLimits(joint_names=names, **fields),
-        rate_hz=vector.get("rate_hz", 1000.0),
-        rest_at=vector.get("rest_at", ()),
-    )
-    samples = done.samples
+    limits = JointLimits(joint_names=names, **fields)
+    waypoints = [[float(value) for value in row] for row in vector["waypoints"]]
+    path = JointPath.through(waypoints, limits, rest_at=vector.get("rest_at", ()))
+    samples = sample(time_joint_path(path, limits), vector.get("rate_hz", 1000.0))
     return _digest(samples.time, samples.q, samples.dq, samples.ddq)
 
 
 def outcome(kind: str, document: dict[str, Any]) -> str:
     """Return the digest of the trajectory of a case, or the name of its refusal."""
     try:
-        if kind == "retime":
-            return _retimed(document)
+        if kind == "joint path":
+            return _timed(document)
         request = {**document, "budget_s": BUDGET_S}
         plan = time_request(request) if kind == "timing" else ikplan.plan(request)
     except IkplanError as error:

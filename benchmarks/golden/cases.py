@@ -25,13 +25,13 @@ BUDGET_S = 900.0
 
 
 def golden_cases() -> Iterator[tuple[str, str, dict[str, Any]]]:
-    """Yield the name, the kind ("plan", "timing" or "retime") and the document of each case."""
+    """Yield the name, the kind ("plan", "timing" or "joint path") and the document of each case."""
     for path in sorted((_ROOT / "tests/vectors/planning").glob("*.json")):
         yield f"vectors/planning/{path.stem}", "plan", json.loads(path.read_text())["request"]
     for path in sorted((_ROOT / "tests/vectors/timing/requests").glob("*.json")):
         yield f"vectors/timing/requests/{path.stem}", "timing", _request(path)
     for path in sorted((_ROOT / "tests/vectors/timing").glob("*.json")):
-        yield f"vectors/timing/{path.stem}", "retime", json.loads(path.read_text())
+        yield f"vectors/timing/{path.stem}", "joint path", json.loads(path.read_text())
     for path in sorted((_ROOT / "examples").glob("*.json")):
         document = json.loads(path.read_text())
         if isinstance(document, list):  # joint waypoints, as the README times them

@@ -124,9 +124,10 @@ def _preload() -> dict[str, set[str]]:
     for module in pkgutil.walk_packages(package.__path__, "ikplan."):
         if not module.name.startswith(("ikplan.cli", "ikplan.__main__")):
             importlib.import_module(module.name)
+    warm_up = importlib.import_module("ikplan.pipeline.warm_up").warm_up
     for method in _SOLVERS:
-        importlib.import_module("ikplan.pipeline.warm_up").warm_up(method)
-    importlib.import_module("ikplan.pipeline.timing_stage").warm_up_timing(jerk=True)
+        warm_up(package.plan, "plan", method)
+    warm_up(package.time_request, "time", jerk=True)
     names = [name for name in sys.modules if name.split(".")[0] == "ikplan"]
     return {name: imports_of(name, Path(_file(name)).read_text(), names) for name in names}
 

@@ -15,10 +15,10 @@ from ikplan.documents.plan_request import IkOptions, Tolerance
 from ikplan.ik.objective import evaluate
 from ikplan.ik.solve import NoSolution, PoseSolver
 from ikplan.kinematics.target import Target, pose_target
-from ikplan.planning import TimeBudget, WaypointProblem, choose
+from ikplan.planning import TimeBudget, WaypointProblem, select_configurations
 from ikplan.planning.ladder.ik_candidates import sample_ik_solutions
 from ikplan.planning.ladder.ladder_graph import diverse_shortest_paths
-from ikplan.planning.ladder.path_shortening import polish
+from ikplan.planning.ladder.path_shortening import shorten_sequence
 from ikplan.planning.waypoints.least_motion import stack_targets
 
 __all__ = ["OWN", "Found"]
@@ -88,7 +88,7 @@ def _plan(case: Case, series: Series, run: int, count: int | None = None) -> lis
         Tolerance(),
         TimeBudget(float("inf")),
     )
-    chosen = choose(problem, IkOptions(elongation=mode))
+    chosen = select_configurations(problem, IkOptions(elongation=mode))
     spent = (chosen.evaluations, 0.0, time.perf_counter() - wall, time.thread_time() - cpu)
     q_of = dict(zip(inside.tolist(), chosen.q, strict=True))
     q, q_before = [], case.q_start
@@ -169,7 +169,7 @@ def least_motion(case: Case, n: int, restarts: int) -> tuple[list[Array], int]:
         for q in diverse_shortest_paths(
             case.arm.chain, candidates, q_start, False, lower, upper, 24, 0.6, 0.1
         ):
-            length, spent = polish(
+            length, spent = shorten_sequence(
                 case.arm.chain, targets, q, q_start, False, lower, upper, 200, 1e-7
             )
             evaluations += spent

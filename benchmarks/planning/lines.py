@@ -118,7 +118,7 @@ def figures(count: int) -> Iterator[Figure]:
                 verdicts[f"{type(error).__name__}, {_kind(error.reason)}"] += 1
                 continue
             solved[k] = True
-            motion.append(float(np.abs(np.diff(route.knots, axis=0)).sum(axis=0).max()))
+            motion.append(float(np.abs(np.diff(route.q, axis=0)).sum(axis=0).max()))
             begin = time.thread_time()
             plan = ikplan.plan(request, robot=robot)
             times.append(time.thread_time() - begin)
@@ -152,7 +152,7 @@ def free_figures(count: int) -> Iterator[Figure]:
             continue
         times.append(time.thread_time() - begin)
         solved += 1
-        motion.append(float(np.linalg.norm(np.diff(route.knots, axis=0), axis=1).sum()))
+        motion.append(float(np.linalg.norm(np.diff(route.q, axis=0), axis=1).sum()))
     yield Figure(f"start free, 0.1 mm: solved of {count}", solved, "")
     yield Figure("start free, 0.1 mm: laid in, median", 1e3 * statistics.median(times), "ms")
     yield Figure("start free, 0.1 mm: joint motion, median", statistics.median(motion), "rad")

@@ -16,7 +16,7 @@ from ikplan.documents.plan_request import PlanRequest
 from ikplan.ik.solve import PoseSolver
 from ikplan.kinematics.arm import arm_of
 from ikplan.limits import JointLimits
-from ikplan.planning import JointPathProblem, Route, TimeBudget, plan_joint_path
+from ikplan.planning import JointPathProblem, JointRoute, TimeBudget, plan_joint_path
 from ikplan.robots import Robot
 
 __all__ = ["laid", "median_seconds", "pose_document", "route_problem"]
@@ -59,7 +59,7 @@ def route_problem(request: dict[str, Any], robot: Robot) -> JointPathProblem:
     )
 
 
-def laid(request: dict[str, Any], robot: Robot) -> Route:
+def laid(request: dict[str, Any], robot: Robot) -> JointRoute:
     """Return the route of a request: what is planned before it is timed."""
     return plan_joint_path(route_problem(request, robot))
 

@@ -18,7 +18,7 @@ from ikplan.kinematics.target import pose_target
 from ikplan.planning.ladder.equivalent_configurations import with_equivalents
 from ikplan.planning.ladder.ik_candidates import sample_ik_solutions
 from ikplan.planning.ladder.joint_length import joint_path_length
-from ikplan.planning.ladder.path_shortening import polish
+from ikplan.planning.ladder.path_shortening import shorten_sequence
 from ikplan.planning.waypoints.least_motion import stack_targets
 from ikplan.robots import Robot, load_robot
 
@@ -61,7 +61,9 @@ def figures(paths: int) -> Iterator[Figure]:
 
 def _length(request: dict[str, object], robot: Robot) -> float:
     q_start = route_problem(request, robot).q_start
-    return joint_path_length(laid(request, robot).waypoint_q, q_start, False)
+    route = laid(request, robot)
+    q = route.q[[waypoint.index for waypoint in route.waypoints]]
+    return joint_path_length(q, q_start, False)
 
 
 def _reference(robot: Robot, poses: list[pin.SE3]) -> float:
@@ -87,7 +89,9 @@ def _reference(robot: Robot, poses: list[pin.SE3]) -> float:
     rows = [with_equivalents(arm, found.q[k, : found.counts[k]]) for k in range(len(poses))]
     best = np.inf
     for q in _shortest(rows, q_start, 12):
-        length, _ = polish(arm.chain, targets, q, q_start, False, arm.lower, arm.upper, 200, 1e-9)
+        length, _ = shorten_sequence(
+            arm.chain, targets, q, q_start, False, arm.lower, arm.upper, 200, 1e-9
+        )
         best = min(best, length)
     return best
 

@@ -7,14 +7,13 @@ from typing import Any
 import numpy as np
 
 from ikplan.certificate.claim import Claim
-from ikplan.certificate.deviation import Tool, follow_legs, timed_legs
+from ikplan.certificate.deviation import Tool, match_legs, timed_legs
 from ikplan.certificate.offsets import Allowance
 from ikplan.certificate.requested import read_motion
 from ikplan.documents.plan_request import PlanRequest
 from ikplan.limits.motion_limits import MotionLimits
-from ikplan.pipeline.identity import with_tool
+from ikplan.pipeline.resolve import resolve_robot
 from ikplan.plans.plan import Plan
-from ikplan.robots import load_robot
 
 __all__ = ["as_polynomial", "share_between"]
 
@@ -39,7 +38,7 @@ def share_between(request: dict[str, Any], plan: Plan, finer: int) -> float:
         The share; 0 where there is no tool path.
     """
     document = PlanRequest.model_validate(request)
-    robot = with_tool(load_robot(document.robot), document.tool)
+    robot = resolve_robot(document)
     q_start = None if document.start == "free" else plan.q[0]
     motion = read_motion(robot, document.path, q_start)
     if not motion.legs or plan.duration == 0.0:
@@ -59,7 +58,7 @@ def share_between(request: dict[str, Any], plan: Plan, finer: int) -> float:
         limits,
     )
     allowance = Allowance(document.path)
-    legs = follow_legs(claim, timed_legs(claim, motion), Tool.of(claim, samples=True))
+    legs = match_legs(claim, timed_legs(claim, motion), Tool.of(claim, samples=True))
     shares = [
         np.maximum(leg.distance / allowance.position, leg.angle / allowance.orientation).max()
         for leg in legs

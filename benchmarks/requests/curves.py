@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pinocchio as pin
 
-from benchmarks.requests.limits import random_stretch_limits
+from benchmarks.requests.limits import random_segment_limits
 from ikplan.robots import Robot
 
 __all__ = ["random_curves"]
@@ -100,7 +100,7 @@ def _segment(rng: Draws, robot: Robot) -> Document:
                 "quaternion_xyzw": _turned(rng),
             }
     if rng.random() < 0.2:
-        segment["limits"] = random_stretch_limits(rng, robot)
+        segment["limits"] = random_segment_limits(rng, robot)
     return segment
 
 

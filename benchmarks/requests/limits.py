@@ -8,13 +8,13 @@ import numpy as np
 
 from ikplan.robots import Robot
 
-__all__ = ["random_limits", "random_sampling", "random_stretch_limits"]
+__all__ = ["random_limits", "random_sampling", "random_segment_limits"]
 
 Draws = np.random.Generator
 Document = dict[str, Any]
 
 
-def random_stretch_limits(rng: Draws, robot: Robot) -> Document:
+def random_segment_limits(rng: Draws, robot: Robot) -> Document:
     """Draw limits that a segment may have, most of them absent."""
     limits: Document = {}
     if rng.random() < 0.3:
@@ -44,7 +44,7 @@ def random_stretch_limits(rng: Draws, robot: Robot) -> Document:
 
 def random_limits(rng: Draws, robot: Robot) -> Document:
     """Draw limits of a whole motion."""
-    limits = random_stretch_limits(rng, robot)
+    limits = random_segment_limits(rng, robot)
     if rng.random() < 0.15:
         limits["jerk"] = rng.uniform(20, 500, robot.dof).tolist()
     return limits

@@ -10,7 +10,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from benchmarks.requests.limits import random_stretch_limits
+from benchmarks.requests.limits import random_segment_limits
 from ikplan.robots import Robot
 
 __all__ = ["random_joint_path", "random_path"]
@@ -110,7 +110,7 @@ def _segments(rng: Draws, robot: Robot, waypoint: Callable[[], Document]) -> lis
         if kind in ("line", "via", "centre") and rng.random() < 0.4:
             segment["blend"] = float(rng.choice([0.001, 0.01, 0.05]))
         if rng.random() < 0.3:
-            segment["limits"] = random_stretch_limits(rng, robot)
+            segment["limits"] = random_segment_limits(rng, robot)
         segments.append(segment)
     for segment, following in itertools.zip_longest(segments, segments[1:]):
         if following is None or following["type"] == "joint":
@@ -119,7 +119,7 @@ def _segments(rng: Draws, robot: Robot, waypoint: Callable[[], Document]) -> lis
 
 
 def random_joint_path(rng: Draws, robot: Robot) -> Document:
-    """Draw waypoints, rest points and limited stretches of a timing request."""
+    """Draw waypoints, rest points and limited segments of a timing request."""
     n = int(np.exp(rng.uniform(np.log(2), np.log(60))))
     spread = float(rng.choice(_SPREADS))
     q = robot.random_configuration(rng)
@@ -137,6 +137,6 @@ def random_joint_path(rng: Draws, robot: Robot) -> Document:
         document["rest_at"] = sorted({int(i) for i in rng.integers(0, len(rows), 2)})
     if rng.random() < 0.3 and len(rows) > 2:
         first, last = sorted(int(i) for i in rng.choice(len(rows), 2, replace=False))
-        limits = random_stretch_limits(rng, robot)
+        limits = random_segment_limits(rng, robot)
         document["segments"] = [{"first": first, "last": last, "limits": limits}]
     return document

@@ -168,7 +168,7 @@ def cost() -> None:
         "path": lambda: JointPath.through(q, limits),
         "timing": lambda: time_joint_path(path, limits),
         "sampling at 250 Hz": lambda: sample(timed, 250.0),
-        "exact check of limits": lambda: [s.problem.usage(s.x) for s in timed.spans],
+        "exact check of limits": lambda: [s.problem.limit_ratios(s.x) for s in timed.spans],
         "toppra alone, 200 uniform": lambda: toppra_duration(path, limits, uniform),
     }
     best = dict.fromkeys(jobs, np.inf)

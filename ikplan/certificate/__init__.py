@@ -1,6 +1,6 @@
 """The independent check of a finished trajectory: it shares no code with the planner."""
 
 from ikplan.certificate.certify import certify
-from ikplan.certificate.claim import Claim, LimitedWaypoints
+from ikplan.certificate.claim import Claim, RequestedSegment
 
-__all__ = ["Claim", "LimitedWaypoints", "certify"]
+__all__ = ["Claim", "RequestedSegment", "certify"]

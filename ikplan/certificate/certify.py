@@ -10,25 +10,23 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ikplan.arrays import Array
 from ikplan.certificate.claim import Claim
 from ikplan.certificate.continuity import check_finite, discontinuities
 from ikplan.certificate.coverage import left_out
-from ikplan.certificate.deviation import FollowedLeg, Tool, follow_legs, timed_legs
+from ikplan.certificate.deviation import MatchedLeg, Tool, match_legs, timed_legs
 from ikplan.certificate.elongation import elongation_lower_bound
 from ikplan.certificate.limits import measured_limits, measured_positions
 from ikplan.certificate.offsets import Allowance
 from ikplan.certificate.requested import RequestedMotion, read_motion
-from ikplan.certificate.segments import limited_times, segment_checks
+from ikplan.certificate.segments import segment_checks, timed_segments
 from ikplan.certificate.singular_value import least_singular_value
 from ikplan.certificate.waypoints import missed_waypoints, waypoint_misses
 from ikplan.documents.certificate import Certificate
 from ikplan.errors import CertificateViolated
 
 __all__ = ["certify"]
-
-Array = NDArray[np.float64]
 
 
 def certify(claim: Claim) -> Certificate:
@@ -49,19 +47,19 @@ def certify(claim: Claim) -> Certificate:
         "elongation_lower_bound": elongation,
     }
     motion: RequestedMotion | None = None
-    followed: list[FollowedLeg] = []
+    matched: list[MatchedLeg] = []
     if claim.path is not None:
         motion = read_motion(claim.robot, claim.path, claim.q_start)
-        followed = _check_path(claim, motion, fields, violations)
+        matched = _check_path(claim, motion, fields, violations)
     for found, exceeded in (
         measured_positions(claim.robot, claim.time, claim.q),
         measured_limits(claim.robot, claim.limits, claim.time, claim.q, claim.dq, claim.ddq),
     ):
         fields |= found
         violations += exceeded
-    fields["segments"], exceeded = segment_checks(claim, limited_times(claim, motion, followed))
+    fields["segments"], exceeded = segment_checks(claim, timed_segments(claim, motion, matched))
     violations += exceeded
-    value, time = least_singular_value(claim, motion, followed)
+    value, time = least_singular_value(claim, motion, matched)
     fields |= {"min_singular_value": value, "min_singular_value_time": time}
     certificate = Certificate(valid=not violations, **fields)
     if violations:
@@ -75,7 +73,7 @@ def certify(claim: Claim) -> Certificate:
 
 def _check_path(
     claim: Claim, motion: RequestedMotion, fields: dict[str, Any], violations: list[str]
-) -> list[FollowedLeg]:
+) -> list[MatchedLeg]:
     """Hold a trajectory to its path; adds to the fields of the certificate and the violations."""
     assert claim.path is not None
     if len(motion.waypoints) != len(claim.waypoint_q):
@@ -92,32 +90,32 @@ def _check_path(
     fields["elongation_lower_bound"] = elongation_lower_bound(
         claim.robot, claim.q_start, motion.waypoints, allowance, misses
     )
-    followed = follow_legs(claim, timed_legs(claim, motion), tool)
-    violations += _deviations(claim, allowance, followed, fields)
-    for part in followed:
+    matched = match_legs(claim, timed_legs(claim, motion), tool)
+    violations += _deviations(claim, allowance, matched, fields)
+    for part in matched:
         distance, time = left_out(claim, part, tool, allowance)
         if distance > allowance.position:
             violations.append(f"a part of the path at {time:.4f} s is left out by {distance:.3g} m")
-    return followed
+    return matched
 
 
 def _deviations(
-    claim: Claim, allowance: Allowance, followed: list[FollowedLeg], fields: dict[str, Any]
+    claim: Claim, allowance: Allowance, matched: list[MatchedLeg], fields: dict[str, Any]
 ) -> list[str]:
     """Whether the tool leaves its paths by more than the tolerance, in words."""
-    if not followed:
+    if not matched:
         return []
     left = []
-    sample = np.concatenate([part.sample for part in followed])
-    distance = np.concatenate([part.distance for part in followed])
+    sample = np.concatenate([part.sample for part in matched])
+    distance = np.concatenate([part.distance for part in matched])
     at = int(np.argmax(distance))
     fields["max_path_deviation"] = float(distance[at])
     fields["max_path_deviation_time"] = float(claim.time[sample[at]])
     if distance[at] > allowance.position:
         left.append(f"the path is left by {distance[at]:.3g} m")
-    oriented = np.concatenate([part.oriented for part in followed])
+    oriented = np.concatenate([part.oriented for part in matched])
     if oriented.any():
-        angle = np.where(oriented, np.concatenate([part.angle for part in followed]), -1.0)
+        angle = np.where(oriented, np.concatenate([part.angle for part in matched]), -1.0)
         at = int(np.argmax(angle))
         fields["max_orientation_deviation"] = float(angle[at])
         fields["max_orientation_deviation_time"] = float(claim.time[sample[at]])

@@ -4,21 +4,17 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import numpy as np
-from numpy.typing import NDArray
-
-from ikplan.documents.limits import StretchLimits
+from ikplan.arrays import Array
+from ikplan.documents.limits import SegmentLimits
 from ikplan.documents.path import PathRequest
 from ikplan.limits.motion_limits import MotionLimits
 from ikplan.robots import Robot
 
-__all__ = ["Claim", "LimitedWaypoints"]
-
-Array = NDArray[np.float64]
+__all__ = ["Claim", "RequestedSegment"]
 
 
 @dataclass(frozen=True)
-class LimitedWaypoints:
+class RequestedSegment:
     """Limits that a request asks for between two waypoints of a joint path.
 
     Attributes:
@@ -31,7 +27,7 @@ class LimitedWaypoints:
     field: str
     first: int
     last: int
-    limits: StretchLimits
+    limits: SegmentLimits
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,4 +61,4 @@ class Claim:
     dq: Array
     ddq: Array
     limits: MotionLimits
-    segments: tuple[LimitedWaypoints, ...] = ()
+    segments: tuple[RequestedSegment, ...] = ()

@@ -8,16 +8,15 @@ crest is far from the tool.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ikplan.arrays import Array, Indices
 from ikplan.certificate.claim import Claim
-from ikplan.certificate.deviation import FollowedLeg, Tool
+from ikplan.certificate.deviation import MatchedLeg, Tool
 from ikplan.certificate.elongation import joint_reach
 from ikplan.certificate.offsets import Allowance
 
 __all__ = ["left_out"]
 
-Array = NDArray[np.float64]
 
 _WITHIN = np.linspace(0.0, 1.0, 17)
 _PLACES = 65
@@ -26,7 +25,7 @@ _MOST = 24
 
 
 def left_out(
-    claim: Claim, part: FollowedLeg, tool: Tool, allowance: Allowance
+    claim: Claim, part: MatchedLeg, tool: Tool, allowance: Allowance
 ) -> tuple[float, float]:
     """Return how far the tool is from the part of a path that it comes least near to.
 
@@ -90,7 +89,7 @@ def _unseen(claim: Claim) -> float:
     return float(joint_reach(claim.robot) @ a) * h * h / 8.0
 
 
-def _between(claim: Claim, first: NDArray[np.int64]) -> Array:
+def _between(claim: Claim, first: Indices) -> Array:
     """Positions of the tool between some samples and the next, shape (n, 17, 3) [m]."""
     q0, q1, v0, v1 = claim.q[first], claim.q[first + 1], claim.dq[first], claim.dq[first + 1]
     h = (claim.time[first + 1] - claim.time[first])[:, None, None]

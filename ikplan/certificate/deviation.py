@@ -5,16 +5,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ikplan.arrays import Array, Flags, Indices
 from ikplan.certificate.claim import Claim
 from ikplan.certificate.matching import Samples, match_samples
 from ikplan.certificate.offsets import Allowance
 from ikplan.certificate.requested import RequestedMotion, RequestedPath, ToolLeg
 
-__all__ = ["FollowedLeg", "TimedLeg", "Tool", "follow_legs", "timed_legs"]
-
-Array = NDArray[np.float64]
+__all__ = ["MatchedLeg", "TimedLeg", "Tool", "match_legs", "timed_legs"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,11 +54,11 @@ class TimedLeg:
     path: RequestedPath
     s: Array
     time: Array
-    row: NDArray[np.int64]
+    row: Indices
 
 
 @dataclass(frozen=True, eq=False)
-class FollowedLeg:
+class MatchedLeg:
     """Where the tool is on a path.
 
     Attributes:
@@ -73,9 +71,9 @@ class FollowedLeg:
     """
 
     leg: TimedLeg
-    sample: NDArray[np.int64]
+    sample: Indices
     s: Array
-    oriented: NDArray[np.bool_]
+    oriented: Flags
     distance: Array
     angle: Array
 
@@ -87,13 +85,13 @@ def timed_legs(claim: Claim, motion: RequestedMotion) -> list[TimedLeg]:
 
 def _timed(claim: Claim, leg: ToolLeg) -> TimedLeg:
     begin = -1 if leg.begin_row is None else leg.begin_row
-    s = np.array([0.0, *(s for s, _ in leg.path.marks)])
-    row = np.array([begin, *(row for _, row in leg.path.marks)])
+    s = np.array([0.0, *(s for s, _ in leg.path.waypoints)])
+    row = np.array([begin, *(row for _, row in leg.path.waypoints)])
     time = np.where(row < 0, claim.time[0], claim.waypoint_time[row])
     return TimedLeg(leg.path, s, time, row)
 
 
-def follow_legs(claim: Claim, legs: list[TimedLeg], tool: Tool) -> list[FollowedLeg]:
+def match_legs(claim: Claim, legs: list[TimedLeg], tool: Tool) -> list[MatchedLeg]:
     """Find the tool on its paths, at every sample.
 
     Args:
@@ -104,21 +102,21 @@ def follow_legs(claim: Claim, legs: list[TimedLeg], tool: Tool) -> list[Followed
     if claim.path is None:
         return []
     allowance = Allowance(claim.path)
-    followed = []
+    matched = []
     for leg in legs:
         sample = np.flatnonzero((claim.time >= leg.time[0]) & (claim.time <= leg.time[-1]))
         if len(sample) == 0:
             continue
         samples = _samples(leg, tool, claim.time[sample], sample, allowance)
         match = match_samples(leg.path, allowance, samples)
-        followed.append(
-            FollowedLeg(leg, sample, match.s, match.oriented, match.distance, match.angle)
+        matched.append(
+            MatchedLeg(leg, sample, match.s, match.oriented, match.distance, match.angle)
         )
-    return followed
+    return matched
 
 
 def _samples(
-    leg: TimedLeg, tool: Tool, time: Array, sample: NDArray[np.int64], allowance: Allowance
+    leg: TimedLeg, tool: Tool, time: Array, sample: Indices, allowance: Allowance
 ) -> Samples:
     """The samples with the path lengths at which they are expected.
 
@@ -128,15 +126,15 @@ def _samples(
     """
     p, R = tool.p[sample], tool.R[sample]
     first = leg.row < 0
-    mark_p = np.where(first[:, None], tool.p[:1], tool.p_waypoint[leg.row])
-    mark_R = np.where(first[:, None, None], tool.R[:1], tool.R_waypoint[leg.row])
+    p_passed = np.where(first[:, None], tool.p[:1], tool.p_waypoint[leg.row])
+    R_passed = np.where(first[:, None, None], tool.R[:1], tool.R_waypoint[leg.row])
     step = np.clip(np.searchsorted(leg.time, time, "right") - 1, 0, len(leg.s) - 2)
-    # Marks and samples in the order in which they are passed, each mark before its samples.
+    # Waypoints and samples in the order in which they are passed, each waypoint before its samples.
     order = np.argsort(np.concatenate([leg.time, time]), kind="stable")
     nodes, progress = turning_progress(leg.path, allowance)
-    way = _lengths(np.concatenate([mark_p, p])[order])
+    way = _lengths(np.concatenate([p_passed, p])[order])
     if len(nodes) or leg.path.spots.any():
-        turned = _angles(np.concatenate([mark_R, R])[order], allowance.free_axis)
+        turned = _angles(np.concatenate([R_passed, R])[order], allowance.free_axis)
         within = np.concatenate([np.arange(len(leg.s)) - 1, step])[order][1:]
         within = np.clip(within, 0, len(leg.s) - 2)
         piece = leg.path.piece_at(0.5 * (leg.s[:-1] + leg.s[1:]))[within]
@@ -147,9 +145,9 @@ def _samples(
             way = np.where(leg.path.spots[piece], turned, way)
     gone = np.empty(len(order))
     gone[order] = np.concatenate([[0.0], np.cumsum(way)])
-    at_mark, at_sample = gone[: len(leg.s)], gone[len(leg.s) :]
-    whole = np.diff(at_mark)[step]
-    share = (at_sample - at_mark[step]) / np.where(whole > 0.0, whole, 1.0)
+    at_waypoint, at_sample = gone[: len(leg.s)], gone[len(leg.s) :]
+    whole = np.diff(at_waypoint)[step]
+    share = (at_sample - at_waypoint[step]) / np.where(whole > 0.0, whole, 1.0)
     share = np.clip(share, 0.0, 1.0)
     low, high = leg.s[step], leg.s[step + 1]
     if len(nodes):

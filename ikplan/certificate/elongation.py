@@ -7,8 +7,8 @@ from collections.abc import Sequence
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 
+from ikplan.arrays import Array
 from ikplan.certificate.offsets import Allowance
 from ikplan.certificate.requested import RequestedWaypoint
 from ikplan.certificate.waypoints import Misses
@@ -16,13 +16,11 @@ from ikplan.robots import Robot
 
 __all__ = ["elongation_lower_bound", "joint_reach"]
 
-Array = NDArray[np.float64]
-
 
 def elongation_lower_bound(
     robot: Robot,
     q_start: Array | None,
-    asked: Sequence[RequestedWaypoint],
+    waypoints: Sequence[RequestedWaypoint],
     allowance: Allowance,
     misses: Misses,
 ) -> float:
@@ -36,15 +34,15 @@ def elongation_lower_bound(
     Args:
         robot: The robot, with its tool.
         q_start: Joint values at the start, shape (dof,) [rad or m]; None: at the first waypoint.
-        asked: The waypoints.
+        waypoints: The waypoints.
         allowance: What is allowed at them.
         misses: What the plan misses each by.
     """
     linear = math.sqrt(float((joint_reach(robot) ** 2).sum()))
     turning = robot.coupling[~np.array([_slides(robot, k) for k in range(robot.model.nv)])]
     angular = float(np.linalg.norm(turning, 2)) * math.sqrt(len(turning)) if len(turning) else 0.0
-    p = np.array([w.p for w in asked])
-    R = [w.R for w in asked]
+    p = np.array([w.p for w in waypoints])
+    R = [w.R for w in waypoints]
     near = misses.distance + float(np.linalg.norm(allowance.box_position))
     like = misses.angle + float(np.linalg.norm(allowance.box_orientation)) + allowance.cone
     if q_start is not None:

@@ -10,8 +10,8 @@ from typing import Any
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 
+from ikplan.arrays import Array
 from ikplan.documents.certificate import LimitPlace
 from ikplan.limits.motion_limits import MotionLimits
 from ikplan.robots import Robot
@@ -26,7 +26,6 @@ __all__ = [
     "torque_ratios",
 ]
 
-Array = NDArray[np.float64]
 
 RATIO_SLACK = 1e-9
 """Rounding allowed in a ratio against a limit."""
@@ -35,7 +34,7 @@ RATIO_SLACK = 1e-9
 def measured_limits(
     robot: Robot, limits: MotionLimits, time: Array, q: Array, dq: Array, ddq: Array
 ) -> tuple[dict[str, Any], list[str]]:
-    """Measure what a motion uses of its limits, those of joint positions left out.
+    """Measure the limit ratios of a motion, those of joint positions left out.
 
     Args:
         robot: The robot, with its tool.
@@ -72,11 +71,11 @@ def measured_limits(
         of_tool["acceleration"] = tool_acceleration_ratios(
             robot, q, dq, ddq, limits.tool_acceleration
         )
-    for kind, shares in of_tool.items():
-        at = int(np.argmax(shares))
-        found[f"tool_{kind}_ratio"] = float(shares[at])
+    for kind, ratios in of_tool.items():
+        at = int(np.argmax(ratios))
+        found[f"tool_{kind}_ratio"] = float(ratios[at])
         found[f"tool_{kind}_time"] = float(time[at])
-        if not shares[at] <= 1.0 + RATIO_SLACK:
+        if not ratios[at] <= 1.0 + RATIO_SLACK:
             exceeded.append(f"the tool {kind} limit is exceeded at {time[at]:.4f} s")
     return found, exceeded
 
@@ -110,7 +109,7 @@ def worst_joint(robot: Robot, time: Array, ratios: Array) -> tuple[float, LimitP
 
 
 def jerk_ratios(time: Array, ddq: Array, limit: Array) -> Array:
-    """Share of the jerk limits used between samples, by finite differences.
+    """Ratios to the jerk limits between samples, by finite differences.
 
     Args:
         time: Sample times, shape (m,) [s].
@@ -128,7 +127,7 @@ def jerk_ratios(time: Array, ddq: Array, limit: Array) -> Array:
 def torque_ratios(
     robot: Robot, q: Array, dq: Array, ddq: Array, limit: Array, mass: float, centre: Array
 ) -> Array:
-    """Share of the torque limits that the motion needs, gravity and payload included.
+    """Ratios of the torques to their limits, gravity and payload included.
 
     Args:
         robot: The robot, with its tool.
@@ -155,7 +154,7 @@ def torque_ratios(
 
 
 def tool_speed_ratios(robot: Robot, q: Array, dq: Array, limit: tuple[float, float]) -> Array:
-    """Share of the tool's speed limits used.
+    """Ratios to the tool's speed limits.
 
     Args:
         robot: The robot, with its tool.
@@ -164,7 +163,7 @@ def tool_speed_ratios(robot: Robot, q: Array, dq: Array, limit: tuple[float, flo
         limit: Linear and angular limit [m/s, rad/s], may be inf.
 
     Returns:
-        The larger of both shares, shape (m,).
+        The larger of both ratios, shape (m,).
     """
     model, frame = _with_tool_frame(robot)
     data = model.createData()
@@ -178,10 +177,10 @@ def tool_speed_ratios(robot: Robot, q: Array, dq: Array, limit: tuple[float, flo
 def tool_acceleration_ratios(
     robot: Robot, q: Array, dq: Array, ddq: Array, limit: tuple[float, float]
 ) -> Array:
-    """Share of the tool's acceleration limits used; the arguments are those of the speeds'.
+    """Ratios to the tool's acceleration limits; the arguments are those of the speeds'.
 
     Returns:
-        The larger of the linear and the angular share, shape (m,).
+        The larger of the linear and the angular ratio, shape (m,).
     """
     model, frame = _with_tool_frame(robot)
     data, coupling = model.createData(), robot.coupling

@@ -5,25 +5,23 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ikplan.arrays import Array, Flags, Indices
 from ikplan.certificate.offsets import Allowance, Offsets
 from ikplan.certificate.requested import RequestedPath
 
 __all__ = ["Match", "Samples", "match_samples"]
 
-Array = NDArray[np.float64]
-Index = NDArray[np.int64]
 
 _STEPS = 16
 _SETTLED = 1e-4
-"""Change of the share of a tolerance below which a search has arrived."""
+"""Change of the ratio to a tolerance below which a search has arrived."""
 _STARTS, _STARTS_BETWEEN = 33, 1025
 """Places that are begun at: about a hint, and between samples that were matched."""
 _MUCH = 0.5
-"""Share of the tolerance from which on nearer places are looked for."""
+"""Ratio to the tolerance from which on nearer places are looked for."""
 _DESCENTS = 12
-"""Of those places, how many are followed to the nearest best."""
+"""Of those places, how many are matched to the nearest best."""
 _WORST = 16
 """Samples that are looked for everywhere before the others are."""
 _PAIRS = 200_000
@@ -32,7 +30,7 @@ _PAIRS = 200_000
 
 @dataclass(frozen=True, eq=False)
 class Samples:
-    """Tool poses on the way along a path, with the marks between which they are.
+    """Tool poses on the way along a path, with the waypoints between which they are.
 
     Attributes:
         p: Positions in the base, shape (m, 3) [m].
@@ -58,18 +56,18 @@ class Match:
         oriented: Whether an orientation is asked for there, shape (m,).
         distance: Distance outside what is allowed, shape (m,) [m].
         angle: Rotation outside what is allowed, shape (m,) [rad].
-        share: Larger share of the tolerances used up, shape (m,).
+        ratio: Larger ratio to the tolerances, shape (m,).
     """
 
     s: Array
-    oriented: NDArray[np.bool_]
+    oriented: Flags
     distance: Array
     angle: Array
-    share: Array
+    ratio: Array
 
 
 def match_samples(path: RequestedPath, allowance: Allowance, samples: Samples) -> Match:
-    """Find for each sample the place of the path between its marks that it keeps best to.
+    """Find for each sample the place of the path between its waypoints that it keeps best to.
 
     One place bears out position and orientation together. It is looked for by Gauss-Newton steps
     from the hint, on the piece there and its neighbours; where that uses up more than the
@@ -100,11 +98,11 @@ class _Search:
         self._path, self._allowance, self._samples = path, allowance, samples
         m = len(samples.p)
         self._s = samples.hint.copy()
-        # A sample between two marks is on the pieces between them, also at the very marks.
+        # A sample between two waypoints is on the pieces between them, also at the very waypoints.
         first, end = path.piece_at(samples.low), np.searchsorted(path.begins, samples.high) - 1
         self._first, self._last = first, np.maximum(first, end)
         self._piece = self._piece_at(np.arange(m), samples.hint)
-        self._share = np.full(m, np.inf)
+        self._ratio = np.full(m, np.inf)
         self._distance, self._angle = np.full(m, np.inf), np.full(m, np.inf)
         gaps = np.abs(np.diff(samples.hint, prepend=samples.hint[:1], append=samples.hint[-1:]))
         box = 2.0 * float(np.linalg.norm(allowance.box_position))
@@ -114,7 +112,7 @@ class _Search:
     def match(self) -> Match:
         """What has been found."""
         oriented = self._path.oriented[self._piece] & (not self._allowance.positions_only)
-        return Match(self._s, oriented, self._distance, self._angle, self._share)
+        return Match(self._s, oriented, self._distance, self._angle, self._ratio)
 
     def near_hints(self) -> None:
         """Look from the hints, on their pieces and the neighbours within reach."""
@@ -133,22 +131,22 @@ class _Search:
         piece = np.concatenate([k for _, k in pairs])
         self._descend(sample, piece, samples.hint[sample])
 
-    def left(self) -> Index:
+    def left(self) -> Indices:
         """Samples that keep to no place found so far, the worst first."""
-        order = np.argsort(-self._share, kind="stable")
-        return order[self._share[order] > 1.0]
+        order = np.argsort(-self._ratio, kind="stable")
+        return order[self._ratio[order] > 1.0]
 
-    def among(self, samples: Index) -> Index:
+    def among(self, samples: Indices) -> Indices:
         """Those of some samples that keep to no place found so far, in their order."""
-        return np.sort(samples[self._share[samples] > 1.0])
+        return np.sort(samples[self._ratio[samples] > 1.0])
 
     def look_about_hints(self) -> None:
         """Look about the hints of samples that use much of the tolerance."""
-        much, hint = np.flatnonzero(self._share > _MUCH), self._samples.hint
+        much, hint = np.flatnonzero(self._ratio > _MUCH), self._samples.hint
         if len(much):
             self._spread(much, hint - 2.0 * self.near, hint + 2.0 * self.near, _STARTS)
 
-    def look_farther(self, left: Index) -> None:
+    def look_farther(self, left: Indices) -> None:
         """Look from places spread ever farther about the hints, then between matched samples."""
         hint = self._samples.hint
         spans = 0.05 * (self._samples.high - self._samples.low)
@@ -160,7 +158,7 @@ class _Search:
             self._from_nodes(self.among(left), low, high)
             self._spread(self.among(left), low, high, _STARTS_BETWEEN)
 
-    def _spread(self, left: Index, low: Array, high: Array, count: int) -> None:
+    def _spread(self, left: Indices, low: Array, high: Array, count: int) -> None:
         """Look from ``count`` places between path lengths, each of shape (m,) [m]."""
         samples = self._samples
         low, high = np.maximum(low, samples.low), np.minimum(high, samples.high)
@@ -170,7 +168,7 @@ class _Search:
             starts = low[part, None] + (high - low)[part, None] * shares
             self._look_from(part, starts)
 
-    def _from_nodes(self, left: Index, low: Array, high: Array) -> None:
+    def _from_nodes(self, left: Indices, low: Array, high: Array) -> None:
         """Look from the nodes of the path between path lengths, and from half-way between them.
 
         A curve that turns within less than a step has its nodes there.
@@ -183,7 +181,7 @@ class _Search:
             if len(inside):
                 self._look_from(np.array([k]), inside[None])
 
-    def _look_from(self, part: Index, starts: Array) -> None:
+    def _look_from(self, part: Indices, starts: Array) -> None:
         """Look from places, shape (n, count) [m], and on from the best of each sample."""
         count = starts.shape[1]
         begins, sample = starts.ravel(), np.repeat(part, count)
@@ -193,20 +191,20 @@ class _Search:
         chosen = (best + count * np.arange(len(part))[:, None]).ravel()
         self._descend(sample[chosen], piece[chosen], begins[chosen])
 
-    def _piece_at(self, sample: Index, s: Array) -> Index:
-        """The pieces at path lengths, among those between the marks of samples."""
+    def _piece_at(self, sample: Indices, s: Array) -> Indices:
+        """The pieces at path lengths, among those between the waypoints of samples."""
         return np.clip(self._path.piece_at(s), self._first[sample], self._last[sample])
 
     def _between_matched(self, width: Array) -> tuple[Array, Array]:
         """Path lengths from the last to the next matched sample of each, and a width [m] more."""
         samples = self._samples
-        known = self._share <= 1.0
+        known = self._ratio <= 1.0
         low = np.maximum.accumulate(np.where(known, self._s, -np.inf))
         high = np.minimum.accumulate(np.where(known, self._s, np.inf)[::-1])[::-1]
         return np.minimum(low, samples.high) - width, np.maximum(high, samples.low) + width
 
-    def _descend(self, sample: Index, piece: Index, starts: Array) -> None:
-        """Gauss-Newton steps on pieces, within the marks; keeps what is better than known."""
+    def _descend(self, sample: Indices, piece: Indices, starts: Array) -> None:
+        """Gauss-Newton steps on pieces, within the waypoints; keeps what is better than known."""
         path, samples = self._path, self._samples
         begin, end = path.begins[piece], path.begins[piece + 1]
         low = np.maximum(samples.low[sample], begin) - begin
@@ -222,19 +220,19 @@ class _Search:
             ahead = np.clip(s[at] + along, low[at], high[at])
             step[at] = ahead - s[at]
             s[at] = ahead
-            # On until a step changes what is used of the tolerances by next to nothing.
+            # On until a step changes the ratio by next to nothing.
             at = at[np.abs(step[at]) * scale > _SETTLED]
             if len(at) == 0:
                 break
         if len(at):
             self._look(sample[at], piece[at], s[at])
 
-    def _look(self, sample: Index, piece: Index, s: Array) -> tuple[Array, Array, Array]:
+    def _look(self, sample: Indices, piece: Indices, s: Array) -> tuple[Array, Array, Array]:
         """Measure samples at lengths s of pieces, and keep what is better than known.
 
         Returns:
-            The squares of both tolerances' shares added, the Gauss-Newton step [m], and how much
-            the root of that sum changes with the length, at most [1/m].
+            The squares of the ratios to both tolerances added, the Gauss-Newton step [m], and how
+            much the root of that sum changes with the length, at most [1/m].
         """
         path, allowance, samples = self._path, self._allowance, self._samples
         places, oriented = path.places(piece, s), path.oriented[piece]
@@ -243,18 +241,18 @@ class _Search:
         )
         square, along, scale = _gauss_newton(allowance, found, places.v, places.w)
         distance, angle = found.distance, found.angle
-        share = np.maximum(distance / allowance.position, angle / allowance.orientation)
+        ratio = np.maximum(distance / allowance.position, angle / allowance.orientation)
         if len(sample) > 1 and (np.diff(sample) <= 0).any():
             # The best of each sample's pairs, the first of equal ones.
-            order = np.lexsort((share, sample))
+            order = np.lexsort((ratio, sample))
             order = order[np.concatenate([[True], np.diff(sample[order]) > 0])]
         else:
             order = np.arange(len(sample))
         k = sample[order]
-        better = share[order] < self._share[k]
+        better = ratio[order] < self._ratio[k]
         k, order = k[better], order[better]
-        self._share[k], self._distance[k], self._angle[k] = (
-            share[order],
+        self._ratio[k], self._distance[k], self._angle[k] = (
+            ratio[order],
             distance[order],
             angle[order],
         )
@@ -265,7 +263,7 @@ class _Search:
 def _gauss_newton(
     allowance: Allowance, found: Offsets, v: Array, w: Array
 ) -> tuple[Array, Array, Array]:
-    """Sum of the squares of the shares, the step to the least of it [m], and its scale [1/m]."""
+    """Sum of the squares of the ratios, the step to the least of it [m], and its scale [1/m]."""
     a, b = 1.0 / allowance.position**2, 1.0 / allowance.orientation**2
     square = a * (found.apart**2).sum(axis=1) + b * (found.turned**2).sum(axis=1)
     v, w = found.felt(v, w)

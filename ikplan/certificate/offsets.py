@@ -10,14 +10,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ikplan.arrays import Array, Flags
 from ikplan.certificate.requested.rotations import rotation_of
 from ikplan.documents.path import PathRequest
 
 __all__ = ["Allowance", "Offsets"]
 
-Array = NDArray[np.float64]
 
 _AXES = {"tool_x": 0, "tool_y": 1, "tool_z": 2}
 
@@ -93,41 +92,41 @@ class Allowance:
             self._axes = rotation_of(path.frame.quaternion_xyzw)
 
     def offsets(
-        self, p: Array, R: Array, p_asked: Array, R_asked: Array, oriented: NDArray[np.bool_]
+        self, p: Array, R: Array, p_target: Array, R_target: Array, oriented: Flags
     ) -> Offsets:
         """Return how far poses are outside what their targets allow.
 
         Args:
             p: Positions of the tool in the base, shape (m, 3) [m].
             R: Rotations of the tool in the base, shape (m, 3, 3).
-            p_asked: Positions asked for, shape (m, 3) [m].
-            R_asked: Rotations asked for, shape (m, 3, 3).
+            p_target: Positions asked for, shape (m, 3) [m].
+            R_target: Rotations asked for, shape (m, 3, 3).
             oriented: Where an orientation is asked for, shape (m,); the others' is ignored.
         """
         counts = oriented & (not self.positions_only)
-        apart = p - p_asked
+        apart = p - p_target
         axes = lever = None
         if self._boxed:
             lever = apart if self._axes is None else None
-            own = np.where(counts[:, None, None], R_asked, np.eye(3))
+            own = np.where(counts[:, None, None], R_target, np.eye(3))
             axes = own if self._axes is None else np.broadcast_to(self._axes, R.shape)
             apart = _outside(apart, axes, self.box_position)
         if not counts.any():
             return Offsets(apart, np.zeros_like(apart), axes, lever)
-        turned = self._turned(R, R_asked)
+        turned = self._turned(R, R_target)
         if axes is not None and self.free_axis is None:
             turned = _outside(turned, axes, self.box_orientation)
-        about = None if self.free_axis is None else R_asked[:, :, self.free_axis]
+        about = None if self.free_axis is None else R_target[:, :, self.free_axis]
         return Offsets(apart, np.where(counts[:, None], turned, 0.0), axes, lever, about)
 
-    def _turned(self, R: Array, R_asked: Array) -> Array:
+    def _turned(self, R: Array, R_target: Array) -> Array:
         """Rotation vectors from the orientations asked for, or from the cone about their axis."""
         if self.free_axis is None:
-            return _rotation_vectors(R @ np.swapaxes(R_asked, 1, 2))
-        asked, axis = R_asked[:, :, self.free_axis], R[:, :, self.free_axis]
-        about = np.cross(asked, axis)
+            return _rotation_vectors(R @ np.swapaxes(R_target, 1, 2))
+        target_axis, axis = R_target[:, :, self.free_axis], R[:, :, self.free_axis]
+        about = np.cross(target_axis, axis)
         sine = np.sqrt((about * about).sum(axis=1))
-        angle = np.arctan2(sine, (asked * axis).sum(axis=1))
+        angle = np.arctan2(sine, (target_axis * axis).sum(axis=1))
         beyond = np.maximum(angle - self.cone, 0.0)
         return _along(about, sine, beyond)
 

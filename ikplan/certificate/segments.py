@@ -5,26 +5,25 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ikplan.arrays import Flags
 from ikplan.certificate.claim import Claim
-from ikplan.certificate.deviation import FollowedLeg
+from ikplan.certificate.deviation import MatchedLeg
 from ikplan.certificate.limits import measured_limits
 from ikplan.certificate.offsets import Allowance
 from ikplan.certificate.requested import RequestedMotion
 from ikplan.documents.certificate import SegmentCertificate
 from ikplan.limits.motion_limits import MotionLimits
 
-__all__ = ["LimitedTime", "limited_times", "segment_checks"]
+__all__ = ["TimedSegment", "segment_checks", "timed_segments"]
 
-Array = NDArray[np.float64]
 
 _EDGE = 1e-9
 """A sample this near to an end of a segment, as a share of the duration, is of its neighbour."""
 
 
 @dataclass(frozen=True, eq=False)
-class LimitedTime:
+class TimedSegment:
     """Limits that hold between two times.
 
     Attributes:
@@ -40,9 +39,9 @@ class LimitedTime:
     limits: MotionLimits
 
 
-def limited_times(
-    claim: Claim, motion: RequestedMotion | None, followed: list[FollowedLeg]
-) -> list[LimitedTime]:
+def timed_segments(
+    claim: Claim, motion: RequestedMotion | None, matched: list[MatchedLeg]
+) -> list[TimedSegment]:
     """Return when each segment with limits of its own is passed.
 
     Between waypoints, it is passed between their times. A rounded corner belongs to both its
@@ -51,11 +50,11 @@ def limited_times(
     Args:
         claim: The trajectory.
         motion: What the path asks for; None: there is no path.
-        followed: Where the tool is on its paths.
+        matched: Where the tool is on its paths.
     """
     robot, limits, times = claim.robot, claim.limits, claim.waypoint_time
     found = [
-        LimitedTime(
+        TimedSegment(
             part.field,
             float(times[part.first]),
             float(times[part.last]),
@@ -72,31 +71,31 @@ def limited_times(
     }
     if not own:
         return found
-    passed = _passed(claim, motion, followed)
+    passed = _passed(claim, motion, matched)
     for field, asked in own.items():
         begin, end = passed.get(field, (times[motion.last_rows[field]],) * 2)
         within = limits.within(robot, asked, f"{field}.limits")
-        found.append(LimitedTime(field, float(begin), float(end), within))
+        found.append(TimedSegment(field, float(begin), float(end), within))
     return found
 
 
 def _passed(
-    claim: Claim, motion: RequestedMotion, followed: list[FollowedLeg]
+    claim: Claim, motion: RequestedMotion, matched: list[MatchedLeg]
 ) -> dict[str, tuple[float, float]]:
     """When the segments of a path are passed, those of no length left out."""
     times = claim.waypoint_time
     passed = {}
-    for joint in motion.joint_ranges:
+    for joint in motion.joint_segments:
         begin = claim.time[0] if joint.begin_row is None else times[joint.begin_row]
         passed[joint.field] = (begin, times[joint.end_row])
     assert claim.path is not None
     allowance = Allowance(claim.path)
     # How far off the tool may be along its path without leaving it.
     slack = 2.0 * (allowance.position + float(np.linalg.norm(allowance.box_position)))
-    for part in followed:
+    for part in matched:
         leg, when = part.leg, claim.time[part.sample]
         ahead = np.maximum.accumulate(part.s)
-        for segment in leg.path.ranges:
+        for segment in leg.path.segments:
             begin, end = np.interp([segment.begin, segment.end], leg.s, leg.time)
             if segment.rounded_begin:
                 inside = when[ahead >= segment.begin + slack]
@@ -109,9 +108,9 @@ def _passed(
 
 
 def segment_checks(
-    claim: Claim, parts: list[LimitedTime]
+    claim: Claim, parts: list[TimedSegment]
 ) -> tuple[list[SegmentCertificate], list[str]]:
-    """Measure what a motion uses of the limits of its segments.
+    """Measure the limit ratios of a motion on its segments.
 
     Returns:
         Their part of the certificate, and which limits are exceeded, in words.
@@ -131,7 +130,7 @@ def segment_checks(
 
 
 def _measured(
-    claim: Claim, part: LimitedTime, inside: NDArray[np.bool_]
+    claim: Claim, part: TimedSegment, inside: Flags
 ) -> tuple[SegmentCertificate, list[str]]:
     certificate = SegmentCertificate(field=part.field, begin=part.begin, end=part.end)
     if not inside.any():

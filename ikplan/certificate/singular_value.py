@@ -3,23 +3,21 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ikplan.arrays import Array, Flags, Indices
 from ikplan.certificate.claim import Claim
-from ikplan.certificate.deviation import FollowedLeg
+from ikplan.certificate.deviation import MatchedLeg
 from ikplan.certificate.offsets import Allowance
 from ikplan.certificate.requested import RequestedMotion
 
 __all__ = ["least_singular_value"]
 
-Array = NDArray[np.float64]
-Flags = NDArray[np.bool_]
 
 _LOOKS = 128
 
 
 def least_singular_value(
-    claim: Claim, motion: RequestedMotion | None, followed: list[FollowedLeg]
+    claim: Claim, motion: RequestedMotion | None, matched: list[MatchedLeg]
 ) -> tuple[float, float]:
     """Return the smallest singular value of the tool Jacobian over the samples, and its time [s].
 
@@ -32,9 +30,9 @@ def least_singular_value(
     Args:
         claim: The trajectory.
         motion: What the path asks for; None: joint waypoints, whose tool is measured in all rows.
-        followed: Where the tool is on its paths.
+        matched: Where the tool is on its paths.
     """
-    oriented = _oriented(claim, motion, followed)
+    oriented = _oriented(claim, motion, matched)
     axis = None if claim.path is None else Allowance(claim.path).free_axis
     count = len(claim.time)
     stride = max(1, count // _LOOKS)
@@ -46,7 +44,7 @@ def least_singular_value(
     return float(found[k]), float(claim.time[fine[k]])
 
 
-def _oriented(claim: Claim, motion: RequestedMotion | None, followed: list[FollowedLeg]) -> Flags:
+def _oriented(claim: Claim, motion: RequestedMotion | None, matched: list[MatchedLeg]) -> Flags:
     """Whether an orientation is asked for at each sample, shape (m,)."""
     if claim.path is None or motion is None:
         return np.ones(len(claim.time), dtype=np.bool_)
@@ -56,12 +54,12 @@ def _oriented(claim: Claim, motion: RequestedMotion | None, followed: list[Follo
     after = np.clip(np.searchsorted(claim.waypoint_time, claim.time), 0, len(asked) - 1)
     before = np.maximum(after - 1, 0)
     oriented = asked[after] | asked[before]
-    for part in followed:
+    for part in matched:
         oriented[part.sample] = part.oriented
     return np.asarray(oriented)
 
 
-def _values(claim: Claim, samples: NDArray[np.int64], oriented: Flags, axis: int | None) -> Array:
+def _values(claim: Claim, samples: Indices, oriented: Flags, axis: int | None) -> Array:
     J = claim.robot.jacobians(claim.q[samples])
     full = [0, 1, 2, *(3 + k for k in range(3) if k != axis)]
     if claim.robot.dof < len(full):

@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ikplan.arrays import Array, Flags
 from ikplan.certificate.claim import Claim
 from ikplan.certificate.deviation import Tool
 from ikplan.certificate.offsets import Allowance
@@ -15,7 +15,6 @@ from ikplan.certificate.requested import RequestedWaypoint
 
 __all__ = ["Misses", "missed_waypoints", "waypoint_misses"]
 
-Array = NDArray[np.float64]
 
 _ROUNDING = 1e-9
 """What joint values asked for may be missed by through rounding [rad or m]."""
@@ -34,42 +33,42 @@ class Misses:
 
     distance: Array
     angle: Array
-    oriented: NDArray[np.bool_]
+    oriented: Flags
     joints: Array
 
 
 def waypoint_misses(
-    claim: Claim, asked: Sequence[RequestedWaypoint], allowance: Allowance, tool: Tool
+    claim: Claim, waypoints: Sequence[RequestedWaypoint], allowance: Allowance, tool: Tool
 ) -> Misses:
     """Measure the tool at the waypoints against what the request asks for there.
 
     Args:
         claim: The trajectory.
-        asked: The waypoints of the request, one a row of ``claim.waypoint_q``.
+        waypoints: The waypoints of the request, one a row of ``claim.waypoint_q``.
         allowance: What is allowed at them.
         tool: Poses of the tool.
     """
     free = np.eye(3)
-    oriented = np.array([w.R is not None for w in asked]) & (not allowance.positions_only)
-    R = np.array([free if w.R is None else w.R for w in asked])
-    p = np.array([w.p for w in asked])
+    oriented = np.array([w.R is not None for w in waypoints]) & (not allowance.positions_only)
+    R = np.array([free if w.R is None else w.R for w in waypoints])
+    p = np.array([w.p for w in waypoints])
     found = allowance.offsets(tool.p_waypoint, tool.R_waypoint, p, R, oriented)
     joints = [
         0.0 if w.q is None else float(np.abs(q - w.q).max())
-        for w, q in zip(asked, claim.waypoint_q, strict=True)
+        for w, q in zip(waypoints, claim.waypoint_q, strict=True)
     ]
     return Misses(found.distance, found.angle, oriented, np.array(joints))
 
 
 def missed_waypoints(
-    asked: Sequence[RequestedWaypoint], allowance: Allowance, misses: Misses
+    waypoints: Sequence[RequestedWaypoint], allowance: Allowance, misses: Misses
 ) -> list[str]:
     """Return which waypoints are missed by more than the tolerance, in words.
 
     A waypoint at a rounded corner is passed within the radius of its corner instead.
     """
     missed = []
-    for k, waypoint in enumerate(asked):
+    for k, waypoint in enumerate(waypoints):
         distance, angle = float(misses.distance[k]), float(misses.angle[k])
         if distance > allowance.position + waypoint.ball:
             missed.append(f"waypoint {k} is missed by {distance:.3g} m")

@@ -17,7 +17,7 @@ from ikplan.cli.terminal.output import say
 from ikplan.cli.terminal.progress import progress_bar
 from ikplan.cli.terminal.telling import tell_start
 from ikplan.documents import load_json
-from ikplan.documents.json_ready import plain
+from ikplan.documents.json_ready import json_ready
 from ikplan.errors import IkplanError, InvalidRequest
 
 __all__ = ["batch"]
@@ -98,7 +98,7 @@ def _line(index: int, answer: bytes | IkplanError) -> bytes:
     """The line of an answer, as a service writes it."""
     if isinstance(answer, bytes):
         return b'{"index": %d, "status": 200, "plan": %b}\n' % (index, answer)
-    problem = plain(answer.to_problem())
+    problem = json_ready(answer.to_problem())
     line = {"index": index, "status": problem["status"], "problem": problem}
     return json.dumps(line, allow_nan=False).encode() + b"\n"
 

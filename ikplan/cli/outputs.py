@@ -112,16 +112,14 @@ def draw(
     """Draw a plan with the tool and the limits of its request, which a plan does not tell."""
     if options.plot is None and options.plot_timing is None:
         return
-    from ikplan.pipeline.identity import with_tool
+    from ikplan.pipeline.resolve import resolve_robot
     from ikplan.plans.figures.plan import plot_plan
     from ikplan.plans.figures.timing import plot_timing
-    from ikplan.robots import catalogue_robot, robot_names
+    from ikplan.robots import robot_names
 
     request = parse(model, document)
-    if robot is None and made.robot in robot_names():
-        robot = catalogue_robot(made.robot)
-    if robot is not None:
-        robot = with_tool(robot, request.tool)
+    if robot is not None or request.robot in robot_names():
+        robot = resolve_robot(request, robot)
     if options.plot is not None:
         plot_plan(made, options.plot, robot=robot)
     if options.plot_timing is not None:

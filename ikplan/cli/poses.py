@@ -8,8 +8,8 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ikplan.arrays import Array
 from ikplan.cli.terminal.output import number, say, say_json, table
 from ikplan.cli.terminal.telling import tell, tell_start
 from ikplan.errors import InvalidRequest
@@ -94,7 +94,7 @@ def outside_limits(robot: Robot, q: Sequence[float]) -> list[str]:
     return said
 
 
-def _all_within(robot: Robot, q: NDArray[np.float64]) -> bool:
+def _all_within(robot: Robot, q: Array) -> bool:
     return bool(np.all((robot.lower - _SLACK <= q) & (q <= robot.upper + _SLACK)))
 
 

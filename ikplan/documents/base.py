@@ -13,7 +13,6 @@ from typing import Annotated, Any, NoReturn, TypeVar, get_args
 
 import numpy as np
 import orjson
-from numpy.typing import NDArray
 from pydantic import (
     BaseModel,
     BeforeValidator,
@@ -25,6 +24,7 @@ from pydantic import (
     WithJsonSchema,
 )
 
+from ikplan.arrays import Array
 from ikplan.documents.json_text import load_json, shortened
 from ikplan.errors import InvalidRequest, near_names
 
@@ -36,11 +36,11 @@ __all__ = [
     "Number",
     "Vec3",
     "Vector",
+    "as_list",
     "content_hash",
     "load_json",
     "parse",
     "parse_json",
-    "plain",
     "raise_invalid",
     "write_json",
 ]
@@ -64,7 +64,7 @@ def content_hash(document: Document, *context: str) -> str:
     return hashlib.sha256(canonical).hexdigest()[:32]
 
 
-def plain(value: Any) -> Any:
+def as_list(value: Any) -> Any:
     """Let Python callers pass arrays and tuples where the document has lists."""
     if isinstance(value, np.ndarray):
         return value.tolist()
@@ -77,8 +77,8 @@ MAX_NUMBER = 1e6
 """Largest length [m] or joint value [rad or m]: beyond it squares lose the digits that count."""
 
 Number = Annotated[float, Field(ge=-MAX_NUMBER, le=MAX_NUMBER)]
-Floats = Annotated[list[Number], BeforeValidator(plain)]
-Vec3 = Annotated[list[Number], BeforeValidator(plain), Field(min_length=3, max_length=3)]
+Floats = Annotated[list[Number], BeforeValidator(as_list)]
+Vec3 = Annotated[list[Number], BeforeValidator(as_list), Field(min_length=3, max_length=3)]
 
 
 _ARRAYS = object()
@@ -86,7 +86,7 @@ _ARRAYS = object()
 
 
 def _array(ndim: int, schema: dict[str, Any]) -> Any:
-    def load(value: Any) -> NDArray[np.float64]:
+    def load(value: Any) -> Array:
         array = np.array(value, dtype=np.float64)
         if array.size == 0 and array.ndim < ndim:
             array = array.reshape((0,) * ndim)
@@ -96,7 +96,7 @@ def _array(ndim: int, schema: dict[str, Any]) -> Any:
         return array
 
     return Annotated[
-        NDArray[np.float64],
+        Array,
         PlainValidator(load),
         PlainSerializer(lambda a, info: a if info.context is _ARRAYS else a.tolist()),
         WithJsonSchema(schema),

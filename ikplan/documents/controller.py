@@ -9,7 +9,7 @@ from typing import Annotated, Literal
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, model_validator
 
-from ikplan.documents.base import Document, plain
+from ikplan.documents.base import Document, as_list
 from ikplan.documents.poses import Frame
 
 __all__ = ["Controller", "ControllerInfo", "LanguageInfo", "ProgramLanguage", "Source"]
@@ -17,7 +17,7 @@ __all__ = ["Controller", "ControllerInfo", "LanguageInfo", "ProgramLanguage", "S
 Interpolation = Literal["none", "linear", "cubic", "quintic"]
 Jerks = Annotated[
     list[Annotated[float, Field(gt=0, le=1e9)]],
-    BeforeValidator(plain),
+    BeforeValidator(as_list),
     Field(min_length=1, max_length=64),
 ]
 _Text = Annotated[str, Field(min_length=1, max_length=1000)]

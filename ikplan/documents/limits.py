@@ -9,9 +9,9 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BeforeValidator, Discriminator, Field, Tag
 
-from ikplan.documents import Document, Vec3, plain
+from ikplan.documents import Document, Vec3, as_list
 
-__all__ = ["LimitOptions", "Payload", "SamplingOptions", "StretchLimits", "ToolRate"]
+__all__ = ["LimitOptions", "Payload", "SamplingOptions", "SegmentLimits", "ToolRate"]
 
 MAX_RATE_HZ = 10_000.0
 
@@ -33,22 +33,22 @@ _NegativeList = Annotated[list[Negative], Field(min_length=1, max_length=1000), 
 PerJoint = Annotated[
     Annotated[Positive, Tag("[number]")] | _PositiveList,
     Discriminator(lambda v: "[values]" if isinstance(v, list) else "[number]"),
-    BeforeValidator(plain),
+    BeforeValidator(as_list),
 ]
 PerJointBelow = Annotated[
     Annotated[Negative, Tag("[number]")] | _NegativeList,
     Discriminator(lambda v: "[values]" if isinstance(v, list) else "[number]"),
-    BeforeValidator(plain),
+    BeforeValidator(as_list),
 ]
 WholeJerk = Annotated[
     Annotated[Positive, Tag("[number]")] | _PositiveList | Annotated[Literal[False], Tag("[flag]")],
     Discriminator(lambda v: tag if (tag := _tag(v)) in ("[values]", "[flag]") else "[number]"),
-    BeforeValidator(plain),
+    BeforeValidator(as_list),
 ]
 Torque = Annotated[
     Annotated[bool, Tag("[flag]")] | _PositiveList,
     Discriminator(lambda v: "[values]" if isinstance(v, list) else "[flag]"),
-    BeforeValidator(plain),
+    BeforeValidator(as_list),
 ]
 
 
@@ -75,7 +75,7 @@ class Payload(Document):
 
 
 class _Limits(Document):
-    """What limits of the whole motion and of a stretch have in common."""
+    """What limits of the whole motion and of a segment have in common."""
 
     velocity_scale: float = Field(1.0, ge=1e-4, le=1, description="Share of the velocity limits.")
     acceleration_scale: float = Field(
@@ -105,7 +105,7 @@ class _Limits(Document):
     payload: Payload | None = Field(
         None,
         description="What the tool carries, counted towards the torques; null: nothing, or on a "
-        "stretch, what it carries on the whole.",
+        "segment, what it carries on the whole.",
     )
     tool_speed: ToolLimit | None = Field(
         None, description="Highest speed of the tool frame; a number is the linear one [m/s]."
@@ -116,8 +116,8 @@ class _Limits(Document):
     )
 
 
-class StretchLimits(_Limits):
-    """Limits of a stretch of the motion, on top of those of the whole: the strictest holds."""
+class SegmentLimits(_Limits):
+    """Limits of a segment of the motion, on top of those of the whole: the strictest holds."""
 
     jerk: PerJoint | None = Field(
         None,

@@ -6,7 +6,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BeforeValidator, Discriminator, Field, Tag, model_validator
 
-from ikplan.documents import Document, plain
+from ikplan.documents import Document, as_list
 from ikplan.documents.curve import (
     CircleSegment,
     HelixSegment,
@@ -46,12 +46,12 @@ Segment = Annotated[
 
 _Widths = Annotated[
     list[Annotated[float, Field(ge=0, le=1)]],
-    BeforeValidator(plain),
+    BeforeValidator(as_list),
     Field(min_length=3, max_length=3),
 ]
 _Angles = Annotated[
     list[Annotated[float, Field(ge=0, le=3.2)]],
-    BeforeValidator(plain),
+    BeforeValidator(as_list),
     Field(min_length=3, max_length=3),
 ]
 

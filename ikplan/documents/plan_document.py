@@ -5,9 +5,9 @@ from __future__ import annotations
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import Field
 
+from ikplan.arrays import Array
 from ikplan.documents.certificate import Certificate, Result
 from ikplan.documents.controller import ControllerInfo
 from ikplan.documents.timing_report import PathMotion, TimingReport
@@ -46,21 +46,21 @@ class PlanDocument(Result):
         return float(self.trajectory.time[-1])
 
     @property
-    def time(self) -> NDArray[np.float64]:
+    def time(self) -> Array:
         """Sample times, shape (m,) [s]."""
         return np.asarray(self.trajectory.time)
 
     @property
-    def q(self) -> NDArray[np.float64]:
+    def q(self) -> Array:
         """Joint values, shape (m, dof) [rad or m]."""
         return np.asarray(self.trajectory.q)
 
     @property
-    def dq(self) -> NDArray[np.float64]:
+    def dq(self) -> Array:
         """Joint velocities, shape (m, dof) [rad/s or m/s]."""
         return np.asarray(self.trajectory.dq)
 
     @property
-    def ddq(self) -> NDArray[np.float64]:
+    def ddq(self) -> Array:
         """Joint accelerations, shape (m, dof) [rad/s^2 or m/s^2]."""
         return np.asarray(self.trajectory.ddq)

@@ -10,11 +10,11 @@ from typing import Annotated
 
 from pydantic import BeforeValidator, Field, field_validator
 
-from ikplan.documents import Document, Vec3, plain
+from ikplan.documents import Document, Vec3, as_list
 
 __all__ = ["Frame", "Quaternion", "Tolerance", "Waypoint", "unit_quaternion"]
 
-Quaternion = Annotated[list[float], BeforeValidator(plain), Field(min_length=4, max_length=4)]
+Quaternion = Annotated[list[float], BeforeValidator(as_list), Field(min_length=4, max_length=4)]
 
 
 def unit_quaternion(quaternion: list[float] | None) -> list[float] | None:

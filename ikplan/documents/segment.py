@@ -13,14 +13,14 @@ from typing import Annotated, Any, Literal
 from pydantic import Discriminator, Field, Tag, field_validator, model_validator
 
 from ikplan.documents import Document, Floats, Vec3
-from ikplan.documents.limits import StretchLimits
+from ikplan.documents.limits import SegmentLimits
 from ikplan.documents.poses import Quaternion, Waypoint, unit_quaternion
 
 __all__ = [
     "ArcSegment",
+    "BaseSegment",
     "EndOrientation",
     "JointSegment",
-    "LimitedSegment",
     "LineSegment",
     "OrientationRule",
     "SplineSegment",
@@ -64,17 +64,17 @@ OrientationRule = Annotated[
 ]
 
 
-class LimitedSegment(Document):
+class BaseSegment(Document):
     """What every segment has."""
 
-    limits: StretchLimits | None = Field(
+    limits: SegmentLimits | None = Field(
         None,
         description="Limits of the motion on this segment, its rounded corners included, on top "
         "of those of the request: the strictest holds; null: none of its own.",
     )
 
 
-class ToolSegment(LimitedSegment):
+class ToolSegment(BaseSegment):
     """What every segment led by the tool has."""
 
     blend: float | None = Field(
@@ -157,7 +157,7 @@ class SplineSegment(ToolSegment):
     )
 
 
-class JointSegment(LimitedSegment):
+class JointSegment(BaseSegment):
     """A joint motion; the tool's path is what follows from it.
 
     Neighbouring joint segments are one joint spline through their ends.

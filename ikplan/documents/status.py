@@ -19,7 +19,7 @@ class PlanStatus(BaseModel):
     stage: str | None = Field(
         None, description="What is being done: ik, planning, timing or certificate."
     )
-    done: int = Field(0, description="Waypoints that the stage has done.")
+    done: int = Field(0, description="Waypoints that are done.")
     total: int = Field(0, description="Waypoints that it has to do; 0: it does not count them.")
 
     @property

@@ -6,27 +6,27 @@ from typing import Annotated
 
 from pydantic import BeforeValidator, Field, model_validator
 
-from ikplan.documents import Document, Floats, content_hash, plain
-from ikplan.documents.limits import LimitOptions, SamplingOptions, StretchLimits
+from ikplan.documents import Document, Floats, as_list, content_hash
+from ikplan.documents.limits import LimitOptions, SamplingOptions, SegmentLimits
 from ikplan.documents.poses import Frame
 
-__all__ = ["LimitedRange", "TimingRequest"]
+__all__ = ["TimingRequest", "TimingSegment"]
 
 Rows = Annotated[
-    list[Floats], BeforeValidator(plain), Field(min_length=1, max_length=20_000)
+    list[Floats], BeforeValidator(as_list), Field(min_length=1, max_length=20_000)
 ]  # fmt: skip
 Index = Annotated[int, Field(ge=0)]
 
 
-class LimitedRange(Document):
+class TimingSegment(Document):
     """A part of the path, from one waypoint to a later one, with limits of its own."""
 
     first: Index = Field(description="Index of the waypoint at which it begins.")
     last: Index = Field(description="Index of the waypoint at which it ends.")
-    limits: StretchLimits
+    limits: SegmentLimits
 
     @model_validator(mode="after")
-    def _forward(self) -> LimitedRange:
+    def _forward(self) -> TimingSegment:
         if not self.first < self.last:
             raise ValueError(f"last must be after first, not {self.last} after {self.first}")
         return self
@@ -40,14 +40,14 @@ class TimingRequest(Document):
         description="Joint values that the motion passes, waypoints or samples of a path, shape "
         "(n, dof) [rad or m]."
     )
-    rest_at: Annotated[list[Index], BeforeValidator(plain)] = Field(
+    rest_at: Annotated[list[Index], BeforeValidator(as_list)] = Field(
         [], description="Indices of waypoints where the motion stops and may turn a sharp corner."
     )
     tool: Frame = Field(
         default_factory=Frame, description="The tool frame (TCP), in the tip frame."
     )
     limits: LimitOptions = Field(default_factory=LimitOptions)
-    segments: Annotated[list[LimitedRange], BeforeValidator(plain), Field(max_length=10_000)] = (
+    segments: Annotated[list[TimingSegment], BeforeValidator(as_list), Field(max_length=10_000)] = (
         Field([], description="Parts of the path with limits of their own; the strictest holds.")
     )
     sampling: SamplingOptions = Field(default_factory=SamplingOptions)

@@ -7,8 +7,9 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from ikplan.arrays import Array
 from ikplan.documents import MAX_NUMBER
 from ikplan.errors import InvalidRequest
 from ikplan.kinematics.bounds import clip_inside
@@ -18,8 +19,6 @@ if TYPE_CHECKING:
     from ikplan.robots import Robot
 
 __all__ = ["check_options", "check_start", "check_tolerances", "target_of"]
-
-Array = NDArray[np.float64]
 
 
 def check_options(

@@ -6,9 +6,9 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ikplan._jit import kernel
+from ikplan.arrays import Array
 from ikplan.ik.levenberg_marquardt import Effort, new_workspace, refine
 from ikplan.ik.restarts import restart_into
 from ikplan.kinematics.arm import Arm
@@ -16,8 +16,6 @@ from ikplan.kinematics.chain import Chain
 from ikplan.kinematics.target import Target
 
 __all__ = ["Miss", "explain_unreachable"]
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

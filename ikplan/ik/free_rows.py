@@ -5,15 +5,13 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ikplan._jit import kernel, leaf_kernel
+from ikplan.arrays import Array
 from ikplan.ik.workspace import Workspace
 from ikplan.kinematics.target import Target
 
 __all__ = ["box_error", "free_rows", "lean_error"]
-
-Array = NDArray[np.float64]
 
 
 @leaf_kernel

@@ -10,10 +10,8 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-import numpy as np
-from numpy.typing import NDArray
-
 from ikplan._jit import kernel, leaf_kernel
+from ikplan.arrays import Array
 from ikplan.ik.free_rows import box_error, free_rows, lean_error
 from ikplan.ik.workspace import Workspace, new_workspace
 from ikplan.kinematics.chain import Chain
@@ -31,8 +29,6 @@ __all__ = [
     "solve_rows",
     "target_error",
 ]
-
-Array = NDArray[np.float64]
 
 
 class Effort(NamedTuple):

@@ -6,8 +6,8 @@ from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ikplan.arrays import Array
 from ikplan.errors import InvalidRequest
 from ikplan.ik.metaheuristics.bounds import BOUNDS
 from ikplan.ik.metaheuristics.population import Outcome, Problem
@@ -29,7 +29,6 @@ from ikplan.time_budget import SearchCut
 
 __all__ = ["Searcher", "generator"]
 
-Array = NDArray[np.float64]
 
 WARM = ("cold", "individual", "cloud")
 

@@ -10,9 +10,9 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ikplan._jit import kernel
+from ikplan.arrays import Array
 from ikplan.ik.levenberg_marquardt import Effort, refine
 from ikplan.ik.restarts import PATIENCE, nearest_turns, restart_into
 from ikplan.ik.self_motion import nearest_on_manifold
@@ -21,8 +21,6 @@ from ikplan.kinematics.chain import Chain
 from ikplan.kinematics.target import Target
 
 __all__ = ["nearest_solutions"]
-
-Array = NDArray[np.float64]
 
 
 @kernel

@@ -10,9 +10,9 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ikplan._jit import kernel
+from ikplan.arrays import Array
 from ikplan.ik.metaheuristics.bounds import clip
 from ikplan.ik.metaheuristics.population import (
     COLD,
@@ -30,7 +30,6 @@ from ikplan.kinematics.forward import forward_into, jacobian_into, pose_error
 
 __all__ = ["NewtonParams", "newton_raphson", "solve_least_squares"]
 
-Array = NDArray[np.float64]
 
 MILLIMETRES = 1000.0
 

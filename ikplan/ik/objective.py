@@ -10,9 +10,9 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ikplan._jit import kernel, leaf_kernel
+from ikplan.arrays import Array
 from ikplan.kinematics.chain import Chain
 from ikplan.kinematics.forward import Frame, moved, placed
 from ikplan.kinematics.wrist import SphericalWrist, nearest_wrist
@@ -32,7 +32,6 @@ __all__ = [
     "wrist_objective",
 ]
 
-Array = NDArray[np.float64]
 
 POSITION = 0
 """eps_p, the distance from the target [m]; [S] Eq. 1."""

@@ -9,9 +9,9 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ikplan._jit import kernel
+from ikplan.arrays import Array, Flags
 from ikplan.ik.levenberg_marquardt import Effort, Workspace, new_workspace, refine
 from ikplan.ik.self_motion import nearest_on_manifold
 from ikplan.kinematics.chain import Chain
@@ -20,8 +20,6 @@ from ikplan.kinematics.target import ORIENTATION_WEIGHT, Freedom, Target
 __all__ = ["PATIENCE", "nearest_turns", "restart_into", "solve_lm"]
 
 PATIENCE = 6
-
-Array = NDArray[np.float64]
 
 
 @kernel
@@ -53,7 +51,7 @@ def nearest_turns(chain: Chain, q: Array, q_start: Array, lower: Array, upper: A
 @kernel
 def solve_lm(
     placements: Array,
-    prismatic: NDArray[np.bool_],
+    prismatic: Flags,
     coupled: bool,
     coupling: Array,
     offset: Array,

@@ -10,9 +10,9 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ikplan._jit import kernel, leaf_kernel
+from ikplan.arrays import Array
 from ikplan.ik.levenberg_marquardt import (
     Effort,
     Workspace,
@@ -27,7 +27,6 @@ from ikplan.kinematics.target import Target, constraint_rows
 
 __all__ = ["nearest_on_manifold"]
 
-Array = NDArray[np.float64]
 
 _LONGEST = 0.5
 """Longest step along the manifold [rad or m]."""

@@ -10,9 +10,10 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from pinocchio import Quaternion
 
+from ikplan.arrays import Array, Flags
 from ikplan.documents.pose_results import IkSolution
 from ikplan.errors import InvalidRequest, Unreachable
 from ikplan.ik.arguments import check_options, check_start, check_tolerances, target_of
@@ -32,7 +33,6 @@ if TYPE_CHECKING:
 
 __all__ = ["NoSolution", "PoseSolver", "Solved", "place", "solve_ik", "solve_pose"]
 
-Array = NDArray[np.float64]
 
 _RESCUE_RESTARTS = 2000
 _SPREAD = 72
@@ -119,7 +119,7 @@ class PoseSolver:
             )
 
     @property
-    def cut(self) -> NDArray[np.bool_]:
+    def cut(self) -> Flags:
         """Flag that ends searches early, shape (1,); see the Searcher of metaheuristic_seeds."""
         return np.zeros(1, dtype=np.bool_) if self.searcher is None else self.searcher.cut
 

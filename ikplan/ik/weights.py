@@ -11,7 +11,6 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ikplan.kinematics.arm import Arm
 from ikplan.kinematics.chain import Chain
@@ -19,7 +18,6 @@ from ikplan.kinematics.forward import forward_batch, forward_into
 
 __all__ = ["FitnessWeights", "arm_length", "fitness_weights"]
 
-Array = NDArray[np.float64]
 
 _SAMPLES = 300_000
 

@@ -5,14 +5,12 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ikplan._jit import kernel
+from ikplan.arrays import Array, Flags
 from ikplan.kinematics.chain import Chain
 
 __all__ = ["Workspace", "new_workspace"]
-
-Array = NDArray[np.float64]
 
 
 class Workspace(NamedTuple):
@@ -52,11 +50,11 @@ class Workspace(NamedTuple):
     L: Array
     y: Array
     dq: Array
-    free: NDArray[np.bool_]
+    free: Flags
     trial: Array
-    counts: NDArray[np.bool_]
-    held: NDArray[np.bool_]
-    turned: NDArray[np.bool_]
+    counts: Flags
+    held: Flags
+    turned: Flags
 
 
 @kernel

@@ -3,14 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ikplan._jit import kernel
+from ikplan.arrays import Array, Indices
 
 __all__ = ["evaluate_path", "evaluate_timed", "interval_of"]
-
-Array = NDArray[np.float64]
-Indices = NDArray[np.int64]
 
 
 @kernel

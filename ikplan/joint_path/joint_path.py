@@ -6,8 +6,9 @@ import itertools
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from ikplan.arrays import Array, Indices
 from ikplan.errors import InvalidRequest
 from ikplan.joint_path.evaluation import evaluate_path
 from ikplan.joint_path.spline import hermite_extrema, limit_tangents, natural_tangents
@@ -15,8 +16,6 @@ from ikplan.limits.joint_limits import JointLimits
 
 __all__ = ["JointPath"]
 
-Array = NDArray[np.float64]
-Indices = NDArray[np.int64]
 
 # Waypoints closer than this share of the whole length count as one: below it, the direction
 # between them is made of rounding errors. Those of a planned path are at distinct places of the
@@ -172,11 +171,6 @@ class JointPath:
     def s_waypoints(self) -> Array:
         """Path positions of the waypoints, shape (n,)."""
         return self.s_knots[self.knot_of_waypoint]
-
-    @property
-    def breakpoints(self) -> Array:
-        """Path positions of the knots, shape (k + 1,)."""
-        return self.s_knots
 
     def __call__(self, s: ArrayLike, order: int = 0) -> Array:
         """Evaluate the path or a derivative by s.

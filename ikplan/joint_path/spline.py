@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ikplan._jit import kernel
+from ikplan.arrays import Array
 
 __all__ = ["hermite_extrema", "limit_tangents", "natural_tangents"]
-
-Array = NDArray[np.float64]
 
 
 @kernel

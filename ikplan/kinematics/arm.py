@@ -8,8 +8,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ikplan.arrays import Array
 from ikplan.kinematics.chain import Chain, chain_of
 from ikplan.kinematics.forward import forward_into
 from ikplan.kinematics.wrist import SphericalWrist, find_wrist
@@ -18,8 +18,6 @@ if TYPE_CHECKING:
     from ikplan.robots import Robot
 
 __all__ = ["Arm", "Shoulder", "arm_of"]
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -2,14 +2,10 @@
 
 from __future__ import annotations
 
-import numpy as np
-from numpy.typing import NDArray
-
 from ikplan._jit import kernel
+from ikplan.arrays import Array
 
 __all__ = ["clip_inside"]
-
-Array = NDArray[np.float64]
 
 
 @kernel

@@ -10,7 +10,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
+
+from ikplan.arrays import Array, Flags
 
 if TYPE_CHECKING:
     from ikplan.robots import Robot
@@ -31,19 +32,19 @@ class Chain(NamedTuple):
         offset: Serial joint values at joint values of zero, shape (n,) [rad or m].
     """
 
-    placements: NDArray[np.float64]
-    prismatic: NDArray[np.bool_]
+    placements: Array
+    prismatic: Flags
     coupled: bool
-    coupling: NDArray[np.float64]
-    offset: NDArray[np.float64]
+    coupling: Array
+    offset: Array
 
 
-def placement_of(chain: Chain, i: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def placement_of(chain: Chain, i: int) -> tuple[Array, Array]:
     """Return rotation, shape (3, 3), and translation, shape (3,) [m], of placement i."""
     return chain.placements[i, :9].reshape(3, 3), chain.placements[i, 9:]
 
 
-def aligning_rotation(axis: NDArray[np.float64]) -> NDArray[np.float64]:
+def aligning_rotation(axis: Array) -> Array:
     """Return a rotation whose third column is the unit vector ``axis``, shape (3, 3)."""
     # The coordinate axis least along `axis` makes the best conditioned cross product.
     helper = np.zeros(3)
@@ -97,7 +98,7 @@ def chain_of(robot: Robot) -> Chain:
     )
 
 
-def _neutral(nq: int, nv: int) -> NDArray[np.float64]:
+def _neutral(nq: int, nv: int) -> Array:
     """Neutral value of one joint: zero, or (cos 0, sin 0) for a continuous one."""
     value = np.zeros(nq)
     if nq > nv:

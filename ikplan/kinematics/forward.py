@@ -9,9 +9,9 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ikplan._jit import kernel, leaf_kernel
+from ikplan.arrays import Array
 from ikplan.kinematics.chain import Chain
 
 __all__ = [
@@ -25,8 +25,6 @@ __all__ = [
     "pose_error",
     "rotation_log",
 ]
-
-Array = NDArray[np.float64]
 
 
 Frame = tuple[float, float, float, float, float, float, float, float, float, float, float, float]

@@ -5,9 +5,9 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ikplan._jit import kernel
+from ikplan.arrays import Array
 
 __all__ = [
     "ORIENTATION_WEIGHT",
@@ -19,7 +19,6 @@ __all__ = [
     "pose_target",
 ]
 
-Array = NDArray[np.float64]
 
 ORIENTATION_WEIGHT = 0.3
 """What one radian weighs against one metre while a solution is looked for: about the lever of a

@@ -10,14 +10,12 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ikplan._jit import kernel
+from ikplan.arrays import Array
 from ikplan.kinematics.chain import Chain, placement_of
 
 __all__ = ["SphericalWrist", "find_wrist", "nearest_wrist", "wrist_angles"]
-
-Array = NDArray[np.float64]
 
 
 class SphericalWrist(NamedTuple):

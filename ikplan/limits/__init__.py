@@ -1,6 +1,6 @@
 """What a motion has to keep, merged once: read by planning, timing and certificate alike."""
 
 from ikplan.limits.joint_limits import JointLimits, LimitedRobot
-from ikplan.limits.motion_limits import LimitedStretch, MotionLimits
+from ikplan.limits.motion_limits import LimitedSegment, MotionLimits
 
-__all__ = ["JointLimits", "LimitedRobot", "LimitedStretch", "MotionLimits"]
+__all__ = ["JointLimits", "LimitedRobot", "LimitedSegment", "MotionLimits"]

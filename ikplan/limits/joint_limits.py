@@ -7,31 +7,30 @@ from dataclasses import dataclass
 from typing import Any, Protocol
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from ikplan.arrays import Array
 from ikplan.errors import InvalidRequest
 
 __all__ = ["JointLimits", "LimitedRobot"]
-
-Vector = NDArray[np.float64]
 
 
 class LimitedRobot(Protocol):
     """What a robot has to show to be timed: arrays of shape (dof,)."""
 
     @property
-    def lower(self) -> Vector: ...  # noqa: D102
+    def lower(self) -> Array: ...  # noqa: D102
     @property
-    def upper(self) -> Vector: ...  # noqa: D102
+    def upper(self) -> Array: ...  # noqa: D102
     @property
-    def velocity_limit(self) -> Vector: ...  # noqa: D102
+    def velocity_limit(self) -> Array: ...  # noqa: D102
     @property
-    def acceleration_limit(self) -> Vector: ...  # noqa: D102
+    def acceleration_limit(self) -> Array: ...  # noqa: D102
     @property
     def joint_names(self) -> Sequence[str]: ...  # noqa: D102
 
 
-def _vector(value: ArrayLike, dof: int, field: str) -> Vector:
+def _vector(value: ArrayLike, dof: int, field: str) -> Array:
     try:
         vector = np.array(value, dtype=np.float64)
     except (TypeError, ValueError) as error:
@@ -69,14 +68,14 @@ class JointLimits:
             positive (the lower ones: not negative), or a lower position exceeds the upper one.
     """
 
-    lower: Vector
-    upper: Vector
-    velocity: Vector
-    acceleration: Vector
+    lower: Array
+    upper: Array
+    velocity: Array
+    acceleration: Array
     joint_names: tuple[str, ...]
-    velocity_lower: Vector = None  # type: ignore[assignment]
-    acceleration_lower: Vector = None  # type: ignore[assignment]
-    jerk: Vector | None = None
+    velocity_lower: Array = None  # type: ignore[assignment]
+    acceleration_lower: Array = None  # type: ignore[assignment]
+    jerk: Array | None = None
 
     def __post_init__(self) -> None:
         names = tuple(str(name) for name in self.joint_names)
@@ -170,7 +169,7 @@ class JointLimits:
             jerk=None if jerk is None else np.asarray(jerk, dtype=np.float64),
         )
 
-    def check_positions(self, q: NDArray[np.float64], field: str) -> None:
+    def check_positions(self, q: Array, field: str) -> None:
         """Refuse joint positions that are not finite or leave the position limits.
 
         Args:

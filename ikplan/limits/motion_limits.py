@@ -6,15 +6,13 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ikplan.documents.limits import LimitOptions, StretchLimits, ToolRate
+from ikplan.arrays import Array
+from ikplan.documents.limits import LimitOptions, SegmentLimits, ToolRate
 from ikplan.errors import InvalidRequest
 from ikplan.robots import Robot
 
-__all__ = ["LimitedStretch", "MotionLimits"]
-
-Array = NDArray[np.float64]
+__all__ = ["LimitedSegment", "MotionLimits"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,7 +77,7 @@ class MotionLimits:
         ).within(robot, options, "limits")
 
     def within(
-        self, robot: Robot, options: StretchLimits | LimitOptions, field: str
+        self, robot: Robot, options: SegmentLimits | LimitOptions, field: str
     ) -> MotionLimits:
         """Merge these limits with more.
 
@@ -132,8 +130,8 @@ class MotionLimits:
 
 
 @dataclass(frozen=True, eq=False)
-class LimitedStretch:
-    """A stretch of a joint path with limits of its own.
+class LimitedSegment:
+    """A segment of a joint path with limits of its own.
 
     Attributes:
         field: What of the request asks for them.
@@ -161,7 +159,7 @@ def _each(robot: Robot, value: float | list[float], field: str) -> Array:
 
 
 def _rates(
-    robot: Robot, options: StretchLimits | LimitOptions, kind: str, scale: float, field: str
+    robot: Robot, options: SegmentLimits | LimitOptions, kind: str, scale: float, field: str
 ) -> tuple[Array, Array]:
     """Highest and lowest velocities or accelerations."""
     own: Array = scale * getattr(robot, f"{kind}_limit")

@@ -6,15 +6,13 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ikplan.arrays import Array, Flags, Indices
 from ikplan.path.pieces.piece import Motion, Piece
 from ikplan.path.pieces.steady import SteadyPiece, stack_steady, steady_motion
 from ikplan.path.pieces.steady_kernels import SteadyStack
 
-__all__ = ["Corner", "PathStretch", "PathWaypoint", "ToolPath"]
-
-Array = NDArray[np.float64]
+__all__ = ["Corner", "PathWaypoint", "SegmentRange", "ToolPath"]
 
 
 @dataclass(frozen=True)
@@ -22,7 +20,7 @@ class PathWaypoint:
     """A pose asked for, on a tool path.
 
     Attributes:
-        index: Its row among the waypoints of the request.
+        row: Its row among the waypoints of the request.
         name: Where the request asks for it, such as ``path.waypoints[3]``.
         s: Path length at which it is passed, or passed nearest [m].
         R: Rotation asked for in the base, shape (3, 3); None: free.
@@ -30,7 +28,7 @@ class PathWaypoint:
         exact: Whether the path passes it; false at a blended corner.
     """
 
-    index: int
+    row: int
     name: str
     s: float
     R: Array | None
@@ -62,7 +60,7 @@ class Corner:
 
 
 @dataclass(frozen=True)
-class PathStretch:
+class SegmentRange:
     """The part of a path that comes from one field of the request, rounded corners included.
 
     Attributes:
@@ -87,14 +85,14 @@ class ToolPath:
         pieces: The pieces in order, at least one; of length 0 only if it is the only one.
         waypoints: The poses asked for that are on this path, in order.
         corner_list: Every corner, rounded or exact, in order.
-        stretches: What of the request each part comes from, in order; rounded corners belong to
+        segments: What of the request each part comes from, in order; rounded corners belong to
             both their neighbours.
     """
 
     pieces: tuple[Piece, ...]
     waypoints: tuple[PathWaypoint, ...] = ()
     corner_list: tuple[Corner, ...] = ()
-    stretches: tuple[PathStretch, ...] = ()
+    segments: tuple[SegmentRange, ...] = ()
 
     @cached_property
     def begins(self) -> Array:
@@ -117,16 +115,11 @@ class ToolPath:
         return np.array([waypoint.s for waypoint in self.waypoints])
 
     @cached_property
-    def _oriented(self) -> NDArray[np.bool_]:
+    def _oriented(self) -> Flags:
         return np.array([piece.oriented for piece in self.pieces])
 
     @cached_property
-    def any_oriented(self) -> bool:
-        """Whether an orientation is asked for on any piece."""
-        return bool(self._oriented.any())
-
-    @cached_property
-    def _steady(self) -> tuple[SteadyStack, NDArray[np.int64]]:
+    def _steady(self) -> tuple[SteadyStack, Indices]:
         """The steady pieces as one stack, and the row of each piece in it, -1 for the others."""
         steady = [piece for piece in self.pieces if isinstance(piece, SteadyPiece)]
         rows = np.full(len(self.pieces), -1)
@@ -155,7 +148,7 @@ class ToolPath:
         piece = self.piece_at(s)
         return self.motion_on(piece, s - self.begins[piece])
 
-    def piece_at(self, s: Array) -> NDArray[np.int64]:
+    def piece_at(self, s: Array) -> Indices:
         """Return the index of the piece at path lengths s, shape (m,).
 
         At a joint: the piece after it, unless only the one before asks for an orientation.
@@ -165,7 +158,7 @@ class ToolPath:
         back = (s == self.begins[piece]) & ~self._oriented[piece] & self._oriented[before]
         return np.where(back, before, piece)
 
-    def motion_on(self, piece: NDArray[np.int64], s: Array) -> Motion:
+    def motion_on(self, piece: Indices, s: Array) -> Motion:
         """Return the motion at lengths s from the begins of pieces, both of shape (m,)."""
         stack, rows = self._steady
         row = rows[piece]
@@ -189,6 +182,6 @@ class ToolPath:
         """Whether an orientation is asked for at path length s; yes at the ends of such spans."""
         return bool(self.orientation_mask(np.array([s]))[0])
 
-    def orientation_mask(self, s: Array) -> NDArray[np.bool_]:
+    def orientation_mask(self, s: Array) -> Flags:
         """Return :meth:`oriented` at path lengths s, shape (m,)."""
         return self._oriented[self.piece_at(np.asarray(s, dtype=np.float64))]

@@ -11,8 +11,8 @@ import pinocchio as pin
 from ikplan.documents import parse
 from ikplan.documents.plan_request import FkRequest
 from ikplan.documents.pose_results import FkResult
-from ikplan.pipeline.identity import with_tool
-from ikplan.robots import Robot, catalogue_robot
+from ikplan.pipeline.resolve import resolve_robot
+from ikplan.robots import Robot
 
 __all__ = ["fk_request"]
 
@@ -29,8 +29,7 @@ def fk_request(request: Mapping[str, Any] | FkRequest, *, robot: Robot | None = 
         RobotNotFound: No robot of that name.
     """
     request = parse(FkRequest, request)
-    robot = robot or catalogue_robot(request.robot)
-    robot = with_tool(robot, request.tool)
+    robot = resolve_robot(request, robot)
     q = np.array(request.q)
     pose = pin.SE3ToXYZQUAT(robot.fk(q))
     return FkResult(position=pose[:3], quaternion_xyzw=pose[3:])

@@ -2,18 +2,30 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 from ikplan._version import __version__
 from ikplan.documents.plan_request import PlanRequest
-from ikplan.documents.poses import Frame
 from ikplan.documents.timing_request import TimingRequest
 from ikplan.robots import Robot
 
-__all__ = ["plan_id", "with_tool"]
+__all__ = ["UNKNOWN", "KnownRequest", "plan_id"]
 
 
-def with_tool(robot: Robot, tool: Frame) -> Robot:
-    """Return the robot with the tool of a request, if that has one."""
-    return robot if tool == Frame() else robot.with_tool(tool.position, tool.quaternion_xyzw)
+class KnownRequest(NamedTuple):
+    """What is known of a request before it is planned: none of it is found out twice.
+
+    Attributes:
+        request: The request; None: its document is not parsed here.
+        plan_id: The id of its plan, under this version; None: not known yet.
+    """
+
+    request: PlanRequest | TimingRequest | None = None
+    plan_id: str | None = None
+
+
+UNKNOWN = KnownRequest()
+"""Nothing is known of the request."""
 
 
 def plan_id(request: PlanRequest | TimingRequest, robot: Robot) -> str:

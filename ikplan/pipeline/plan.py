@@ -9,34 +9,33 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from ikplan._version import __version__
-from ikplan.certificate import Claim, certify
 from ikplan.documents import parse
 from ikplan.documents.plan_request import IkOptions, IkRequest, PlanRequest
 from ikplan.documents.pose_results import IkSolution
-from ikplan.documents.trajectory import Stats, WaypointResults
+from ikplan.documents.trajectory import WaypointResults
 from ikplan.errors import Disconnected, Unreachable
 from ikplan.ik.arguments import check_start
 from ikplan.ik.solve import PoseSolver, pose_distance, solve_pose
 from ikplan.joint_path import JointPath
 from ikplan.kinematics.arm import arm_of
-from ikplan.limits.motion_limits import LimitedStretch, MotionLimits
+from ikplan.limits.motion_limits import LimitedSegment, MotionLimits
 from ikplan.path import rotation_of
-from ikplan.pipeline.identity import plan_id, with_tool
-from ikplan.pipeline.timing_stage import joint_limits, time_motion, warm_up_timing
-from ikplan.pipeline.warm_up import warm_up, warm_up_ik
+from ikplan.pipeline.assemble import assemble_plan, joint_steps
+from ikplan.pipeline.resolve import resolve_robot
+from ikplan.pipeline.timing_stage import joint_limits, time_motion
+from ikplan.pipeline.warm_up import warm_up
 from ikplan.planning import (
     JointPathProblem,
+    JointRoute,
     Progress,
-    Route,
     TimeBudget,
     find_repairs,
     plan_joint_path,
 )
 from ikplan.plans.plan import Plan
-from ikplan.robots import Robot, catalogue_robot
+from ikplan.robots import Robot
 
-__all__ = ["plan", "solve_ik_request"]
+__all__ = ["make_plan", "plan", "solve_ik_request"]
 
 _EXACT = 1e-9
 """What counts as a solution of a waypoint, whatever the path tolerates [m and rad]."""
@@ -55,7 +54,8 @@ def plan(
         robot: The robot, for one that is not in the catalogue; None: load it by name. Its tool
             stands unless the request has one.
         progress: Is called with the stage and how many of how many waypoints are done, from
-            this thread: ``progress("ik", 3, 12)``.
+            this thread: ``progress("ik", 3, 12)``. The stages are "ik" (candidates and seeds of
+            waypoints, within the planning), "planning", "timing" and "certificate".
 
     Returns:
         The plan. The same request gives the same id and the same plan.
@@ -68,20 +68,37 @@ def plan(
         BudgetExceeded: ``budget_s`` ran out.
         CertificateViolated: The finished plan broke a promise: a bug.
     """
-    request = parse(PlanRequest, request)
-    warm_up(request.ik.method)
-    robot = robot or catalogue_robot(request.robot)
-    robot = with_tool(robot, request.tool)
+    return make_plan(parse(PlanRequest, request), robot, progress)
+
+
+def make_plan(
+    request: PlanRequest,
+    robot: Robot | None = None,
+    progress: Progress | None = None,
+    *,
+    known_id: str | None = None,
+) -> Plan:
+    """Plan a request that is parsed already, see :func:`plan`.
+
+    Args:
+        request: The request.
+        robot: As in :func:`plan`.
+        progress: As in :func:`plan`.
+        known_id: The id of the plan, where it is known already: it is not computed again.
+    """
+    robot = resolve_robot(request, robot)
     limits = MotionLimits.of(robot, request.limits)
     limits_of = _segment_limits(robot, request, limits)
-    warm_up_timing(any(x.jerk is not None for x in (limits, *limits_of.values())))
+    jerk = any(x.jerk is not None for x in (limits, *limits_of.values()))
+    warm_up(plan, "plan", request.ik.method, jerk=jerk)
     clock = TimeBudget(request.budget_s, progress)
     start_free = request.start == "free"
     asked = None if request.start == "free" else request.start
     q_start = check_start(robot, robot.home if asked is None else asked)
 
-    solver = _pose_solver(robot, request.ik, _EXACT, _EXACT)
-    with clock.stage("ik"), clock.cutting(solver.cut, solver.search_evaluations):
+    with clock.stage("ik"):
+        solver = _pose_solver(robot, request.ik, _EXACT, _EXACT)
+    with clock.stage("planning"), clock.cutting(solver.cut, solver.search_evaluations):
         arm_limits = joint_limits(robot, limits)
         problem = JointPathProblem(
             robot,
@@ -98,47 +115,28 @@ def plan(
         except (Unreachable, Disconnected) as error:
             error.repairs = find_repairs(problem, error)
             raise
-    with clock.stage("planning"):
-        path = JointPath.through(route.knots, arm_limits, rest_at=route.rest)
-        # Knots too close to tell apart are passed as one.
+        path = JointPath.through(route.q, arm_limits, rest_at=route.rest)
+        # Configurations too close to tell apart are passed as one.
         passed = path.q_knots[path.knot_of_waypoint]
-        waypoint_q = passed[[w.knot for w in route.wanted]]
+        waypoint_q = passed[[w.index for w in route.waypoints]]
     with clock.stage("timing"):
-        stretches = [
-            LimitedStretch(x.field, x.first, x.last, limits_of[x.field])
-            for x in route.stretches
+        segments = [
+            LimitedSegment(x.field, x.first, x.last, limits_of[x.field])
+            for x in route.segments
             if x.field in limits_of
         ]
-        timing = time_motion(path, robot, limits, request.sampling, stretches, clock.check)
-        knot_time = timing.timed.times
-    with clock.stage("certificate"):
-        certificate = certify(
-            Claim(
-                robot,
-                request.path,
-                None if start_free else q_start,
-                waypoint_q,
-                knot_time[[w.knot for w in route.wanted]],
-                timing.samples.time,
-                timing.samples.q,
-                timing.samples.dq,
-                timing.samples.ddq,
-                limits,
-            )
-        )
-    return Plan(
-        id=plan_id(request, robot),
-        version=__version__,
-        robot=request.robot,
-        joint_names=list(robot.joint_names),
-        joint_units=["m" if slides else "rad" for slides in robot.prismatic],
-        waypoints=_waypoint_results(robot, route, waypoint_q, knot_time, start_free),
-        trajectory=timing.trajectory,
-        certificate=certificate,
-        timing=timing.report,
-        motion=timing.motion,
-        controller=None if robot.controller is None else robot.controller.info(),
-        stats=Stats(ik_evaluations=route.evaluations, seconds=clock.seconds),
+        timing = time_motion(path, robot, limits, request.sampling, segments, clock.check)
+    return assemble_plan(
+        request,
+        robot,
+        limits,
+        _waypoint_results(robot, route, waypoint_q, timing.timed.times, start_free),
+        timing,
+        clock,
+        q_start=None if start_free else q_start,
+        path=request.path,
+        evaluations=route.evaluations,
+        known_id=known_id,
     )
 
 
@@ -156,24 +154,23 @@ def _segment_limits(
 
 def _waypoint_results(
     robot: Robot,
-    route: Route,
+    route: JointRoute,
     q: NDArray[np.float64],
-    knot_time: NDArray[np.float64],
+    q_time: NDArray[np.float64],
     start_free: bool,
 ) -> WaypointResults:
     """The rows of the waypoints: one for each asked for."""
     arm = arm_of(robot)
-    errors = [pose_distance(arm, w.target, q_w) for w, q_w in zip(route.wanted, q, strict=True)]
-    steps = np.diff(np.vstack([q[:1] if start_free else route.knots[:1], q]), axis=0)
+    errors = [pose_distance(arm, w.target, q_w) for w, q_w in zip(route.waypoints, q, strict=True)]
     return WaypointResults(
         q=q,
-        time=knot_time[[w.knot for w in route.wanted]],
+        time=q_time[[w.index for w in route.waypoints]],
         position_error=np.array([distance for distance, _ in errors]),
         orientation_error=[
             angle if w.target.oriented else None
-            for w, (_, angle) in zip(route.wanted, errors, strict=True)
+            for w, (_, angle) in zip(route.waypoints, errors, strict=True)
         ],
-        elongation=np.linalg.norm(steps, axis=1),
+        elongation=joint_steps(q[0] if start_free else route.q[0], q),
     )
 
 
@@ -208,10 +205,9 @@ def solve_ik_request(
         BudgetExceeded: ``budget_s`` ran out.
     """
     request = parse(IkRequest, request)
-    warm_up_ik(request.ik.method)
+    warm_up(solve_ik_request, "ik", request.ik.method)
     clock = TimeBudget(request.budget_s, progress)
-    robot = robot or catalogue_robot(request.robot)
-    robot = with_tool(robot, request.tool)
+    robot = resolve_robot(request, robot)
     pose: Any = np.array(request.position)
     if request.quaternion_xyzw is not None:
         pose = pin.SE3(rotation_of(request.quaternion_xyzw), pose)

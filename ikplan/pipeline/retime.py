@@ -8,21 +8,22 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ikplan._version import __version__
-from ikplan.certificate import Claim, LimitedWaypoints, certify
+from ikplan.certificate import RequestedSegment
 from ikplan.documents import parse
 from ikplan.documents.timing_request import TimingRequest
-from ikplan.documents.trajectory import Stats, WaypointResults
+from ikplan.documents.trajectory import WaypointResults
 from ikplan.errors import InvalidRequest
 from ikplan.joint_path import JointPath
-from ikplan.limits.motion_limits import LimitedStretch, MotionLimits
-from ikplan.pipeline.identity import plan_id, with_tool
-from ikplan.pipeline.timing_stage import joint_limits, time_motion, warm_up_timing
+from ikplan.limits.motion_limits import LimitedSegment, MotionLimits
+from ikplan.pipeline.assemble import assemble_plan, joint_steps
+from ikplan.pipeline.resolve import resolve_robot
+from ikplan.pipeline.timing_stage import joint_limits, time_motion
+from ikplan.pipeline.warm_up import warm_up
 from ikplan.planning import Progress, TimeBudget
 from ikplan.plans.plan import Plan
-from ikplan.robots import Robot, catalogue_robot
+from ikplan.robots import Robot
 
-__all__ = ["time_path", "time_request"]
+__all__ = ["make_timing", "time_path", "time_request"]
 
 Array = NDArray[np.float64]
 
@@ -102,70 +103,68 @@ def time_request(
         BudgetExceeded: ``budget_s`` ran out.
         CertificateViolated: The finished trajectory broke a promise: a bug.
     """
-    request = parse(TimingRequest, request)
-    robot = robot or catalogue_robot(request.robot)
-    robot = with_tool(robot, request.tool)
+    return make_timing(parse(TimingRequest, request), robot, progress)
+
+
+def make_timing(
+    request: TimingRequest,
+    robot: Robot | None = None,
+    progress: Progress | None = None,
+    *,
+    known_id: str | None = None,
+) -> Plan:
+    """Time a request that is parsed already, see :func:`time_request`.
+
+    Args:
+        request: The request.
+        robot: As in :func:`time_request`.
+        progress: As in :func:`time_request`.
+        known_id: The id of the plan, where it is known already: it is not computed again.
+    """
+    robot = resolve_robot(request, robot)
     limits = MotionLimits.of(robot, request.limits)
     asked = _rows(request.waypoints, robot)
-    stretches = _stretches(request, robot, limits)
-    segments = tuple(
-        LimitedWaypoints(f"segments[{k}]", part.first, part.last, part.limits)
+    segments = _limited_segments(request, robot, limits)
+    requested = tuple(
+        RequestedSegment(f"segments[{k}]", part.first, part.last, part.limits)
         for k, part in enumerate(request.segments)
     )
-    warm_up_timing(any(x.jerk is not None for x in (limits, *(s.limits for s in stretches))))
+    jerk = any(x.jerk is not None for x in (limits, *(s.limits for s in segments)))
+    warm_up(time_request, "time", jerk=jerk)
     clock = TimeBudget(request.budget_s, progress)
     with clock.stage("planning"):
         path = JointPath.through(asked, joint_limits(robot, limits), rest_at=request.rest_at)
         # Waypoints too close to tell apart are passed as one.
         waypoints = path.q_knots[path.knot_of_waypoint]
     with clock.stage("timing"):
-        timing = time_motion(path, robot, limits, request.sampling, stretches, clock.check)
-        waypoint_time = timing.timed.times
-    with clock.stage("certificate"):
-        samples = timing.samples
-        certificate = certify(
-            Claim(
-                robot,
-                None,
-                waypoints[0],
-                waypoints,
-                waypoint_time,
-                samples.time,
-                samples.q,
-                samples.dq,
-                samples.ddq,
-                limits,
-                segments,
-            )
-        )
+        timing = time_motion(path, robot, limits, request.sampling, segments, clock.check)
     distances = [
         float(np.linalg.norm(robot.fk(wanted).translation - robot.fk(passed).translation))
         for wanted, passed in zip(asked, waypoints, strict=True)
     ]
-    steps = np.diff(np.vstack([waypoints[:1], waypoints]), axis=0)
-    return Plan(
-        id=plan_id(request, robot),
-        version=__version__,
-        robot=request.robot,
-        joint_names=list(robot.joint_names),
-        joint_units=["m" if slides else "rad" for slides in robot.prismatic],
-        waypoints=WaypointResults(
-            q=waypoints,
-            time=waypoint_time,
-            position_error=np.array(distances),
-            orientation_error=[None] * len(waypoints),
-            elongation=np.linalg.norm(steps, axis=1),
-        ),
-        trajectory=timing.trajectory,
-        certificate=certificate,
-        timing=timing.report,
-        motion=timing.motion,
-        controller=None if robot.controller is None else robot.controller.info(),
-        stats=Stats(ik_evaluations=0, seconds=clock.seconds),
+    results = WaypointResults(
+        q=waypoints,
+        time=timing.timed.times,
+        position_error=np.array(distances),
+        orientation_error=[None] * len(waypoints),
+        elongation=joint_steps(waypoints[0], waypoints),
+    )
+    return assemble_plan(
+        request,
+        robot,
+        limits,
+        results,
+        timing,
+        clock,
+        q_start=waypoints[0],
+        segments=requested,
+        known_id=known_id,
     )
 
 
-def _stretches(request: TimingRequest, robot: Robot, limits: MotionLimits) -> list[LimitedStretch]:
+def _limited_segments(
+    request: TimingRequest, robot: Robot, limits: MotionLimits
+) -> list[LimitedSegment]:
     """The parts of the path with limits of their own."""
     found, count = [], len(request.waypoints)
     for k, part in enumerate(request.segments):
@@ -176,7 +175,7 @@ def _stretches(request: TimingRequest, robot: Robot, limits: MotionLimits) -> li
                 allowed=f"1 to {count - 1}",
             )
         own = limits.within(robot, part.limits, f"segments[{k}].limits")
-        found.append(LimitedStretch(f"segments[{k}]", part.first, part.last, own))
+        found.append(LimitedSegment(f"segments[{k}]", part.first, part.last, own))
     return found
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import functools
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -10,23 +9,23 @@ from typing import Any
 import numpy as np
 import pinocchio as pin
 
-from ikplan.documents.limits import LimitOptions, SamplingOptions
+from ikplan.documents.limits import SamplingOptions
 from ikplan.documents.timing_report import BindingLimit, PathMotion, TimingReport, WiderLimit
 from ikplan.documents.trajectory import Trajectory
 from ikplan.joint_path import JointPath
 from ikplan.limits import JointLimits
-from ikplan.limits.motion_limits import LimitedStretch, MotionLimits
-from ikplan.robots import Robot, catalogue_robot
+from ikplan.limits.motion_limits import LimitedSegment, MotionLimits
+from ikplan.robots import Robot
 from ikplan.timing import (
     PathConstraint,
     Samples,
-    SegmentLimits,
+    SegmentJointLimits,
     TimedPath,
     ToolLimits,
     TorqueLimits,
     binding,
-    knots,
     periods,
+    sample_at_nodes,
     sampled_within_limits,
     time_joint_path,
     what_if,
@@ -34,7 +33,7 @@ from ikplan.timing import (
 from ikplan.timing.constraints.models import inverse_dynamics, tool_motion
 from ikplan.timing.engines.engine import Check, unlimited
 
-__all__ = ["Timing", "joint_limits", "sampling_rate", "time_motion", "warm_up_timing"]
+__all__ = ["Timing", "joint_limits", "sampling_rate", "time_motion"]
 
 DEFAULT_RATE_HZ = 250.0
 """Samples per second where neither the request nor a controller says [Hz]."""
@@ -102,7 +101,7 @@ def time_motion(
     robot: Robot,
     limits: MotionLimits,
     sampling: SamplingOptions,
-    stretches: Sequence[LimitedStretch] = (),
+    segments: Sequence[LimitedSegment] = (),
     check: Check = unlimited,
 ) -> Timing:
     """Move along a joint path as fast as the limits allow, and sample the motion.
@@ -112,7 +111,7 @@ def time_motion(
         robot: The robot, with its tool.
         limits: What the motion has to keep.
         sampling: Samples wanted.
-        stretches: Stretches between waypoints of the path with limits of their own.
+        segments: Segments between waypoints of the path with limits of their own.
         check: Is called now and then, and may end the stage by an error of its own.
 
     Returns:
@@ -123,23 +122,25 @@ def time_motion(
         TimingFailed: No timing under the limits: where, which joint, which limit.
     """
     constraints = _constraints(robot, limits)
-    segments = []
-    for stretch in stretches:
-        start, end = (float(s) for s in path.s_waypoints[[stretch.first, stretch.last]])
+    joint_segments = []
+    for segment in segments:
+        start, end = (float(s) for s in path.s_waypoints[[segment.first, segment.last]])
         if start < end:
-            segments.append(SegmentLimits(start, end, joint_limits(robot, stretch.limits)))
-            constraints += _constraints(robot, stretch.limits, limits, start, end)
+            joint_segments.append(
+                SegmentJointLimits(start, end, joint_limits(robot, segment.limits))
+            )
+            constraints += _constraints(robot, segment.limits, limits, start, end)
     free = time_joint_path(
         path,
         joint_limits(robot, limits),
-        segments=segments,
+        segments=joint_segments,
         constraints=constraints,
         check=check,
     )
     rate_hz, rate_source = sampling_rate(robot, sampling)
     at_nodes = sampling.form == "knots"
     timed, samples = sampled_within_limits(free, rate_hz, constraints, at_nodes, check)
-    shown = knots(timed) if at_nodes else samples
+    shown = sample_at_nodes(timed) if at_nodes else samples
     return Timing(
         timed=timed,
         samples=samples,
@@ -241,19 +242,3 @@ def _motion(timed: TimedPath) -> PathMotion:
         node_sddot=timed.sddot,
         pieces=[] if timed.jerk_limited else [int(p) for p in timed.pieces],
     )
-
-
-@functools.cache
-def warm_up_timing(jerk: bool) -> None:
-    """Load, or compile, the kernels of the timing once a process: no part of any budget.
-
-    Args:
-        jerk: Whether those of jerk-limited timing too.
-    """
-    robot = catalogue_robot("ur5")
-    options = LimitOptions(
-        jerk=100.0 if jerk else False, tool_speed=1.0, tool_acceleration=50.0, torque=True
-    )
-    limits = MotionLimits.of(robot, options)
-    path = JointPath.through([robot.home, robot.home + 0.1], joint_limits(robot, limits))
-    time_motion(path, robot, limits, SamplingOptions())

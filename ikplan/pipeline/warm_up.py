@@ -1,91 +1,143 @@
-"""Load, or compile, the kernels before the first plan is timed."""
+"""Small requests that load, or compile, the kernels before a request's clock begins."""
 
 from __future__ import annotations
 
-import functools
-from typing import Literal
+import contextlib
+import threading
+from collections.abc import Callable, Mapping
+from typing import Any, Literal
 
-import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 
-from ikplan.documents.plan_request import IkOptions, PathRequest, Waypoint
-from ikplan.ik.closest_approach import explain_unreachable
-from ikplan.ik.solve import PoseSolver
-from ikplan.joint_path import JointPath
-from ikplan.kinematics.arm import Arm, arm_of
-from ikplan.kinematics.target import pose_target
-from ikplan.limits import JointLimits
-from ikplan.planning import JointPathProblem, TimeBudget, plan_joint_path
-from ikplan.robots import load_robot
-from ikplan.timing import sample, time_joint_path
+from ikplan.errors import Unreachable
+from ikplan.ik.registry import find_solver
+from ikplan.robots import Robot, catalogue_robot
 
-__all__ = ["warm_up", "warm_up_ik"]
+__all__ = ["RequestKind", "small_requests", "warm_up"]
 
-Interpolation = Literal["joint", "line", "spline"]
-Elongation = Literal["global", "greedy"]
+RequestKind = Literal["fk", "ik", "plan", "time"]
+
+_ROBOT = "xarm7"
+"""A robot with self-motion and inertias: its requests use the kernels of both."""
+_WRIST = "iiwa14"
+"""A robot with a spherical wrist."""
+_LIMITS = {"jerk": False, "tool_speed": 1.0, "tool_acceleration": 50.0, "torque": True}
+_BUDGET_S = 3600.0
+_lock = threading.RLock()
+_under_way: set[tuple[RequestKind, str, bool]] = set()
+_ready: set[tuple[RequestKind, str, bool]] = set()
 
 
-@functools.cache
-def warm_up(method: str = "ik-ba") -> None:
-    """Make every kernel that a plan with ``method`` uses ready, once a process.
+def warm_up(
+    run: Callable[[Mapping[str, Any]], object],
+    kind: RequestKind,
+    method: str = "ik-ba",
+    *,
+    jerk: bool = False,
+) -> None:
+    """Make every kernel that requests of a kind use ready, once a process.
 
     Compiling takes tens of seconds on the first use after an installation and is no part of any
-    plan's budget; loading what was compiled takes about a second.
+    request's budget; loading what was compiled takes about a second.
 
     Args:
-        method: Name of a solver.
+        run: Answers a request of this kind. It may warm up itself: within a warm-up, a further
+            one of the same kind does nothing.
+        kind: Which requests.
+        method: Name of the solver that they use.
+        jerk: Whether those with limits of jerks too.
 
     Raises:
         InvalidRequest: No solver of that name.
     """
-    robot = load_robot("iiwa14")
-    arm, limits = arm_of(robot), JointLimits.from_robot(robot)
-    solver = PoseSolver(arm, method)
-    q_start = np.array(robot.home)
-    pose = robot.fk(q_start + 0.01)
-    quaternion = pin.SE3ToXYZQUAT(pose)[3:].tolist()
-    waypoints = [
-        Waypoint(position=pose.translation.tolist(), quaternion_xyzw=quaternion),
-        Waypoint(position=(pose.translation + 0.01).tolist()),
-    ]
-    kinds: list[tuple[Interpolation, Elongation]] = [
-        ("joint", "greedy"),
-        ("joint", "global"),
-        ("line", "global"),
-        ("spline", "global"),
-    ]
-    for interpolation, elongation in kinds:
-        path = PathRequest(waypoints=waypoints, interpolation=interpolation)
-        options = IkOptions(method=method, elongation=elongation)
-        problem = JointPathProblem(
-            robot, solver, path, options, q_start, False, limits, TimeBudget(float("inf"))
-        )
-        route = plan_joint_path(problem)
-        joint_path = JointPath.through(route.knots, limits, rest_at=route.rest)
-        sample(time_joint_path(joint_path, limits), 250.0)
-    _warm_up_verdict(arm, pose, q_start)
+    if jerk:
+        warm_up(run, kind, method)
+    key = (kind, method, jerk)
+    if key in _ready:
+        return
+    with _lock:  # a second thread waits for the first
+        if key in _ready or key in _under_way:
+            return
+        _under_way.add(key)
+        try:
+            for request in small_requests(kind, method, jerk=jerk):
+                # One pose is out of reach: the explanation has kernels of its own.
+                with contextlib.suppress(Unreachable):
+                    run(request)
+        finally:
+            _under_way.discard(key)
+        _ready.add(key)
 
 
-@functools.cache
-def warm_up_ik(method: str) -> None:
-    """Make every kernel that solves a pose with ``method`` ready, once a process.
+def small_requests(
+    kind: RequestKind, method: str = "ik-ba", *, jerk: bool = False
+) -> list[dict[str, Any]]:
+    """Return requests of a kind that use, between them, every kernel that others of it use.
 
     Args:
-        method: Name of a solver.
+        kind: Which requests.
+        method: Name of the solver that they use.
+        jerk: Those with limits of jerks, on top of those without.
 
     Raises:
         InvalidRequest: No solver of that name.
     """
-    robot = load_robot("iiwa14")
-    arm = arm_of(robot)
-    q_start = np.array(robot.home)
-    pose = robot.fk(q_start + 0.01)
-    PoseSolver(arm, method).solve(pose_target(pose.translation, pose.rotation), q_start)
-    _warm_up_verdict(arm, pose, q_start)
+    home = catalogue_robot(_ROBOT).home.tolist()
+    if kind == "fk":
+        return [{"robot": _ROBOT, "q": home}]
+    if kind == "ik":
+        return _poses(method)
+    limits = [{**_LIMITS, "jerk": 100.0}] if jerk else [_LIMITS, {"jerk": False}]
+    if kind == "time":
+        waypoints = [home, [value + 0.1 for value in home]]
+        timed = {"robot": _ROBOT, "waypoints": waypoints, "budget_s": _BUDGET_S}
+        return [{**timed, "limits": each} for each in limits]
+    paths = _paths(method)
+    limited = [{**paths[0], "limits": each} for each in limits]
+    return limited if jerk else [*limited, *paths[1:]]
 
 
-def _warm_up_verdict(arm: Arm, pose: pin.SE3, q_start: NDArray[np.float64]) -> None:
-    """The verdict on a target out of reach has kernels of its own."""
-    far = pose_target(pose.translation + np.array([9.0, 0.0, 0.0]), pose.rotation)
-    explain_unreachable(arm, far, q_start, q_start, restarts=0)
+def _targets(robot: Robot) -> tuple[dict[str, Any], dict[str, Any], dict[str, Any]]:
+    """A position, a pose, and a pose that is out of reach."""
+    pose = pin.SE3ToXYZQUAT(robot.fk(robot.home + 0.05)).tolist()
+    full = {"position": pose[:3], "quaternion_xyzw": pose[3:]}
+    return {"position": pose[:3]}, full, {**full, "position": [9.0, 0.0, 0.0]}
+
+
+def _poses(method: str) -> list[dict[str, Any]]:
+    """What is asked for of a single pose."""
+    robot = catalogue_robot(_ROBOT)
+    point, full, far = _targets(robot)
+    asked: dict[str, Any] = {"robot": _ROBOT, "ik": {"method": method}, "budget_s": _BUDGET_S}
+    start = robot.home.tolist()
+    requests = [{**asked, **target} for target in (point, full, far)]
+    requests += [{**asked, **target, "start": start} for target in (point, full)]
+    if any(parameter.name == "decouple" for parameter in find_solver(method).parameters):
+        _, full, _ = _targets(catalogue_robot(_WRIST))
+        ik = {"method": method, "params": {"decouple": True}}
+        requests.append({**asked, "robot": _WRIST, **full, "ik": ik})
+    return requests
+
+
+def _paths(method: str) -> list[dict[str, Any]]:
+    """What is asked for of a path; of the first, under several limits."""
+    robot = catalogue_robot(_ROBOT)
+    point, full, far = _targets(robot)
+    near = {"position": [value + 0.01 for value in point["position"]]}
+    asked: dict[str, Any] = {
+        "robot": _ROBOT,
+        "path": {"waypoints": [full, near]},
+        "ik": {"method": method},
+        "limits": {"jerk": False},
+        "budget_s": _BUDGET_S,
+    }
+    start = robot.home.tolist()
+    return [
+        asked,
+        {**asked, "path": {"waypoints": [point]}, "start": start},
+        {**asked, "path": {"waypoints": [full]}, "start": "free"},
+        {**asked, "ik": {"method": method, "elongation": "greedy"}},
+        {**asked, "path": {**asked["path"], "interpolation": "line"}},
+        {**asked, "path": {**asked["path"], "interpolation": "spline"}},
+        {**asked, "path": {"waypoints": [far]}},
+    ]

@@ -1,22 +1,21 @@
-"""From a tool path to the knots of a joint path."""
+"""From a path of a request to the configurations of a joint path."""
 
 from ikplan.planning.joint_planner import plan_joint_path
-from ikplan.planning.joint_route import JointPathProblem, Route, Span, WaypointKnot
+from ikplan.planning.joint_route import JointPathProblem, JointRoute, RouteWaypoint
 from ikplan.planning.repairs import find_repairs
-from ikplan.planning.waypoints.select import choose
-from ikplan.planning.waypoints.waypoint_problem import Chosen, WaypointProblem
+from ikplan.planning.waypoints.select import select_configurations
+from ikplan.planning.waypoints.waypoint_problem import SelectedConfigurations, WaypointProblem
 from ikplan.time_budget import Progress, TimeBudget
 
 __all__ = [
-    "Chosen",
     "JointPathProblem",
+    "JointRoute",
     "Progress",
-    "Route",
-    "Span",
+    "RouteWaypoint",
+    "SelectedConfigurations",
     "TimeBudget",
-    "WaypointKnot",
     "WaypointProblem",
-    "choose",
     "find_repairs",
     "plan_joint_path",
+    "select_configurations",
 ]

@@ -1,65 +1,64 @@
-"""From a path of a request to the knots of one joint path: leg by leg."""
+"""From a path of a request to the configurations of one joint path: leg by leg."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ikplan.arrays import Array
 from ikplan.errors import Disconnected, InvalidRequest
 from ikplan.ik.arguments import check_start
 from ikplan.kinematics.target import Freedom, Target, pose_target
-from ikplan.path import JointLeg, JointTarget, Leg, Pose, ToolLeg, ToolPath, legs_of
-from ikplan.planning.joint_route import JointPathProblem, Route, Span, Stretch, WaypointKnot
+from ikplan.path import JointLeg, JointWaypoint, Leg, Pose, ToolLeg, ToolPath, legs_of
+from ikplan.planning.joint_route import JointPathProblem, JointRoute, RouteSegment, RouteWaypoint
 from ikplan.planning.task_freedom import counts_orientation, freedom_of
 from ikplan.planning.tracking.path_tracker import PathTracker
-from ikplan.planning.tracking.reference_path import stations_around
+from ikplan.planning.tracking.reference_path import points_around
 from ikplan.planning.tracking.tracked_path import TrackedPath, TrackingFailed
 from ikplan.planning.tracking.tracking_failure import explain_tracking_failure
 from ikplan.planning.waypoints.ik_branches import branches
-from ikplan.planning.waypoints.select import choose
+from ikplan.planning.waypoints.select import select_configurations
 from ikplan.planning.waypoints.waypoint_problem import WaypointProblem
 
 __all__ = ["plan_joint_path"]
 
-Array = NDArray[np.float64]
 
-
-def plan_joint_path(problem: JointPathProblem) -> Route:
-    """Lay a path into the joint space.
+def plan_joint_path(problem: JointPathProblem) -> JointRoute:
+    """Plan the configurations that a joint path passes.
 
     Args:
         problem: The path.
 
     Returns:
-        The knots of a joint path that meets every waypoint and follows every tool path.
+        The configurations; a joint path through them meets every waypoint and tracks every tool
+        path.
 
     Raises:
         InvalidRequest: The path makes no sense.
         Unreachable: A waypoint, or a place on a tool path, has no solution.
         Disconnected: No continuous motion follows a tool path.
-        TrackingFailed: The same, where a brief refusal is asked for.
+        TrackingFailed: The same, where ``problem.brief`` is set.
         BudgetExceeded: The time budget ran out.
     """
-    layer = _JointPathPlanner(problem)
+    planner = _JointPathPlanner(problem)
     start = None
     if not problem.start_free:
         T = problem.robot.fk(problem.q_start)
         start = Pose(T.rotation.copy(), T.translation.copy())
-    legs = legs_of(problem.path, start, layer.fk)
+    legs = legs_of(problem.path, start, planner.fk)
     problem.clock.expect(sum(map(_waypoint_count, legs)))
     for leg, after in zip(legs, [*legs[1:], None], strict=True):
         if isinstance(leg, JointLeg):
-            layer.joint_leg(leg, after)
+            planner.joint_leg(leg, after)
         else:
-            layer.tool_leg(leg)
-        problem.clock.advance(len(layer.wanted))
-    return layer.route()
+            planner.tool_leg(leg)
+        problem.clock.advance(len(planner.waypoints))
+    return planner.route()
 
 
 def _waypoint_count(leg: Leg) -> int:
-    return len(leg.targets) if isinstance(leg, JointLeg) else len(leg.path.waypoints)
+    return len(leg.waypoints) if isinstance(leg, JointLeg) else len(leg.path.waypoints)
 
 
 @dataclass(frozen=True)
@@ -67,25 +66,25 @@ class _Open:
     """A pose at the end of a joint leg whose branch is left to the tool path that begins there.
 
     Attributes:
-        asked: The pose as it was asked for.
-        target: The same, in the base.
+        waypoint: The waypoint there.
+        target: Its target.
         starts: Its solutions, shape (c, dof) [rad or m].
         costs: Joint motion to each, shape (c,).
     """
 
-    asked: JointTarget
+    waypoint: JointWaypoint
     target: Target
     starts: Array
     costs: Array
 
 
 class _JointPathPlanner:
-    """Lays one leg after the other."""
+    """Plans one leg after the other."""
 
     def __init__(self, problem: JointPathProblem) -> None:
         self.problem = problem
         self.freedom: Freedom = freedom_of(problem.path)
-        self.follower = PathTracker(
+        self.tracker = PathTracker(
             problem.solver.arm,
             problem.limits,
             self.freedom,
@@ -93,11 +92,10 @@ class _JointPathPlanner:
             problem.path.tolerance,
             problem.clock,
         )
-        self.knots: list[Array] = [] if problem.start_free else [problem.q_start]
+        self.q: list[Array] = [] if problem.start_free else [problem.q_start]
         self.rest: list[int] = []
-        self.wanted: list[WaypointKnot] = []
-        self.spans: list[Span] = []
-        self.stretches: list[Stretch] = []
+        self.waypoints: list[RouteWaypoint] = []
+        self.segments: list[RouteSegment] = []
         self.evaluations = 0
         self.opened: _Open | None = None
 
@@ -106,100 +104,99 @@ class _JointPathPlanner:
         T = self.problem.robot.fk(q)
         return T.rotation.copy(), T.translation.copy()
 
-    def route(self) -> Route:
-        """The route laid."""
-        wanted = sorted(self.wanted, key=lambda w: w.row)
-        return Route(
-            np.ascontiguousarray(self.knots),
+    def route(self) -> JointRoute:
+        """The route planned so far."""
+        waypoints = sorted(self.waypoints, key=lambda w: w.row)
+        return JointRoute(
+            np.ascontiguousarray(self.q),
             self.rest,
-            wanted,
-            self.spans,
+            waypoints,
             self.evaluations,
-            self.stretches,
+            self.segments,
         )
 
     @property
-    def _q(self) -> Array:
-        return self.knots[-1] if self.knots else self.problem.q_start
+    def _last_q(self) -> Array:
+        return self.q[-1] if self.q else self.problem.q_start
 
     def _target(self, pose: Pose) -> Target:
         R = pose.R if counts_orientation(self.problem.path) else None
         return pose_target(pose.p, R, freedom=self.freedom)
 
     def joint_leg(self, leg: JointLeg, after: Leg | None) -> None:
-        """Lay a joint spline; its last pose is left to a tool path that begins there."""
-        targets = list(leg.targets)
-        last = targets[-1]
+        """Plan a joint leg; its last pose is left to a tool path that begins there."""
+        waypoints = list(leg.waypoints)
+        last = waypoints[-1]
         left_open = isinstance(after, ToolLeg) and last.q is None and self.problem.options.refine
         if left_open:
-            targets.pop()
-        run: list[JointTarget] = []
-        for target in targets:
-            if target.q is None:
-                run.append(target)
+            waypoints.pop()
+        run: list[JointWaypoint] = []
+        for waypoint in waypoints:
+            if waypoint.q is None:
+                run.append(waypoint)
                 continue
-            self._poses(run)
+            self._select(run)
             run = []
-            q = check_start(self.problem.robot, target.q, target.name)
+            q = check_start(self.problem.robot, waypoint.q, waypoint.name)
             R, p = self.fk(q)
-            self._add(q, target, pose_target(p, R))
-        self._poses(run)
+            self._add(q, waypoint, pose_target(p, R))
+        self._select(run)
         if left_open and last.pose is not None:
             self._open_pose(last, last.pose)
 
-    def _waypoint_problem(self, run: list[JointTarget]) -> WaypointProblem:
+    def _waypoint_problem(self, run: list[JointWaypoint]) -> WaypointProblem:
         problem = self.problem
         return WaypointProblem(
             problem.robot,
             problem.solver,
             [self._target(t.pose) for t in run if t.pose is not None],
-            self._q,
-            not self.knots,
+            self._last_q,
+            not self.q,
             problem.path.tolerance,
             problem.clock,
-            run[0].index,
+            run[0].row,
             problem.brief,
         )
 
-    def _poses(self, run: list[JointTarget]) -> None:
-        """Choose the configurations of successive poses."""
+    def _select(self, run: list[JointWaypoint]) -> None:
+        """Select the configurations of successive poses."""
         if not run:
             return
-        waypoints = self._waypoint_problem(run)
-        chosen = choose(waypoints, self.problem.options)
-        self.evaluations += chosen.evaluations
-        for target, wanted, q in zip(run, waypoints.targets, chosen.q, strict=True):
-            self._add(q, target, wanted)
+        problem = self._waypoint_problem(run)
+        selected = select_configurations(problem, self.problem.options)
+        self.evaluations += selected.evaluations
+        for waypoint, target, q in zip(run, problem.targets, selected.q, strict=True):
+            self._add(q, waypoint, target)
 
-    def _open_pose(self, target: JointTarget, pose: Pose) -> None:
+    def _open_pose(self, waypoint: JointWaypoint, pose: Pose) -> None:
         """Offer every branch of a pose to the tool path that begins there."""
-        waypoints = self._waypoint_problem([target])
-        starts, spent = branches(waypoints)
-        costs = np.linalg.norm(starts - self._q, axis=1)
-        self.opened = _Open(target, self._target(pose), starts, costs)
+        problem = self._waypoint_problem([waypoint])
+        starts, spent = branches(problem)
+        costs = np.linalg.norm(starts - self._last_q, axis=1)
+        self.opened = _Open(waypoint, self._target(pose), starts, costs)
         self.evaluations += spent
 
     def tool_leg(self, leg: ToolLeg) -> None:
-        """Lay a tool path."""
+        """Track a tool path."""
         path = leg.path
         self._check_box(path)
         starts, costs = self._starts(path)
         try:
-            followed = self.follower.follow(path, starts, costs)
-        except TrackingFailed as lost:
+            tracked = self.tracker.track(path, starts, costs)
+        except TrackingFailed as failure:
             if self.problem.brief:
                 raise
             verdict = explain_tracking_failure(
-                self.problem.robot, self.problem.solver, self.follower, path, lost
+                self.problem.robot, self.problem.solver, self.tracker, path, failure
             )
             if not isinstance(verdict, Disconnected):
-                raise verdict from lost
+                raise verdict from failure
             try:
-                followed = self.follower.track_global(path, starts, costs)
+                tracked = self.tracker.track_global(path, starts, costs)
             except TrackingFailed:
-                raise verdict from lost
-            followed = replace(followed, evaluations=followed.evaluations + lost.evaluations)
-        self._append(path, followed)
+                raise verdict from failure
+            tracked = replace(tracked, evaluations=tracked.evaluations + failure.evaluations)
+        self._append(path, tracked)
 
     def _check_box(self, path: ToolPath) -> None:
         """Refuse a box whose axes are known on a part of the path only."""
@@ -218,50 +215,49 @@ class _JointPathPlanner:
         """Configurations that the tool path may begin at, and the joint motion to each."""
         if self.opened is not None:
             return self.opened.starts, self.opened.costs
-        if self.knots:
-            return self.knots[-1][None], np.zeros(1)
+        if self.q:
+            return self.q[-1][None], np.zeros(1)
         R, p = path.pose(0.0)
         # What begins without an orientation may begin at a waypoint with one.
-        asked = [w.R for w in path.waypoints if w.s == 0.0 and w.R is not None]
-        pose = Pose(R if path.oriented(0.0) else (asked[0] if asked else None), p)
+        rotations = [w.R for w in path.waypoints if w.s == 0.0 and w.R is not None]
+        pose = Pose(R if path.oriented(0.0) else (rotations[0] if rotations else None), p)
         starts, spent = branches(
-            self._waypoint_problem([JointTarget(0, "the begin of the path", pose=pose)])
+            self._waypoint_problem([JointWaypoint(0, "the begin of the path", pose=pose)])
         )
         self.evaluations += spent
         return starts, np.zeros(len(starts))
 
-    def _append(self, path: ToolPath, followed: TrackedPath) -> None:
-        """Add the stations of a tool path; the motion rests where it begins and ends."""
-        self.evaluations += followed.evaluations
-        joined = bool(self.knots) and np.array_equal(self.knots[-1], followed.q[0])
+    def _append(self, path: ToolPath, tracked: TrackedPath) -> None:
+        """Add the points of a tracked path; the motion rests where it begins and ends."""
+        self.evaluations += tracked.evaluations
+        joined = bool(self.q) and np.array_equal(self.q[-1], tracked.q[0])
         if joined:
-            self.knots.pop()
-        first = len(self.knots)
+            self.q.pop()
+        first = len(self.q)
         if self.opened is not None:
             if not joined:
-                self._end_stretch(self.opened.asked)
-            self.wanted.append(WaypointKnot(self.opened.asked.index, first, self.opened.target))
-            self.opened = None
-        self.knots += list(followed.q)
-        self.rest += [first, *(first + k for k in followed.rest), len(self.knots) - 1]
-        self.spans.append(Span(path, first, followed.s))
-        for waypoint, station in zip(path.waypoints, followed.waypoint, strict=True):
-            pose = Pose(waypoint.R, waypoint.p)
-            row = WaypointKnot(
-                waypoint.index, first + int(station), self._target(pose), waypoint.exact
+                self._end_segment(self.opened.waypoint)
+            self.waypoints.append(
+                RouteWaypoint(self.opened.waypoint.row, first, self.opened.target)
             )
-            self.wanted.append(row)
-        for stretch in path.stretches:
-            begin, end = stations_around(path, followed.s, stretch.begin, stretch.end)
-            self.stretches.append(Stretch(stretch.field, first + begin, first + end))
+            self.opened = None
+        self.q += list(tracked.q)
+        self.rest += [first, *(first + k for k in tracked.rest), len(self.q) - 1]
+        for waypoint, k in zip(path.waypoints, tracked.waypoint, strict=True):
+            pose = Pose(waypoint.R, waypoint.p)
+            row = RouteWaypoint(waypoint.row, first + int(k), self._target(pose), waypoint.exact)
+            self.waypoints.append(row)
+        for segment in path.segments:
+            begin, end = points_around(path, tracked.s, segment.begin, segment.end)
+            self.segments.append(RouteSegment(segment.field, first + begin, first + end))
 
-    def _add(self, q: Array, asked: JointTarget, target: Target) -> None:
-        self._end_stretch(asked)
-        self.knots.append(np.array(q))
-        self.wanted.append(WaypointKnot(asked.index, len(self.knots) - 1, target))
+    def _add(self, q: Array, waypoint: JointWaypoint, target: Target) -> None:
+        self._end_segment(waypoint)
+        self.q.append(np.array(q))
+        self.waypoints.append(RouteWaypoint(waypoint.row, len(self.q) - 1, target))
 
-    def _end_stretch(self, target: JointTarget) -> None:
-        """Note that a joint segment ends at the next knot; a free start has no way to it."""
-        if target.field and self.knots:
-            end = len(self.knots)
-            self.stretches.append(Stretch(target.field, end - 1, end))
+    def _end_segment(self, waypoint: JointWaypoint) -> None:
+        """End a joint segment at the next configuration; from a free start nothing leads to it."""
+        if waypoint.field and self.q:
+            end = len(self.q)
+            self.segments.append(RouteSegment(waypoint.field, end - 1, end))

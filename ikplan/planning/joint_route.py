@@ -1,28 +1,23 @@
-"""A path to be laid into the joint space, and the route that it becomes."""
+"""The problem of a joint path, and the route that solves it."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
-import numpy as np
-from numpy.typing import NDArray
-
+from ikplan.arrays import Array
 from ikplan.documents.plan_request import IkOptions, PathRequest
 from ikplan.ik.solve import PoseSolver
 from ikplan.kinematics.target import Target
 from ikplan.limits import JointLimits
-from ikplan.path import ToolPath
 from ikplan.robots import Robot
 from ikplan.time_budget import TimeBudget
 
-__all__ = ["JointPathProblem", "Route", "Span", "Stretch", "WaypointKnot"]
-
-Array = NDArray[np.float64]
+__all__ = ["JointPathProblem", "JointRoute", "RouteSegment", "RouteWaypoint"]
 
 
 @dataclass(frozen=True)
 class JointPathProblem:
-    """A path to be laid into the joint space.
+    """A path of a request for which a joint path is to be planned.
 
     Attributes:
         robot: The robot, with its tool.
@@ -49,45 +44,30 @@ class JointPathProblem:
 
 
 @dataclass(frozen=True)
-class WaypointKnot:
-    """A waypoint asked for and the knot that meets it.
+class RouteWaypoint:
+    """A waypoint of the request and the configuration that meets it.
 
     Attributes:
-        row: Its row among the waypoints of the result.
-        knot: Index of its knot.
-        target: The tool pose wanted.
+        row: Its row among the waypoints of the request.
+        index: Index of its configuration.
+        target: The target there.
         exact: Whether the path passes it; false at a rounded corner.
     """
 
     row: int
-    knot: int
+    index: int
     target: Target
     exact: bool = True
 
 
 @dataclass(frozen=True)
-class Span:
-    """A tool path that the tool follows between two knots.
-
-    Attributes:
-        path: The tool path in the base.
-        first: Knot of its begin.
-        s: Path length at each of its knots, from ``first`` on, shape (m,) [m].
-    """
-
-    path: ToolPath
-    first: int
-    s: Array
-
-
-@dataclass(frozen=True)
-class Stretch:
-    """What of the request leads from one knot to another.
+class RouteSegment:
+    """The configurations between which one segment of the request leads.
 
     Attributes:
         field: The field, such as ``path.segments[3]``.
-        first: Knot at which it begins, or the last one before.
-        last: Knot at which it ends, or the first one after.
+        first: Index of the configuration at which it begins, or of the last one before.
+        last: Index of the one at which it ends, or of the first one after.
     """
 
     field: str
@@ -96,26 +76,19 @@ class Stretch:
 
 
 @dataclass(frozen=True)
-class Route:
-    """The knots of a joint path.
+class JointRoute:
+    """The configurations that a joint path passes.
 
     Attributes:
-        knots: Configurations, shape (k, dof) [rad or m]; the first is where the motion begins.
-        rest: Knots where the motion stops.
-        wanted: The waypoints asked for, in order.
-        spans: The tool paths followed.
+        q: Configurations, shape (k, dof) [rad or m]; the first is where the motion begins.
+        rest: Indices of those where the motion stops.
+        waypoints: The waypoints of the request, in order.
         evaluations: Forward-kinematics evaluations spent.
-        stretches: Where each field of the request leads, in order.
+        segments: The segments of the request, in order.
     """
 
-    knots: Array
+    q: Array
     rest: list[int]
-    wanted: list[WaypointKnot]
-    spans: list[Span]
+    waypoints: list[RouteWaypoint]
     evaluations: int
-    stretches: list[Stretch]
-
-    @property
-    def waypoint_q(self) -> Array:
-        """Configurations of the waypoints, shape (n, dof) [rad or m]."""
-        return self.knots[[w.knot for w in self.wanted]]
+    segments: list[RouteSegment]

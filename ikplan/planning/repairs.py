@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ikplan.arrays import Array
 from ikplan.documents.plan_request import Frame, PathRequest
 from ikplan.errors import BudgetExceeded, Disconnected, InvalidRequest, Unreachable
 from ikplan.ik.solve import NoSolution, PoseSolver
@@ -26,7 +27,6 @@ from ikplan.planning.waypoints.least_motion import stack_targets
 
 __all__ = ["find_repairs"]
 
-Array = NDArray[np.float64]
 
 _MOST_BRANCHES = 12
 _SAMPLES = 12
@@ -245,7 +245,7 @@ def _targets(problem: JointPathProblem) -> list[Target]:
     poses: list[tuple[Any, Array]] = []
     for leg in _legs(problem):
         if isinstance(leg, JointLeg):
-            poses += [(t.pose.R, t.pose.p) for t in leg.targets if t.pose is not None]
+            poses += [(t.pose.R, t.pose.p) for t in leg.waypoints if t.pose is not None]
             continue
         s = np.linspace(0.0, leg.path.length, _SAMPLES)
         R, p = leg.path.poses(s)

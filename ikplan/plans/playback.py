@@ -5,8 +5,9 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from ikplan.arrays import Array, Indices
 from ikplan.errors import InvalidRequest
 
 if TYPE_CHECKING:
@@ -16,7 +17,6 @@ if TYPE_CHECKING:
 
 __all__ = ["Moment", "evaluate"]
 
-Array = NDArray[np.float64]
 Moment = tuple[Array, Array, Array]
 """Joint positions, velocities and accelerations."""
 
@@ -64,7 +64,7 @@ def _exact(motion: PathMotion, t: Array) -> Moment:
     return q, qs * v, qs * u + qss * v * v
 
 
-def _cubics(motion: PathMotion, piece: NDArray[np.int64], s: Array) -> Moment:
+def _cubics(motion: PathMotion, piece: Indices, s: Array) -> Moment:
     """Values and derivatives by s of pieces of the path, each of shape (m, dof)."""
     begin, end = motion.s_knots[piece], motion.s_knots[piece + 1]
     ends = motion.q_knots[piece], motion.q_knots[piece + 1]

@@ -4,10 +4,9 @@ from ikplan.timing.binding import Binding, BindingShare, WhatIf, binding, what_i
 from ikplan.timing.constraints.constraints import ConstraintRows, PathConstraint, PathPoints
 from ikplan.timing.constraints.tool_limits import ToolLimits, ToolMotion
 from ikplan.timing.constraints.torque_limits import InverseDynamics, TorqueLimits
-from ikplan.timing.profile import SegmentLimits
-from ikplan.timing.retime import Retimed, retime
+from ikplan.timing.profile import SegmentJointLimits
 from ikplan.timing.sampled_within_limits import sampled_within_limits
-from ikplan.timing.sampling import Samples, knots, on_grid, periods, sample
+from ikplan.timing.sampling import Samples, on_grid, periods, sample, sample_at_nodes
 from ikplan.timing.time_joint_path import time_joint_path
 from ikplan.timing.timed_path import TimedPath
 
@@ -18,20 +17,18 @@ __all__ = [
     "InverseDynamics",
     "PathConstraint",
     "PathPoints",
-    "Retimed",
     "Samples",
-    "SegmentLimits",
+    "SegmentJointLimits",
     "TimedPath",
     "ToolLimits",
     "ToolMotion",
     "TorqueLimits",
     "WhatIf",
     "binding",
-    "knots",
     "on_grid",
     "periods",
-    "retime",
     "sample",
+    "sample_at_nodes",
     "sampled_within_limits",
     "time_joint_path",
     "what_if",

@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ikplan.arrays import Array, Indices
 from ikplan.errors import InvalidRequest, TimingFailed
 from ikplan.timing.constraints.constraints import Label, PathConstraint, PathPoints
 from ikplan.timing.engines.engine import Check, EngineFailed, unlimited
@@ -18,9 +18,6 @@ from ikplan.timing.span import SpanTiming
 from ikplan.timing.timed_path import TimedPath
 
 __all__ = ["Binding", "BindingShare", "WhatIf", "binding", "what_if"]
-
-Array = NDArray[np.float64]
-Indices = NDArray[np.int64]
 
 
 @dataclass(frozen=True)
@@ -45,13 +42,13 @@ class Binding:
     Attributes:
         labels: The limits there are.
         index: The limit nearest to its bound in each interval, shape (n,).
-        usage: How near, as a share of the speed that it allows there, shape (n,).
+        ratio: How near, as a ratio to the speed that it allows there, shape (n,).
         dt: Durations of the intervals [s], shape (n,).
     """
 
     labels: tuple[Label, ...]
     index: Indices
-    usage: Array
+    ratio: Array
     dt: Array
 
     def summary(self) -> list[BindingShare]:
@@ -105,22 +102,22 @@ def binding(timed: TimedPath) -> Binding:
         The binding limits; of a path of length zero, none.
     """
     labels: dict[Label, int] = {}
-    index, top, dt = [], [], []
-    parts = [_jerk_usage(timed)] if timed.jerk_limited else [_usage(s) for s in timed.spans]
-    for mine, usage, durations in parts:
+    index, ratios, dt = [], [], []
+    parts = [_jerk_ratios(timed)] if timed.jerk_limited else [_ratios(s) for s in timed.spans]
+    for mine, ratio, durations in parts:
         number = np.array([labels.setdefault(label, len(labels)) for label in mine], dtype=np.int64)
         if not len(durations):
             continue
-        best = np.argmax(usage, axis=1)
+        best = np.argmax(ratio, axis=1)
         index.append(number[best])
-        top.append(usage[np.arange(len(best)), best])
+        ratios.append(ratio[np.arange(len(best)), best])
         dt.append(durations)
     if not index:
         return Binding((), np.zeros(0, dtype=np.int64), np.zeros(0), np.zeros(0))
-    return Binding(tuple(labels), np.concatenate(index), np.concatenate(top), np.concatenate(dt))
+    return Binding(tuple(labels), np.concatenate(index), np.concatenate(ratios), np.concatenate(dt))
 
 
-def _usage(span: SpanTiming) -> tuple[list[Label], Array, Array]:
+def _ratios(span: SpanTiming) -> tuple[list[Label], Array, Array]:
     """Return limits, how near each is in the middle of every interval, and the durations."""
     problem, x = span.problem, span.x
     u = np.diff(x) / (2.0 * problem.h)
@@ -132,34 +129,34 @@ def _usage(span: SpanTiming) -> tuple[list[Label], Array, Array]:
     ddq = qs * u[:, None] + qss * middle[:, None]
     up, down, a_up, a_down = problem.bounds
     columns = [np.maximum(dq / up, dq / down), np.sqrt(np.maximum(ddq / a_up, ddq / a_down))]
-    demands = [
-        (points.constraint, points.inside, demand[len(demand) // 2])
-        for points, demand in problem.others.demands(x)
+    of_constraints = [
+        (points.constraint, points.inside, ratios[len(ratios) // 2])
+        for points, ratios in problem.others.ratios(x)
     ]
-    more, usage = _shares_of(demands, len(x) - 1)
-    return _joint_labels(problem.profile) + more, np.hstack([*columns, usage]), span.dt
+    more, ratio = _ratios_of(of_constraints, len(x) - 1)
+    return _joint_labels(problem.profile) + more, np.hstack([*columns, ratio]), span.dt
 
 
-def _shares_of(
-    demands: Sequence[tuple[PathConstraint, Indices, Array]], n: int
+def _ratios_of(
+    of_constraints: Sequence[tuple[PathConstraint, Indices, Array]], n: int
 ) -> tuple[list[Label], Array]:
-    """Return the labels of constraints and the shares of speed they allow, shape (n, labels).
+    """Return the labels of constraints and the ratios to the speed they allow, shape (n, labels).
 
     Args:
-        demands: Constraints, the intervals in their ranges, shape (r,), and what is asked of them
-            there, shape (r, labels); those of one name are one limit.
+        of_constraints: Constraints, the intervals in their ranges, shape (r,), and their limit
+            ratios there, shape (r, labels); those of one name are one limit.
         n: Number of intervals.
     """
-    labels = list(dict.fromkeys(label for c, _, _ in demands for label in c.labels))
-    usage = np.zeros((n, len(labels)))
-    for constraint, inside, demand in demands:
-        for label, column in zip(constraint.labels, demand.T, strict=True):
+    labels = list(dict.fromkeys(label for c, _, _ in of_constraints for label in c.labels))
+    ratio = np.zeros((n, len(labels)))
+    for constraint, inside, ratios in of_constraints:
+        for label, column in zip(constraint.labels, ratios.T, strict=True):
             at = labels.index(label)
-            usage[inside, at] = np.maximum(usage[inside, at], np.sqrt(np.maximum(column, 0.0)))
-    return labels, usage
+            ratio[inside, at] = np.maximum(ratio[inside, at], np.sqrt(np.maximum(column, 0.0)))
+    return labels, ratio
 
 
-def _jerk_usage(timed: TimedPath) -> tuple[list[Label], Array, Array]:
+def _jerk_ratios(timed: TimedPath) -> tuple[list[Label], Array, Array]:
     """Return the same of a jerk-limited motion."""
     if timed.sddot is None or not timed.spans:
         return [], np.zeros((0, 0)), np.zeros(0)
@@ -176,7 +173,7 @@ def _jerk_usage(timed: TimedPath) -> tuple[list[Label], Array, Array]:
         0,
         len(path.s_knots) - 2,
     )
-    usage = np.hstack(
+    ratio = np.hstack(
         [
             np.maximum(dq / profile.velocity[piece], dq / profile.velocity_lower[piece]),
             np.sqrt(
@@ -188,12 +185,14 @@ def _jerk_usage(timed: TimedPath) -> tuple[list[Label], Array, Array]:
         ]
     )
     jerk: list[Label] = [("jerk", name) for name in profile.joint_names]
-    more, of_constraints = _shares_of(_jerk_demands(timed, dt), len(dt))
-    return _joint_labels(profile) + jerk + more, np.hstack([usage, of_constraints]), dt
+    more, of_constraints = _ratios_of(_jerk_limited_ratios(timed, dt), len(dt))
+    return _joint_labels(profile) + jerk + more, np.hstack([ratio, of_constraints]), dt
 
 
-def _jerk_demands(timed: TimedPath, dt: Array) -> list[tuple[PathConstraint, Indices, Array]]:
-    """Return what a jerk-limited motion asks of its constraints in the middle of intervals."""
+def _jerk_limited_ratios(
+    timed: TimedPath, dt: Array
+) -> list[tuple[PathConstraint, Indices, Array]]:
+    """Return the limit ratios of constraints in mid-interval, of a jerk-limited motion."""
     path, sddot = timed.path, timed.sddot
     assert sddot is not None  # it is jerk-limited
     half, jerk = 0.5 * dt, np.zeros(len(dt))
@@ -206,8 +205,8 @@ def _jerk_demands(timed: TimedPath, dt: Array) -> list[tuple[PathConstraint, Ind
         inside = np.flatnonzero((s > constraint.start) & (s < constraint.end))
         if len(inside):
             points = PathPoints(s[inside], *path.derivatives(s[inside]), path.length)
-            demand = constraint.at(points).demand(np.arange(len(inside)), u[inside], x[inside])
-            found.append((constraint, inside, demand))
+            ratios = constraint.at(points).ratios(np.arange(len(inside)), u[inside], x[inside])
+            found.append((constraint, inside, ratios))
     return found
 
 
@@ -267,23 +266,23 @@ def what_if(
     return WhatIf(limit, joint, factor, duration, timed.duration - duration)
 
 
-def _unsolved(span: SpanTiming, error: EngineFailed, asked: WhatIf) -> float:
+def _unsolved(span: SpanTiming, error: EngineFailed, change: WhatIf) -> float:
     """Return the duration that is known, where a limit is wider; or else fail."""
-    if asked.factor >= 1.0:
-        return asked.duration
+    if change.factor >= 1.0:
+        return change.duration
     where = float(span.problem.grid.s[error.stage] / span.problem.path.length)
     raise TimingFailed(
-        f"no path speed found at {where:.4f} of the path with {asked.factor:g} times the "
-        f"{asked.limit} limit",
+        f"no path speed found at {where:.4f} of the path with {change.factor:g} times the "
+        f"{change.limit} limit",
         position=where,
-        joint=asked.joint,
-        limit=asked.limit,
+        joint=change.joint,
+        limit=change.limit,
     ) from error
 
 
 def _duration(problem: SpanProblem, check: Check = unlimited) -> float:
     check()
-    x = problem.twin / max(problem.slowdown(problem.twin), 1e-300)
+    x = problem.compiled_solution / max(problem.largest_ratio(problem.compiled_solution), 1e-300)
     return float(problem.times(x).sum())
 
 

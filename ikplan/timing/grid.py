@@ -5,15 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ikplan._jit import kernel
+from ikplan.arrays import Array, Indices
 from ikplan.joint_path.joint_path import JointPath
 
 __all__ = ["Grid", "curvature_grid", "regridded"]
-
-Array = NDArray[np.float64]
-Indices = NDArray[np.int64]
 
 
 @dataclass(frozen=True, eq=False)
@@ -30,27 +27,27 @@ class Grid:
 
 
 @kernel
-def _place(s: Array, pieces: Indices, wanted: Array) -> tuple[Array, Indices]:
-    """Divide each run of intervals of one piece into about as many intervals as wanted."""
+def _place(s: Array, pieces: Indices, counts: Array) -> tuple[Array, Indices]:
+    """Divide each run of intervals of one piece into about as many intervals as given."""
     n = len(pieces)
     total = 0
     for i in range(n):
-        total += int(wanted[i]) + 1
+        total += int(counts[i]) + 1
     nodes, owner = np.empty(total + 1), np.empty(total, np.int64)
     count, start = 0, 0
     while start < n:
         stop, mass = start, 0.0
         while stop < n and pieces[stop] == pieces[start]:
-            mass += wanted[stop]
+            mass += counts[stop]
             stop += 1
         parts = max(int(np.ceil(mass - 1e-9)), 1)
         i, before = start, 0.0
         for part in range(parts):
             level = mass * part / parts
-            while i < stop - 1 and before + wanted[i] <= level:
-                before += wanted[i]
+            while i < stop - 1 and before + counts[i] <= level:
+                before += counts[i]
                 i += 1
-            share = (level - before) / wanted[i]
+            share = (level - before) / counts[i]
             nodes[count] = s[i] + (s[i + 1] - s[i]) * min(max(share, 0.0), 1.0)
             owner[count] = pieces[start]
             count += 1
@@ -59,17 +56,17 @@ def _place(s: Array, pieces: Indices, wanted: Array) -> tuple[Array, Indices]:
     return nodes[: count + 1].copy(), owner[:count].copy()
 
 
-def regridded(grid: Grid, wanted: Array) -> Grid:
-    """Return a grid with about as many intervals as wanted in place of each interval.
+def regridded(grid: Grid, counts: Array) -> Grid:
+    """Return a grid with about as many intervals as given in place of each interval.
 
     Args:
         grid: The old grid.
-        wanted: Number of intervals wanted in place of each, > 0, fractions allowed, shape (n,).
+        counts: Number of intervals in place of each, > 0, fractions allowed, shape (n,).
 
     Returns:
         The new grid; it keeps the ends of the pieces and nothing else of the old one.
     """
-    s, pieces = _place(grid.s, grid.pieces, wanted)
+    s, pieces = _place(grid.s, grid.pieces, counts)
     # A node that rounding put on its neighbour would be an interval of length zero.
     distinct = np.append(np.diff(s) > 0.0, True)
     return Grid(s[distinct], pieces[distinct[:-1]])
@@ -97,5 +94,5 @@ def curvature_grid(path: JointPath, first: int, last: int, weight: Array, target
         / np.maximum(np.sum(np.abs(d) * weight, axis=1), 1e-300)
     )
     density = h / h.sum() + turn / max(float(turn.sum()), 1e-300)
-    wanted = np.maximum(0.5 * target * density, 2.0)
-    return regridded(Grid(s, np.arange(first, last)), wanted)
+    counts = np.maximum(0.5 * target * density, 2.0)
+    return regridded(Grid(s, np.arange(first, last)), counts)

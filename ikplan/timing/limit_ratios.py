@@ -1,15 +1,13 @@
-"""How far a timing uses its limits: exact maxima in every interval, not samples."""
+"""Limit ratios of a timing: exact maxima in every interval, not samples."""
 
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ikplan._jit import kernel
+from ikplan.arrays import Array
 
-__all__ = ["acceleration_share", "usage", "utilisation", "velocity_share"]
-
-Array = NDArray[np.float64]
+__all__ = ["acceleration_ratio", "limit_ratios", "speed_ratios", "velocity_ratio"]
 
 
 @kernel
@@ -18,10 +16,10 @@ def _ratio(value: float, upper: float, lower: float) -> float:
 
 
 @kernel
-def velocity_share(
+def velocity_ratio(
     h: float, x0: float, u: float, qs: float, qss0: float, qss1: float, upper: float, lower: float
 ) -> float:
-    """Return the greatest share of a joint's velocity limits on one interval.
+    """Return the greatest ratio to a joint's velocity limits on one interval.
 
     With q'(s) = A + B r + C r^2, r from the start, and x = x0 + 2 u r, the velocity q' sqrt(x) is
     extreme at the ends or where the acceleration is zero, a quadratic in r.
@@ -37,52 +35,52 @@ def velocity_share(
         lower: Lower velocity limit, negative.
 
     Returns:
-        The share, >= 0.
+        The ratio, >= 0.
     """
     C = 0.5 * (qss1 - qss0) / h
     c0, c1, c2 = qs * u + qss0 * x0, 3.0 * qss0 * u + 2.0 * C * x0, 5.0 * C * u
     w = -0.5 * (c1 + (1.0 if c1 >= 0.0 else -1.0) * np.sqrt(max(c1 * c1 - 4.0 * c2 * c0, 0.0)))
-    top = 0.0
+    ratio = 0.0
     for r in (0.0, h, w / c2 if c2 != 0.0 else 0.0, c0 / w if w != 0.0 else 0.0):
         if 0.0 <= r <= h:
             speed = np.sqrt(max(x0 + 2.0 * u * r, 0.0))
-            top = max(top, _ratio((qs + r * (qss0 + r * C)) * speed, upper, lower))
-    return top
+            ratio = max(ratio, _ratio((qs + r * (qss0 + r * C)) * speed, upper, lower))
+    return ratio
 
 
 @kernel
-def acceleration_share(
+def acceleration_ratio(
     h: float, x0: float, u: float, qs: float, qss0: float, qss1: float, upper: float, lower: float
 ) -> float:
-    """Return the greatest share of a joint's acceleration limits on one interval.
+    """Return the greatest ratio to a joint's acceleration limits on one interval.
 
     The acceleration q' u + q'' x = (A u + B x0) + (3 B u + 2 C x0) r + 5 C u r^2 is a quadratic,
     extreme at the ends or at its vertex.
 
     Args:
-        h: As in velocity_share.
-        x0: As in velocity_share.
-        u: As in velocity_share.
-        qs: As in velocity_share.
-        qss0: As in velocity_share.
-        qss1: As in velocity_share.
+        h: As in velocity_ratio.
+        x0: As in velocity_ratio.
+        u: As in velocity_ratio.
+        qs: As in velocity_ratio.
+        qss0: As in velocity_ratio.
+        qss1: As in velocity_ratio.
         upper: Upper acceleration limit.
         lower: Lower acceleration limit, negative.
 
     Returns:
-        The share, >= 0.
+        The ratio, >= 0.
     """
     C = 0.5 * (qss1 - qss0) / h
     c0, c1, c2 = qs * u + qss0 * x0, 3.0 * qss0 * u + 2.0 * C * x0, 5.0 * C * u
-    top = max(_ratio(c0, upper, lower), _ratio(c0 + h * (c1 + h * c2), upper, lower))
+    ratio = max(_ratio(c0, upper, lower), _ratio(c0 + h * (c1 + h * c2), upper, lower))
     vertex = -c1 / (2.0 * c2) if c2 != 0.0 else 0.0
     if 0.0 < vertex < h:
-        top = max(top, _ratio(c0 + vertex * (c1 + vertex * c2), upper, lower))
-    return top
+        ratio = max(ratio, _ratio(c0 + vertex * (c1 + vertex * c2), upper, lower))
+    return ratio
 
 
 @kernel
-def usage(
+def limit_ratios(
     h: Array,
     x: Array,
     qs0: Array,
@@ -93,7 +91,7 @@ def usage(
     acceleration: Array,
     acceleration_lower: Array,
 ) -> tuple[Array, Array]:
-    """Return the greatest share of each joint's limits on every interval.
+    """Return the greatest ratio to each joint's limits on every interval.
 
     Args:
         h: Lengths of the intervals, shape (n,).
@@ -107,14 +105,14 @@ def usage(
         acceleration_lower: Lower acceleration limits, shape (n, dof), negative.
 
     Returns:
-        Shares of the velocity and of the acceleration limits, each of shape (n, dof).
+        Ratios to the velocity and to the acceleration limits, each of shape (n, dof).
     """
     n, dof = qs0.shape
-    v_share, a_share = np.empty((n, dof)), np.empty((n, dof))
+    v_ratio, a_ratio = np.empty((n, dof)), np.empty((n, dof))
     for i in range(n):
         u = (x[i + 1] - x[i]) / (2.0 * h[i])
         for j in range(dof):
-            v_share[i, j] = velocity_share(
+            v_ratio[i, j] = velocity_ratio(
                 h[i],
                 x[i],
                 u,
@@ -124,7 +122,7 @@ def usage(
                 velocity[i, j],
                 velocity_lower[i, j],
             )
-            a_share[i, j] = acceleration_share(
+            a_ratio[i, j] = acceleration_ratio(
                 h[i],
                 x[i],
                 u,
@@ -134,11 +132,11 @@ def usage(
                 acceleration[i, j],
                 acceleration_lower[i, j],
             )
-    return v_share, a_share
+    return v_ratio, a_ratio
 
 
 @kernel
-def utilisation(
+def speed_ratios(
     h: Array,
     x: Array,
     qs0: Array,
@@ -149,25 +147,25 @@ def utilisation(
     acceleration: Array,
     acceleration_lower: Array,
 ) -> Array:
-    """Return how fast every interval is passed, as a share of what its limits seem to allow.
+    """Return how fast every interval is passed, as a ratio to what its limits seem to allow.
 
     In a time-optimal motion some limit binds at every time. The mean over an interval of the
-    greatest share (of velocity, or root of the share of acceleration: both grow in proportion to
+    greatest ratio (of velocity, or root of the ratio of acceleration: both grow in proportion to
     speed) therefore shows what the grid costs there.
 
     Args:
-        h: As in usage.
-        x: As in usage.
-        qs0: As in usage.
-        qss0: As in usage.
-        qss1: As in usage.
-        velocity: As in usage.
-        velocity_lower: As in usage.
-        acceleration: As in usage.
-        acceleration_lower: As in usage.
+        h: As in limit_ratios.
+        x: As in limit_ratios.
+        qs0: As in limit_ratios.
+        qss0: As in limit_ratios.
+        qss1: As in limit_ratios.
+        velocity: As in limit_ratios.
+        velocity_lower: As in limit_ratios.
+        acceleration: As in limit_ratios.
+        acceleration_lower: As in limit_ratios.
 
     Returns:
-        Shares, about 0 to 1, shape (n,).
+        Ratios, about 0 to 1, shape (n,).
     """
     n, dof = qs0.shape
     mean = np.zeros(n)
@@ -176,13 +174,13 @@ def utilisation(
         for part in range(3):
             r = 0.5 * part * h[i]
             x_here = max(x[i] + 2.0 * u * r, 0.0)
-            top = 0.0
+            ratio = 0.0
             for j in range(dof):
                 C = 0.5 * (qss1[i, j] - qss0[i, j]) / h[i]
                 qs = qs0[i, j] + r * (qss0[i, j] + r * C)
                 qss = qss0[i, j] + 2.0 * C * r
                 v = _ratio(qs * np.sqrt(x_here), velocity[i, j], velocity_lower[i, j])
                 a = _ratio(qs * u + qss * x_here, acceleration[i, j], acceleration_lower[i, j])
-                top = max(top, v, np.sqrt(a))
-            mean[i] += top * (4.0 if part == 1 else 1.0) / 6.0
+                ratio = max(ratio, v, np.sqrt(a))
+            mean[i] += ratio * (4.0 if part == 1 else 1.0) / 6.0
     return mean

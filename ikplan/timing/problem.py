@@ -7,8 +7,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ikplan.arrays import Array
 from ikplan.joint_path.joint_path import JointPath
 from ikplan.timing.constraints.constraints import PathConstraint
 from ikplan.timing.constraints.grid_constraints import GridConstraints
@@ -18,12 +18,11 @@ from ikplan.timing.engines.engine import Engine, EngineFailed
 from ikplan.timing.engines.rows import StageRows, acceleration_rows, natural_units, velocity_bounds
 from ikplan.timing.engines.toppra_engine import ToppraEngine
 from ikplan.timing.grid import Grid
-from ikplan.timing.limit_ratios import usage, utilisation
+from ikplan.timing.limit_ratios import limit_ratios, speed_ratios
 from ikplan.timing.profile import LimitProfile
 
 __all__ = ["SpanProblem"]
 
-Array = NDArray[np.float64]
 
 _TIGHTENINGS = 4
 _ENOUGH = 2e-4
@@ -130,13 +129,13 @@ class SpanProblem:
             x_max[1:] = np.minimum(x_max[1:], more_x[:, 1])
         return StageRows(self.grid.s, a, b, x_max)
 
-    def usage(self, x: Array) -> tuple[Array, Array]:
-        """Return the exact greatest shares of velocity and acceleration limits, (n, dof) each.
+    def limit_ratios(self, x: Array) -> tuple[Array, Array]:
+        """Return the exact greatest ratios to velocity and acceleration limits, (n, dof) each.
 
         Args:
             x: Squared path velocities at the nodes, shape (n + 1,).
         """
-        return usage(self.h, x, self.qs0, self.qss0, self.qss1, *self.bounds)
+        return limit_ratios(self.h, x, self.qs0, self.qss0, self.qss1, *self.bounds)
 
     def solve(self, engine: Engine) -> Array:
         """Return the squared path velocities that an engine finds, shape (n + 1,).
@@ -148,7 +147,7 @@ class SpanProblem:
             engine: The engine.
 
         Returns:
-            Velocities that may still exceed limits by a little; see slowdown.
+            Velocities that may still exceed limits by a little; see largest_ratio.
 
         Raises:
             EngineFailed: The engine found none.
@@ -157,19 +156,19 @@ class SpanProblem:
         x = engine.solve(rows) * unit
         tightening = np.ones(len(self.h))
         for _ in range(_TIGHTENINGS if self.constraints else 0):
-            top = np.zeros(len(self.h))
-            for points, demand in self.others.demands(x):
-                most = highest(demand).max(axis=1)
-                top[points.inside] = np.maximum(top[points.inside], most)
-            if top.max() <= 1.0 + _ENOUGH:
+            largest = np.zeros(len(self.h))
+            for points, ratios in self.others.ratios(x):
+                most = highest(ratios).max(axis=1)
+                largest[points.inside] = np.maximum(largest[points.inside], most)
+            if largest.max() <= 1.0 + _ENOUGH:
                 break
-            tightening *= np.maximum(top, 1.0)
+            tightening *= np.maximum(largest, 1.0)
             rows, unit = natural_units(self.rows(tightening))
             x = engine.solve(rows) * unit
         return x
 
     @functools.cached_property
-    def twin(self) -> Array:
+    def compiled_solution(self) -> Array:
         """The squared path velocities that the compiled engine finds, or else toppra.
 
         Raises:
@@ -180,15 +179,15 @@ class SpanProblem:
         except EngineFailed:
             return self.solve(ToppraEngine())
 
-    def slowdown(self, x: Array) -> float:
-        """Return by what x has to be divided so that every limit is kept.
+    def largest_ratio(self, x: Array) -> float:
+        """Return the largest limit ratio: x divided by it keeps every limit.
 
         Args:
             x: Squared path velocities at the nodes, shape (n + 1,).
         """
-        v_share, a_share = self.usage(x)
-        demands = [float(highest(demand).max()) for _, demand in self.others.demands(x)]
-        return max(float(v_share.max()) ** 2, float(a_share.max()), *demands, 0.0)
+        v_ratio, a_ratio = self.limit_ratios(x)
+        others = [float(highest(ratios).max()) for _, ratios in self.others.ratios(x)]
+        return max(float(v_ratio.max()) ** 2, float(a_ratio.max()), *others, 0.0)
 
     def loss(self, x: Array) -> Array:
         """Return about how much time each interval takes more than it would on a fine grid.
@@ -199,12 +198,12 @@ class SpanProblem:
         Returns:
             Times [s], shape (n,), never negative.
         """
-        share = utilisation(self.h, x, self.qs0, self.qss0, self.qss1, *self.bounds)
-        for points, demand in self.others.demands(x):
-            top = np.sqrt(demand.max(axis=2))
-            mean = (top[0] + 4.0 * top[len(top) // 2] + top[-1]) / 6.0
-            share[points.inside] = np.maximum(share[points.inside], mean)
-        return self.times(x) * np.maximum(1.0 - share, 0.0)
+        ratio = speed_ratios(self.h, x, self.qs0, self.qss0, self.qss1, *self.bounds)
+        for points, ratios in self.others.ratios(x):
+            speed = np.sqrt(ratios.max(axis=2))
+            mean = (speed[0] + 4.0 * speed[len(speed) // 2] + speed[-1]) / 6.0
+            ratio[points.inside] = np.maximum(ratio[points.inside], mean)
+        return self.times(x) * np.maximum(1.0 - ratio, 0.0)
 
     def times(self, x: Array) -> Array:
         """Return the durations of the intervals [s], shape (n,); inf where nothing moves.

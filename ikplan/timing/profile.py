@@ -6,21 +6,20 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ikplan.arrays import Array
 from ikplan.errors import InvalidRequest
 from ikplan.joint_path.joint_path import JointPath
 from ikplan.limits.joint_limits import JointLimits
 
-__all__ = ["LimitProfile", "SegmentLimits"]
+__all__ = ["LimitProfile", "SegmentJointLimits"]
 
-Array = NDArray[np.float64]
 
 _RATES = ("velocity", "velocity_lower", "acceleration", "acceleration_lower")
 
 
 @dataclass(frozen=True, eq=False)
-class SegmentLimits:
+class SegmentJointLimits:
     """Joint limits of their own for a range of a path.
 
     Attributes:
@@ -65,7 +64,7 @@ class LimitProfile:
 
     @classmethod
     def merged(
-        cls, path: JointPath, limits: JointLimits, segments: Sequence[SegmentLimits] = ()
+        cls, path: JointPath, limits: JointLimits, segments: Sequence[SegmentJointLimits] = ()
     ) -> LimitProfile:
         """Give every piece the strictest of the limits that hold on it.
 

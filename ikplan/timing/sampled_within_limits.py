@@ -1,4 +1,4 @@
-"""The last look at a motion: limits kept at the very samples that are handed out."""
+"""The final check: slow a motion until every returned sample is within its limits."""
 
 from __future__ import annotations
 
@@ -6,8 +6,8 @@ import math
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ikplan.arrays import Array, Indices
 from ikplan.timing.constraints.constraints import PathConstraint
 from ikplan.timing.engines.engine import Check, unlimited
 from ikplan.timing.sampling import Samples, on_grid, sample, with_nodes
@@ -15,10 +15,8 @@ from ikplan.timing.timed_path import TimedPath
 
 __all__ = ["sampled_within_limits"]
 
-Array = NDArray[np.float64]
-Indices = NDArray[np.int64]
 
-# What a motion is slowed by beyond its excess, ten times more each time: what exceeds a limit at
+# What a motion is slowed by beyond its ratio, ten times more each time: what exceeds a limit at
 # one rate of samples need not be what exceeds it at the next.
 _FIRST_STEP = 1e-9
 # A sample this near to the end of a range, as a share of the duration, is at the end.
@@ -59,17 +57,20 @@ def sampled_within_limits(
         check()
         timed = on_grid(timed, rate_hz)
         samples = with_nodes(timed, rate_hz) if nodes else sample(timed, rate_hz)
-        top = max(
-            [_used_by_joints(timed, samples), *(_used(timed, samples, c) for c in constraints)]
+        ratio = max(
+            [
+                _joint_ratio(timed, samples),
+                *(_constraint_ratio(timed, samples, c) for c in constraints),
+            ]
         )
-        if top <= 1.0:
+        if ratio <= 1.0:
             return timed, samples
-        timed = timed.slowed(math.sqrt(top) * (1.0 + step))
+        timed = timed.slowed(math.sqrt(ratio) * (1.0 + step))
         step *= 10.0
 
 
-def _used(timed: TimedPath, samples: Samples, constraint: PathConstraint) -> float:
-    """Return how far a constraint is used at the samples in its range."""
+def _constraint_ratio(timed: TimedPath, samples: Samples, constraint: PathConstraint) -> float:
+    """Return a constraint's limit ratio at the samples in its range."""
     first, last = timed.times_at(np.array([constraint.start, constraint.end]))
     time, edge = samples.time, _EDGE * timed.duration
     inside = (time > first + edge) & (time < last - edge)
@@ -78,12 +79,12 @@ def _used(timed: TimedPath, samples: Samples, constraint: PathConstraint) -> flo
     inside[-1] |= constraint.end >= timed.path.length
     if not inside.any():
         return 0.0
-    used = constraint.used(samples.q[inside], samples.dq[inside], samples.ddq[inside])
-    return float(used.max())
+    ratio = constraint.ratio(samples.q[inside], samples.dq[inside], samples.ddq[inside])
+    return float(ratio.max())
 
 
-def _used_by_joints(timed: TimedPath, samples: Samples) -> float:
-    """Return how far the joints' own limits are used at the samples."""
+def _joint_ratio(timed: TimedPath, samples: Samples) -> float:
+    """Return the ratio to the joints' own limits at the samples."""
     if not timed.spans or len(samples.time) < 2:
         return 0.0
     profile = timed.spans[0].problem.profile
@@ -96,12 +97,12 @@ def _used_by_joints(timed: TimedPath, samples: Samples) -> float:
     )
     speed = np.maximum(samples.dq / v_up, samples.dq / v_down)
     pull = np.maximum(samples.ddq / a_up, samples.ddq / a_down)
-    used = float(max(np.square(speed.max()), pull.max()))
+    ratio = float(max(np.square(speed.max()), pull.max()))
     if not timed.jerk_limited:
-        return used
+        return ratio
     jerk = np.abs(np.diff(samples.ddq, axis=0)) / np.diff(samples.time)[:, None]
     change = jerk / np.maximum(profile.jerk[after[:-1]], profile.jerk[before[1:]])
-    return max(used, float(np.cbrt(change.max()) ** 2))
+    return max(ratio, float(np.cbrt(change.max()) ** 2))
 
 
 def _pieces_at(timed: TimedPath, time: Array) -> tuple[Indices, Indices]:

@@ -6,8 +6,8 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ikplan.arrays import Array
 from ikplan.errors import InvalidRequest
 from ikplan.timing.timed_path import TimedPath
 
@@ -16,14 +16,13 @@ __all__ = [
     "MAX_SAMPLES",
     "Samples",
     "check_rate",
-    "knots",
     "on_grid",
     "periods",
     "sample",
+    "sample_at_nodes",
     "with_nodes",
 ]
 
-Array = NDArray[np.float64]
 
 MAX_RATE_HZ = 10_000.0
 MAX_SAMPLES = 250_000
@@ -153,7 +152,7 @@ def _samples(timed: TimedPath, time: Array) -> Samples:
     return Samples(time, q, dq, ddq)
 
 
-def knots(timed: TimedPath) -> Samples:
+def sample_at_nodes(timed: TimedPath) -> Samples:
     """Return the motion at its nodes, and nothing between.
 
     Between nodes the path acceleration is constant; in a jerk-limited motion, linear.

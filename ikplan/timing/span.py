@@ -7,8 +7,8 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ikplan.arrays import Array
 from ikplan.errors import TimingFailed
 from ikplan.joint_path.joint_path import JointPath
 from ikplan.timing.constraints.constraints import PathConstraint
@@ -21,19 +21,18 @@ from ikplan.timing.profile import LimitProfile
 
 __all__ = ["SpanTiming", "time_span"]
 
-Array = NDArray[np.float64]
 
 # Kept below the limits, so that rounding in a sample cannot step over one.
 _MARGIN = 2e-9
-_PILOT_INTERVALS = 100
-_PILOT_ROUNDS = 8
+_COARSE_INTERVALS = 100
+_COARSE_ROUNDS = 8
 _VERIFY = 4.0
 _MAX_INTERVALS = 40_000
 _DIVISIONS = 3
 _MOST_DIVIDED = 10_000
-# toppra takes about ten microseconds an interval; beyond this its compiled twin takes over.
+# toppra takes about ten microseconds an interval; beyond this the compiled engine takes over.
 _MAX_TOPPRA_INTERVALS = 4_000
-# A result this much slower than the pilot on the same grid is a numerical failure.
+# A result this much slower than the compiled solution on the same grid is a numerical failure.
 _WORSE = 1.001
 
 
@@ -45,7 +44,7 @@ class SpanTiming:
         problem: Path derivatives and limits on the grid that was used.
         x: Squared path velocities at the nodes, shape (n + 1,), zero at both ends.
         dt: Durations of the intervals [s], shape (n,).
-        loss: Estimated share of the duration that the grid costs.
+        loss: Estimated fraction of the duration that the grid costs.
         engine: Name of the engine that found it.
     """
 
@@ -69,8 +68,8 @@ def time_span(
 ) -> SpanTiming:
     """Time the span between two knots as fast as the limits allow.
 
-    A compiled pilot finds the grid; the engine solves on it. Where it fails, or is slower than
-    the pilot, the pilot's own solution is taken, then finer grids are tried.
+    The compiled engine finds the grid; the engine solves on it. Where it fails, or is slower than
+    the compiled one, the compiled solution is taken, then finer grids are tried.
 
     Args:
         path: The path.
@@ -78,8 +77,8 @@ def time_span(
         last: Last knot of the span.
         profile: Joint limits on every piece of the path.
         constraints: Limits other than those of single joints.
-        engine: The engine; None: toppra, with its compiled twin to stand in.
-        tolerance: Estimated share of the duration that the grid may cost.
+        engine: The engine; None: toppra, with the compiled engine to stand in.
+        tolerance: Estimated fraction of the duration that the grid may cost.
         steady: Whether tool speeds that bind shall hardly vary, which takes fine grids.
         check: Is called now and then, and may end the search by an error of its own.
 
@@ -87,7 +86,7 @@ def time_span(
         The timing, within every limit.
 
     Raises:
-        TimingFailed: No rung of the ladder found a path speed.
+        TimingFailed: No grid and no engine found a path speed.
     """
     failure: tuple[SpanProblem, int] | None = None
     engines: list[Engine] = [ToppraEngine(), CompiledEngine()] if engine is None else [engine]
@@ -104,7 +103,7 @@ def time_span(
         if found:
             worse = float(found[0].dt.sum()) > _WORSE * float(found[-1].dt.sum())
             return found[-1] if worse else found[0]
-    assert failure is not None  # every rung ended in a return or a failure
+    assert failure is not None  # every grid ended in a return or a failure
     raise _failed(*failure)
 
 
@@ -118,14 +117,14 @@ def _problems(
     steady: bool,
     check: Check,
 ) -> Iterator[SpanProblem]:
-    """Yield the problem on the grid that the pilot finds good enough, then on finer ones."""
+    """Yield the problem on a grid that is good enough, then on finer ones."""
     piece = slice(first, last)
     weight = 1.0 / np.minimum(
         profile.acceleration[piece].min(axis=0), -profile.acceleration_lower[piece].max(axis=0)
     )
-    grid = curvature_grid(path, first, last, weight, _PILOT_INTERVALS)
+    grid = curvature_grid(path, first, last, weight, _COARSE_INTERVALS)
     problem: SpanProblem | None = None
-    # Where the pilot fails, the ladder tells whether it is for good, and where.
+    # Where the compiled engine fails, the finer grids tell whether it is for good, and where.
     with contextlib.suppress(EngineFailed):
         coarse = SpanProblem.build(path, grid, profile, constraints, fine=False)
         problem = _refined(coarse, tolerance, check)
@@ -141,17 +140,17 @@ def _problems(
 
 
 def _refined(problem: SpanProblem, tolerance: float, check: Check) -> SpanProblem:
-    """Return a problem on a grid on which the pilot is near its optimum."""
-    for _ in range(_PILOT_ROUNDS):
+    """Return a problem on a grid on which the compiled solution is near its optimum."""
+    for _ in range(_COARSE_ROUNDS):
         check()
-        x = problem.twin / max(problem.slowdown(problem.twin), 1.0)
+        x = problem.compiled_solution / max(problem.largest_ratio(problem.compiled_solution), 1.0)
         loss, total = problem.loss(x), float(problem.times(x).sum())
-        n, share = len(loss), float(loss.sum()) / total
-        if share <= tolerance:
+        n, fraction = len(loss), float(loss.sum()) / total
+        if fraction <= tolerance:
             # Near a point where one joint turns round, a grid can be too coarse to pass at the
             # right speed and lose no time it knows of: a much finer one tells.
             finer = problem.on(regridded(problem.grid, np.full(n, _VERIFY)), fine=False)
-            x = finer.twin / max(finer.slowdown(finer.twin), 1.0)
+            x = finer.compiled_solution / max(finer.largest_ratio(finer.compiled_solution), 1.0)
             best = float(finer.times(x).sum())
             if total <= (1.0 + 1.5 * tolerance) * best or n * _VERIFY > _MAX_INTERVALS:
                 return problem
@@ -162,9 +161,9 @@ def _refined(problem: SpanProblem, tolerance: float, check: Check) -> SpanProble
         # The loss falls with the first power of the interval's length; the least number of
         # nodes for a given sum of losses then goes with the root of each.
         root = np.sqrt(np.maximum(loss, 1e-6 * total / n))
-        wanted = np.clip(root * (root.sum() / (0.9 * tolerance * total)), 0.33, 16.0)
-        wanted *= min(1.0, _MAX_INTERVALS / float(wanted.sum()))
-        problem = problem.on(regridded(problem.grid, wanted), fine=False)
+        counts = np.clip(root * (root.sum() / (0.9 * tolerance * total)), 0.33, 16.0)
+        counts *= min(1.0, _MAX_INTERVALS / float(counts.sum()))
+        problem = problem.on(regridded(problem.grid, counts), fine=False)
     return problem
 
 
@@ -172,19 +171,19 @@ def _divided(problem: SpanProblem, steady: bool, check: Check) -> SpanProblem:
     """Return a problem on a grid so fine that constraints are nearly straight where they bind."""
     for _ in range(_DIVISIONS):
         check()
-        x = problem.twin
-        parts = problem.others.parts(x / max(problem.slowdown(x), 1.0), steady)
+        x = problem.compiled_solution
+        parts = problem.others.parts(x / max(problem.largest_ratio(x), 1.0), steady)
         if parts.max() <= 1.5:
             break
-        wanted = np.maximum(parts * min(1.0, _MOST_DIVIDED / parts.sum()), 1.0)
-        problem = problem.on(regridded(problem.grid, wanted))
+        counts = np.maximum(parts * min(1.0, _MOST_DIVIDED / parts.sum()), 1.0)
+        problem = problem.on(regridded(problem.grid, counts))
     return problem
 
 
 def _within_limits(problem: SpanProblem, engine: Engine) -> SpanTiming:
     """Slow an engine's solution by what it exceeds the limits."""
-    x = problem.twin if isinstance(engine, CompiledEngine) else problem.solve(engine)
-    x = x / (problem.slowdown(x) * (1.0 + _MARGIN))
+    x = problem.compiled_solution if isinstance(engine, CompiledEngine) else problem.solve(engine)
+    x = x / (problem.largest_ratio(x) * (1.0 + _MARGIN))
     dt = problem.times(x)
     return SpanTiming(
         problem, x, dt, float(problem.loss(x).sum() / dt.sum()), type(engine).__name__
@@ -195,8 +194,8 @@ def _failed(problem: SpanProblem, stage: int) -> TimingFailed:
     """Describe a failure: the joint whose acceleration the path asks most of there."""
     profile, piece = problem.profile, problem.grid.pieces[stage]
     qss = problem.qss0[stage]
-    share = np.maximum(qss / profile.acceleration[piece], qss / profile.acceleration_lower[piece])
-    name = profile.joint_names[int(np.argmax(share))]
+    ratio = np.maximum(qss / profile.acceleration[piece], qss / profile.acceleration_lower[piece])
+    name = profile.joint_names[int(np.argmax(ratio))]
     where = float(problem.grid.s[stage] / problem.path.length)
     return TimingFailed(
         f"no path speed found at {where:.4f} of the path, where joint {name!r} needs the most of "

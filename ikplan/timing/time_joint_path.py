@@ -13,7 +13,7 @@ from ikplan.limits.joint_limits import JointLimits
 from ikplan.timing.constraints.constraints import PathConstraint
 from ikplan.timing.engines.engine import Check, Engine, unlimited
 from ikplan.timing.jerk.jerk import Smoothed, smooth_span
-from ikplan.timing.profile import LimitProfile, SegmentLimits
+from ikplan.timing.profile import LimitProfile, SegmentJointLimits
 from ikplan.timing.span import SpanTiming, time_span
 from ikplan.timing.timed_path import TimedPath
 
@@ -24,7 +24,7 @@ def time_joint_path(
     path: JointPath,
     limits: JointLimits,
     *,
-    segments: Sequence[SegmentLimits] = (),
+    segments: Sequence[SegmentJointLimits] = (),
     constraints: Sequence[PathConstraint] = (),
     engine: Engine | None = None,
     check: Check = unlimited,
@@ -32,15 +32,15 @@ def time_joint_path(
     """Move along a path as fast as the limits allow, from rest to rest.
 
     Every span between rest points is solved on a grid on which joint accelerations are bounded
-    over whole intervals; what the result uses of each limit is then computed exactly, interval by
-    interval, and the span is slowed by any excess, so that no limit is exceeded at any time.
+    over whole intervals; the limit ratios of the result are then computed exactly, interval by
+    interval, and the span is slowed by any ratio above 1, so that no limit is exceeded at any time.
 
     Args:
         path: The path.
         limits: Joint limits of the whole path.
         segments: Joint limits of ranges of the path; the strictest holds.
         constraints: Limits other than those of single joints: of the tool, of torques.
-        engine: Chooses the path speed; None: toppra, with a compiled twin to stand in for it.
+        engine: Chooses the path speed; None: toppra, with the compiled one to stand in.
         check: Is called now and then, and may end the timing by an error of its own.
 
     Returns:

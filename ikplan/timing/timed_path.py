@@ -5,8 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from ikplan.arrays import Array, Indices
 from ikplan.joint_path.evaluation import evaluate_timed
 from ikplan.joint_path.joint_path import JointPath
 from ikplan.timing.jerk.cubic_kernels import evaluate_cubic, times_of
@@ -14,9 +15,6 @@ from ikplan.timing.jerk.jerk import Smoothed
 from ikplan.timing.span import SpanTiming
 
 __all__ = ["TimedPath"]
-
-Array = NDArray[np.float64]
-Indices = NDArray[np.int64]
 
 
 @dataclass(frozen=True, eq=False)

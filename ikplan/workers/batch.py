@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+import contextlib
 import logging
-import multiprocessing
 import queue
 import threading
 from collections import deque
@@ -11,10 +11,12 @@ from collections.abc import Generator, Iterable
 from concurrent.futures import CancelledError, Future, ThreadPoolExecutor
 from typing import TYPE_CHECKING
 
-from pebble import ProcessExpired, ProcessFuture, ProcessPool
+from pebble import ProcessExpired
 
-from ikplan.errors import IkplanError, WorkerLost
+from ikplan.errors import IkplanError
 from ikplan.workers import batch_worker as worker
+from ikplan.workers.child import Fault
+from ikplan.workers.process import TaskNotStarted, WorkerProcess, worker_lost
 from ikplan.workers.processors import processor_count
 
 if TYPE_CHECKING:
@@ -23,6 +25,8 @@ if TYPE_CHECKING:
 __all__ = ["plan_lines"]
 
 _log = logging.getLogger("ikplan.workers")
+
+_ATTEMPTS = 3
 
 
 def plan_lines(
@@ -71,64 +75,41 @@ def plan_lines(
 
 
 class _Worker:
-    """One process, replaced when it ends in the middle of a plan.
-
-    A pool of one: in a larger one, a process that is killed can take the pipes of the others
-    with it.
-    """
+    """One process, replaced when it ends in the middle of a plan."""
 
     def __init__(self, robot: Robot | None) -> None:
         self._robot = robot
-        self._pool: ProcessPool | None = None
-        self._doing: ProcessFuture[bytes] | None = None
+        self._process = WorkerProcess("ikplan.workers.preload", worker.begin)
         self._stopped = False
         self._changing = threading.Lock()
 
     def answer(self, line: bytes) -> bytes | IkplanError:
         try:
-            return self._begin(line).result()
+            return self._result(line)
         except IkplanError as error:
             return error
         except ProcessExpired as error:
-            code = int(error.exitcode)
-            return WorkerLost(
-                f"the process that did the work was ended with exit code {code}; nothing else was "
-                "affected",
-                exit_code=code,
-            )
-        except worker.Fault as fault:
+            return worker_lost(error)
+        except Fault as fault:
             _log.error("a request failed: %s", fault)
             return IkplanError("an unexpected fault of ikplan, told on stderr")
 
-    def _begin(self, line: bytes) -> ProcessFuture[bytes]:
+    def _result(self, line: bytes) -> bytes:
+        for _ in range(_ATTEMPTS - 1):
+            with contextlib.suppress(TaskNotStarted):  # it ended while it had nothing to do
+                return self._begin(line).result()
+        return self._begin(line).result()
+
+    def _begin(self, line: bytes) -> Future[bytes]:
         with self._changing:
             if self._stopped:
                 raise CancelledError
-            if self._pool is None or not self._pool.active:
-                self._end()
-                self._pool = ProcessPool(
-                    1, initializer=worker.begin, initargs=(self._robot,), context=_forking()
-                )
-            self._doing = self._pool.schedule(worker.make, args=(line,))
-            return self._doing
+            if not self._process.active:
+                self._process.start(self._robot)
+            return self._process.begin(worker.make, line)
 
     def stop(self) -> None:
         """End the process, in the middle of what it does."""
         with self._changing:
             self._stopped = True
-            self._end()
-
-    def _end(self) -> None:
-        if self._doing is not None:
-            self._doing.cancel()  # type: ignore[no-untyped-call]
-        if self._pool is not None:
-            self._pool.stop()  # type: ignore[no-untyped-call]
-            self._pool.join()
-            self._pool = None
-
-
-def _forking() -> multiprocessing.context.ForkServerContext:
-    """What makes processes: forked from one that has every kernel loaded."""
-    context = multiprocessing.get_context("forkserver")
-    context.set_forkserver_preload(["ikplan.workers.single_threaded", "ikplan.workers.preload"])
-    return context
+            self._process.stop()

@@ -2,25 +2,19 @@
 
 from __future__ import annotations
 
-import multiprocessing
-import os
-import threading
 import traceback
 from typing import TYPE_CHECKING
 
 from ikplan.documents import load_json
 from ikplan.errors import IkplanError
+from ikplan.workers.child import Fault, set_up
 
 if TYPE_CHECKING:
     from ikplan.robots import Robot
 
-__all__ = ["Fault", "begin", "make"]
+__all__ = ["begin", "make"]
 
 _robot: list[Robot | None] = [None]
-
-
-class Fault(Exception):
-    """A plan failed as nobody foresaw; holds the traceback, as text that can always travel."""
 
 
 def begin(robot: Robot | None) -> None:
@@ -30,15 +24,7 @@ def begin(robot: Robot | None) -> None:
         robot: The robot of every line; None: the one that each names.
     """
     _robot[0] = robot
-    threading.Thread(target=_end_with_parent, daemon=True).start()
-
-
-def _end_with_parent() -> None:
-    """A process must not outlive a command that was killed, whatever it is doing."""
-    parent = multiprocessing.parent_process()
-    if parent is not None:
-        parent.join()
-        os._exit(1)
+    set_up()
 
 
 def make(line: bytes) -> bytes:

@@ -18,7 +18,7 @@ import ikplan
 from ikplan import CertificateViolated
 from ikplan.certificate import Claim, certify
 from ikplan.certificate.coverage import left_out
-from ikplan.certificate.deviation import FollowedLeg, TimedLeg, Tool, follow_legs, timed_legs
+from ikplan.certificate.deviation import MatchedLeg, TimedLeg, Tool, match_legs, timed_legs
 from ikplan.certificate.offsets import Allowance
 from ikplan.certificate.requested import RequestedPath, read_motion
 from ikplan.certificate.requested.pieces import line
@@ -55,10 +55,10 @@ def cut(*cuts: float, **more: Any) -> Claim:
     return replace(made, waypoint_q=made.q[[0, -1]], waypoint_time=made.time[[0, -1]])
 
 
-def followed(made: Claim) -> tuple[Claim, FollowedLeg, Tool, Allowance]:
+def matched(made: Claim) -> tuple[Claim, MatchedLeg, Tool, Allowance]:
     assert made.path is not None
     motion, tool = read_motion(made.robot, made.path, made.q_start), Tool.of(made, samples=True)
-    (part,) = follow_legs(made, timed_legs(made, motion), tool)
+    (part,) = match_legs(made, timed_legs(made, motion), tool)
     assert part.distance.max() <= 1.001 * WIDTH
     return made, part, tool, Allowance(made.path)
 
@@ -69,7 +69,7 @@ def over(made: Claim, path: RequestedPath, s: Any) -> tuple[float, float]:
     assert made.path is not None
     leg = TimedLeg(path, np.array([0.0, path.length]), made.time[[0, -1]], np.array([-1, 0]))
     none = np.zeros(count)
-    part = FollowedLeg(leg, np.arange(count), np.array(s), none > 0.0, none, none)
+    part = MatchedLeg(leg, np.arange(count), np.array(s), none > 0.0, none, none)
     return left_out(made, part, Tool.of(made, samples=True), Allowance(made.path))
 
 
@@ -99,7 +99,7 @@ def through(*points: Point) -> RequestedPath:
 
 
 def test_every_sample_from_the_first_to_the_last_is_on_the_path() -> None:
-    made, part, *_ = followed(cut(0.0))
+    made, part, *_ = matched(cut(0.0))
     np.testing.assert_array_equal(part.sample, np.arange(len(made.time)))
     np.testing.assert_array_equal(part.leg.time, made.time[[0, 0, -1]])
 
@@ -114,7 +114,7 @@ def test_a_tool_that_goes_round_twice_is_where_its_way_says() -> None:
     marked = replace(made, waypoint_q=made.waypoint_q[[8, 9]], waypoint_time=passed)
     marks = np.array([0.0, path.begins[-2], path.length])
     leg = TimedLeg(path, marks, np.array([0.0, *passed]), np.array([-1, 0, 1]))
-    (part,) = follow_legs(marked, [leg], Tool.of(marked, samples=True))
+    (part,) = match_legs(marked, [leg], Tool.of(marked, samples=True))
     np.testing.assert_allclose(part.s, s, atol=1e-9)
     assert part.distance.max() <= 1e-12
 
@@ -123,7 +123,7 @@ def test_a_tool_that_goes_all_the_way_is_certified() -> None:
     certificate = certify(cut(0.0, 0.0))
     assert certificate.max_path_deviation is not None
     assert certificate.max_path_deviation <= 1e-9
-    assert left_out(*followed(cut(0.0, 0.0))) == (0.0, 0.0)
+    assert left_out(*matched(cut(0.0, 0.0))) == (0.0, 0.0)
 
 
 @pytest.mark.parametrize("share", [0.8, 0.99, 1.01, 1.1, 2.0, 40.0])
@@ -140,7 +140,7 @@ def test_a_crest_is_left_out_from_the_tolerance_on(share: float) -> None:
     assert violation.endswith(f"is left out by {share * TOLERANCE:.3g} m")
     # Near the path all the while.
     assert caught.value.certificate["max_path_deviation"] <= 1.001 * WIDTH
-    found, time = left_out(*followed(made))
+    found, time = left_out(*matched(made))
     assert found == pytest.approx(share * TOLERANCE, rel=1e-9)
     # Told of the time at which the tool is over there.
     assert np.linalg.norm(made.q[made.time == time] - corners(0.0)[1]) <= 2.0 * found
@@ -151,7 +151,7 @@ def test_a_crest_may_be_left_out_by_the_size_of_a_box(box: float) -> None:
     """Half widths of 3 : 4, so that a corner of the box is 5 away."""
     half = [0.6 * box, 0.8 * box, 0.0]
     for beyond in (0.5 * TOLERANCE, 1.01 * TOLERANCE, 3.0 * TOLERANCE):
-        found, _ = left_out(*followed(cut(box + beyond + UNSEEN, box={"position": half})))
+        found, _ = left_out(*matched(cut(box + beyond + UNSEEN, box={"position": half})))
         assert found == pytest.approx(beyond, rel=1e-9)
 
 
@@ -160,7 +160,7 @@ def test_what_gains_most_is_looked_at_before_what_gains_little() -> None:
     cuts = np.full(40, 1.2 * TOLERANCE)
     cuts[[7, 33]] = 1.5 * TOLERANCE, 3.0 * TOLERANCE
     made = cut(*cuts)
-    found, time = left_out(*followed(made))
+    found, time = left_out(*matched(made))
     assert found == pytest.approx(3.0 * TOLERANCE - UNSEEN, rel=1e-9)
     assert made.q[made.time == time][0, 0] == pytest.approx(66.5 * WIDTH, abs=WIDTH)
 
@@ -171,7 +171,7 @@ def test_turns_on_the_spot_are_no_part_of_the_way() -> None:
     up = through(*corners(0.0))
     spot = line(np.zeros(3), np.zeros(3), np.eye(3), np.array([0.0, 0.0, 3.0]))
     path = RequestedPath((spot, *up.pieces), ((spot.length + up.length, 0),), ())
-    _, part, *_ = followed(made)
+    _, part, *_ = matched(made)
     still = 60
     made = replace(
         made,
@@ -270,7 +270,7 @@ def test_a_tool_may_stand_still_on_its_way() -> None:
     rows = np.sort(np.concatenate([np.arange(len(made.time)), np.full(30, turn)]))
     time = np.arange(len(rows)) / RATE
     made = replace(made, time=time, q=made.q[rows], dq=made.dq[rows], waypoint_time=time[[0, -1]])
-    assert left_out(*followed(made))[0] == pytest.approx(2.0 * TOLERANCE - UNSEEN, rel=1e-9)
+    assert left_out(*matched(made))[0] == pytest.approx(2.0 * TOLERANCE - UNSEEN, rel=1e-9)
 
 
 @pytest.mark.parametrize("longest", [1, 2, 3])
@@ -285,7 +285,7 @@ def test_what_happens_unseen_goes_with_the_square_of_the_longest_step(
     gone = np.arange(35, 34 + longest)
     kept = {name: np.delete(getattr(made, name), gone, axis=0) for name in ("time", "q", "dq")}
     made = replace(made, **kept, limits=limits)
-    found, _ = left_out(*followed(made))
+    found, _ = left_out(*matched(made))
     unseen = longest**2 * lower * UNSEEN
     assert found == pytest.approx(10.0 * TOLERANCE - unseen, rel=1e-9)
 
@@ -295,8 +295,8 @@ def test_few_samples_a_second_allow_what_cannot_be_seen_between_them() -> None:
     made = cut(3.5 * TOLERANCE)
     few = slice(None, None, 10)
     coarse = replace(made, time=made.time[few], q=made.q[few], dq=made.dq[few])
-    assert left_out(*followed(made))[0] > 3.0 * TOLERANCE
-    assert left_out(*followed(coarse))[0] <= TOLERANCE
+    assert left_out(*matched(made))[0] > 3.0 * TOLERANCE
+    assert left_out(*matched(coarse))[0] <= TOLERANCE
 
 
 def test_on_a_wave_much_finer_than_the_tolerance_any_strand_may_be_taken() -> None:

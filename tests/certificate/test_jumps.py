@@ -14,7 +14,7 @@ from .slides import RATE, A, claim, slide
 
 DT = 1.0 / RATE
 CRUISE = 40
-"""A sample within the stretch of constant speed."""
+"""A sample within the part of constant speed."""
 FREE, JUMPS = [0.5, 0.98], [1.02, 1.5, 3.0, 4.9]
 
 

@@ -59,7 +59,7 @@ def test_a_tool_that_turns_faster_than_it_moves_is_measured_in_both_at_one_place
     path = RequestedPath((line(begin, end, exp(-0.5 * turn[None])[0], turn),), ((1e-3, 0),), ())
     allowed = allowance(orientation_free=freedom)
     found = matched(path, allowed, np.zeros(3), UNTURNED, 5e-4, 0.0, 1e-3)
-    assert (found.share[0] <= 1.0) == kept
+    assert (found.ratio[0] <= 1.0) == kept
     assert found.distance[0] <= off + 1e-9
 
 

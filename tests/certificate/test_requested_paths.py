@@ -16,11 +16,11 @@ import pytest
 from numpy.typing import NDArray
 
 from benchmarks.requests.drawing import draw
-from ikplan import InvalidRequest, load_robot
+from ikplan import InvalidRequest
 from ikplan.certificate.requested import RequestedMotion, RequestedPath, read_motion
 from ikplan.certificate.requested.arc_length import ArcLength
 from ikplan.certificate.requested.assembly import assembled
-from ikplan.certificate.requested.corners import Item
+from ikplan.certificate.requested.corners import PathItem
 from ikplan.certificate.requested.curves import SinusoidCurve
 from ikplan.certificate.requested.pieces import CurvePiece, line
 from ikplan.certificate.requested.poses import RequestedPose
@@ -28,7 +28,7 @@ from ikplan.certificate.requested.rotations import exp, log, quaternions_of, rot
 from ikplan.documents.path import PathRequest
 from ikplan.documents.plan_request import PlanRequest
 from ikplan.path import JointLeg, Pose, ToolLeg, ToolPath, legs_of
-from ikplan.pipeline.identity import with_tool
+from ikplan.pipeline.resolve import resolve_robot
 
 from .requests import START, arm, curve_frame, pose_after
 
@@ -133,7 +133,7 @@ def test_named_curves_are_drawn_by_their_formulas(segment: Any, formula: Any) ->
     drawn = np.stack(formula(u), axis=1) @ T.rotation.T + T.translation
     np.testing.assert_allclose([first, last], drawn[[0, -1]], atol=1e-12)
     # From its first point on, at equal shares of its length.
-    begin = leg.path.marks[0][0]
+    begin = leg.path.waypoints[0][0]
     lengths = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(drawn, axis=0), axis=1))])
     assert leg.path.length - begin == pytest.approx(lengths[-1], rel=1e-6)
     s = np.linspace(begin, leg.path.length, 60)
@@ -165,7 +165,7 @@ def test_a_rounded_corner_stays_within_its_ball_and_meets_its_sides_smoothly() -
     inside = path.begins[1:3]
     s = np.linspace(0.0, path.length, 3000)
     assert away[(s >= inside[0]) & (s <= inside[1])].max() <= radius * (1.0 + 1e-6)
-    nearest = path.marks[0][0]
+    nearest = path.waypoints[0][0]
     assert away[np.argmin(np.abs(s - nearest))] == pytest.approx(away.min(), abs=1e-6)
     # Direction, curvature and angular rate have no jump: second differences shrink as steps do.
     for values in (p, R.reshape(len(R), 9)):
@@ -197,7 +197,7 @@ def test_the_first_segment_begins_where_a_joint_motion_or_a_free_start_leads(
     motion = read_motion(arm(), path, None if free else np.array(START))
     (leg,) = motion.legs
     rows = 6 if kind == "spline" else 4
-    assert [row for _, row in leg.path.marks] == list(range(0 if free else 1, rows))
+    assert [row for _, row in leg.path.waypoints] == list(range(0 if free else 1, rows))
     assert leg.begin_row == (None if free else 0)
     assert len(motion.waypoints) == rows
     s, _, p = along(leg.path)
@@ -207,7 +207,7 @@ def test_the_first_segment_begins_where_a_joint_motion_or_a_free_start_leads(
     else:
         T = pin.XYZQUATToSE3(np.array([*frame["position"], *frame["quaternion_xyzw"]]))
         np.testing.assert_allclose(p[0], T.act(np.array([0.05, 0.0, 0.0])), atol=1e-12)
-        assert leg.path.ranges[0].end == pytest.approx(0.1, rel=1e-12)
+        assert leg.path.segments[0].end == pytest.approx(0.1, rel=1e-12)
     assert s[-1] == leg.path.length
 
 
@@ -226,7 +226,8 @@ def test_what_rounding_leaves_of_a_line_between_two_corners_is_no_piece(
     ends = [np.array(p) * length for p in ([0, 0, 0], [1, 0, 0], [1, 1, 0], [2, 1, 0])]
     radius = 0.5 * length * (1.0 - share * 1e-12)
     items = [
-        Item(line(a, b), f"{k}", radius, [(length, k)]) for k, (a, b) in enumerate(pairwise(ends))
+        PathItem(line(a, b), f"{k}", radius, [(length, k)])
+        for k, (a, b) in enumerate(pairwise(ends))
     ]
     path, balls = assembled(RequestedPose(ends[0], None), [], items, 0.0)
     assert len(path.pieces) == 4 + kept
@@ -294,7 +295,7 @@ def test_exp_and_log_are_those_of_pinocchio() -> None:
 def readings(kind: str, number: int) -> tuple[list[Any], RequestedMotion] | None:
     """The planner's legs and the certificate's reading of a random request; None: refused."""
     request = PlanRequest.model_validate(draw(kind, 404, number, 10.0))
-    robot = with_tool(load_robot(request.robot), request.tool)
+    robot = resolve_robot(request)
     q, start = None, None
     if request.start != "free":
         q = robot.clip(robot.home if request.start is None else request.start)
@@ -323,13 +324,13 @@ def assert_same_path(planned: ToolPath, asked: RequestedPath) -> None:
     two = asked.places(piece, share * np.diff(asked.begins)[piece])
     np.testing.assert_allclose(one.p, two.p, atol=1e-8)
     np.testing.assert_allclose(one.R[oriented[piece]], two.R[oriented[piece]], atol=1e-5)
-    marks = sorted((w.index, w.s) for w in planned.waypoints)
-    rows = sorted((row, s) for s, row in asked.marks)
+    marks = sorted((w.row, w.s) for w in planned.waypoints)
+    rows = sorted((row, s) for s, row in asked.waypoints)
     assert [row for row, _ in marks] == [row for row, _ in rows]
     np.testing.assert_allclose([s for _, s in marks], [s for _, s in rows], atol=1e-5)
     # The planner keeps parts without length too.
-    stretches = [part for part in planned.stretches if part.end > part.begin]
-    for ours, theirs in zip(stretches, asked.ranges, strict=True):
+    segments = [part for part in planned.segments if part.end > part.begin]
+    for ours, theirs in zip(segments, asked.segments, strict=True):
         assert ours.field == theirs.field
         assert (ours.begin, ours.end) == pytest.approx((theirs.begin, theirs.end), abs=1e-5)
 
@@ -348,7 +349,7 @@ def test_both_readings_of_a_request_agree(kind: str, block: int) -> None:
         for planned, leg in zip(tools, motion.legs, strict=True):
             assert_same_path(planned, leg.path)
         asked = sum(
-            len(leg.targets) if isinstance(leg, JointLeg) else len(leg.path.waypoints)
+            len(leg.waypoints) if isinstance(leg, JointLeg) else len(leg.path.waypoints)
             for leg in legs
         )
         assert asked == len(motion.waypoints)

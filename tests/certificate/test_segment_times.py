@@ -9,15 +9,15 @@ import numpy as np
 import pytest
 
 from ikplan import load_robot
-from ikplan.certificate.claim import Claim, LimitedWaypoints
-from ikplan.certificate.deviation import FollowedLeg, TimedLeg
+from ikplan.certificate.claim import Claim, RequestedSegment
+from ikplan.certificate.deviation import MatchedLeg, TimedLeg
 from ikplan.certificate.requested import RequestedMotion, RequestedPath, ToolLeg
-from ikplan.certificate.requested.motion import JointRange
+from ikplan.certificate.requested.motion import JointSegmentRange
 from ikplan.certificate.requested.path import SegmentRange
 from ikplan.certificate.requested.pieces import line
-from ikplan.certificate.segments import LimitedTime, limited_times, segment_checks
+from ikplan.certificate.segments import TimedSegment, segment_checks, timed_segments
 from ikplan.documents.certificate import SegmentCertificate
-from ikplan.documents.limits import LimitOptions, StretchLimits
+from ikplan.documents.limits import LimitOptions, SegmentLimits
 from ikplan.documents.path import PathRequest
 from ikplan.limits.motion_limits import MotionLimits
 
@@ -28,8 +28,8 @@ TIME = np.array([0.0, 0.4, 0.8, 0.8 + 2e-9, 0.8 + 4e-8, 2.0, 3.0, 3.5, 4.0])
 """The fourth sample is nearer to the third than 1e-9 of the duration, the fifth is not."""
 
 
-def window(begin: float, end: float, limits: MotionLimits = LIMITS) -> LimitedTime:
-    return LimitedTime("path.segments[1]", begin, end, limits)
+def window(begin: float, end: float, limits: MotionLimits = LIMITS) -> TimedSegment:
+    return TimedSegment("path.segments[1]", begin, end, limits)
 
 
 def claim(time: np.ndarray, dq: np.ndarray, ddq: np.ndarray) -> Claim:
@@ -38,7 +38,7 @@ def claim(time: np.ndarray, dq: np.ndarray, ddq: np.ndarray) -> Claim:
 
 
 def checked(
-    parts: list[LimitedTime], dq: np.ndarray, ddq: np.ndarray | None = None
+    parts: list[TimedSegment], dq: np.ndarray, ddq: np.ndarray | None = None
 ) -> tuple[list[SegmentCertificate], list[str]]:
     return segment_checks(claim(TIME, dq, np.zeros_like(dq) if ddq is None else ddq), parts)
 
@@ -88,7 +88,7 @@ def test_a_sample_is_near_by_a_share_of_the_whole_duration() -> None:
     assert inside(1.0, 9.0, time) == {3}
 
 
-def test_a_sample_just_as_near_as_that_is_of_the_next_stretch() -> None:
+def test_a_sample_just_as_near_as_that_is_of_the_next_segment() -> None:
     begin, end, last = 0.7, 3.3, 4.0
     near = 1e-9 * last
     time = np.array([0.0, begin + near, 2.0, end - near, 3.5, last])
@@ -138,7 +138,7 @@ def test_a_limit_holds_in_its_own_direction_up_to_rounding(
 def test_each_window_has_its_own_limits_and_its_own_part() -> None:
     slow = replace(LIMITS, velocity=np.full(7, 0.1), tool_speed=(1e-3, np.inf))
     dq = np.full((COUNT, 7), 0.2)
-    windows = [window(0.0, 1.0), LimitedTime("path.segments[2]", 1.0, 3.2, slow)]
+    windows = [window(0.0, 1.0), TimedSegment("path.segments[2]", 1.0, 3.2, slow)]
     parts, exceeded = checked(windows, dq)
     assert [part.field for part in parts] == ["path.segments[1]", "path.segments[2]"]
     assert parts[0].tool_speed_ratio is None
@@ -168,7 +168,7 @@ def path_of(limits: dict[int, float], **more: Any) -> PathRequest:
     return PathRequest.model_validate({"segments": segments, **more})
 
 
-def timed(path: PathRequest | None, *segments: LimitedWaypoints) -> Claim:
+def timed(path: PathRequest | None, *segments: RequestedSegment) -> Claim:
     q = np.zeros((len(SAMPLE_TIMES), 7))
     return Claim(ROBOT, path, None, q[:5], WAYPOINT_TIMES, SAMPLE_TIMES, q, q, q, LIMITS, segments)
 
@@ -184,30 +184,30 @@ ASKED = RequestedPath(
 MOTION = RequestedMotion(
     (),
     (ToolLeg(ASKED, 0),),
-    (JointRange("path.segments[0]", None, 0), JointRange("path.segments[3]", 2, 3)),
+    (JointSegmentRange("path.segments[0]", None, 0), JointSegmentRange("path.segments[3]", 2, 3)),
     {f"path.segments[{k}]": k for k in range(5)},
 )
 
 
-def followed() -> list[FollowedLeg]:
+def matched() -> list[MatchedLeg]:
     """The tool goes along the path evenly, from 1 s to 5 s, and falls back once by a little."""
     sample = np.flatnonzero((SAMPLE_TIMES >= 1.0) & (SAMPLE_TIMES <= 5.0))
     s = (SAMPLE_TIMES[sample] - 1.0) / 4.0
     s[21] = 0.59
     leg = TimedLeg(ASKED, np.array([0.0, 0.5, 1.0]), WAYPOINT_TIMES[:3], np.array([0, 1, 2]))
     still = np.zeros(len(sample))
-    return [FollowedLeg(leg, sample, s, still > 0.0, still, still)]
+    return [MatchedLeg(leg, sample, s, still > 0.0, still, still)]
 
 
-def times_of(path: PathRequest, *segments: LimitedWaypoints) -> dict[str, tuple[float, float]]:
-    parts = limited_times(timed(path, *segments), MOTION, followed())
+def times_of(path: PathRequest, *segments: RequestedSegment) -> dict[str, tuple[float, float]]:
+    parts = timed_segments(timed(path, *segments), MOTION, matched())
     return {part.field: (part.begin, part.end) for part in parts}
 
 
 def test_a_part_of_a_joint_path_is_passed_between_its_waypoints() -> None:
-    part = LimitedWaypoints("segments[0]", 1, 3, StretchLimits(velocity_scale=0.25))
+    part = RequestedSegment("segments[0]", 1, 3, SegmentLimits(velocity_scale=0.25))
     for path, motion in ((None, None), (path_of({1: 0.5}), None), (path_of({}), MOTION)):
-        (found,) = limited_times(timed(path, part), motion, followed())
+        (found,) = timed_segments(timed(path, part), motion, matched())
         assert (found.field, found.begin, found.end) == ("segments[0]", 3.0, 6.0)
         np.testing.assert_array_equal(found.limits.velocity, 0.25 * ROBOT.velocity_limit)
 
@@ -219,7 +219,7 @@ def test_a_segment_is_passed_between_its_ends_and_has_its_own_limits() -> None:
         "path.segments[3]": (5.0, 6.0),
         "path.segments[4]": (6.0, 6.0),  # of no length
     }
-    parts = limited_times(timed(path), MOTION, followed())
+    parts = timed_segments(timed(path), MOTION, matched())
     for part, scale in zip(parts, (0.1, 0.2, 0.3), strict=True):
         np.testing.assert_array_equal(part.limits.velocity, scale * ROBOT.velocity_limit)
 
@@ -235,14 +235,14 @@ def test_a_rounded_corner_belongs_to_both_its_neighbours_but_for_what_the_tool_m
 
 def test_a_corner_that_the_tool_is_never_surely_past_leaves_one_instant() -> None:
     path = path_of({1: 0.5, 2: 0.5}, tolerance={"position": 0.1})
-    leg = followed()[0]
+    leg = matched()[0]
     slow = replace(leg, s=np.linspace(0.5, 0.55, len(leg.s)))
-    parts = limited_times(timed(path), MOTION, [slow])
+    parts = timed_segments(timed(path), MOTION, [slow])
     assert [(part.begin, part.end) for part in parts] == [(1.0, 1.0), (5.0, 5.0)]
 
 
 def test_both_kinds_of_parts_stand_side_by_side() -> None:
-    part = LimitedWaypoints("segments[0]", 0, 4, StretchLimits())
+    part = RequestedSegment("segments[0]", 0, 4, SegmentLimits())
     assert times_of(path_of({3: 0.5}), part) == {
         "segments[0]": (1.0, 6.0),
         "path.segments[3]": (5.0, 6.0),

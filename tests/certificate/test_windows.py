@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from ikplan import CertificateViolated
-from ikplan.certificate import Claim, LimitedWaypoints, certify
-from ikplan.documents.limits import StretchLimits
+from ikplan.certificate import Claim, RequestedSegment, certify
+from ikplan.documents.limits import SegmentLimits
 
 from .slides import A, V, claim, slide
 
@@ -25,9 +25,9 @@ def timed(*stops: float) -> Claim:
     )
 
 
-def segment(k: int, **limits: float) -> LimitedWaypoints:
+def segment(k: int, **limits: float) -> RequestedSegment:
     """The way from stop k to the next, with limits of its own."""
-    return LimitedWaypoints(f"segments[{k}]", k, k + 1, StretchLimits.model_validate(limits))
+    return RequestedSegment(f"segments[{k}]", k, k + 1, SegmentLimits.model_validate(limits))
 
 
 def refused(made: Claim) -> tuple[str, list[dict[str, Any]]]:
@@ -103,7 +103,7 @@ def test_a_segment_that_no_sample_falls_in_has_no_figures() -> None:
 
 def test_a_segment_of_no_length_has_no_sample_not_even_the_first() -> None:
     made = timed(0.0, 0.2)
-    nowhere = LimitedWaypoints("segments[0]", 0, 0, StretchLimits(acceleration=1e-3))
+    nowhere = RequestedSegment("segments[0]", 0, 0, SegmentLimits(acceleration=1e-3))
     (found,) = certify(replace(made, segments=(nowhere,))).segments
     assert (found.begin, found.end) == (0.0, 0.0)
     assert found.acceleration_limit_ratio is None

@@ -99,7 +99,10 @@ def test_the_names_in_the_table_are_those_of_the_documents_and_the_code() -> Non
     assert len(rows) > 10
     for concept, document, code in rows:
         assert set(re.findall(r"`(\w+)`", document)) <= fields, concept
-        assert set(re.findall(r"`(\w+)`", code)) <= defined, concept
+        (name,) = re.findall(r"`(\w+)`", code)  # one concept, one name
+        assert code.strip() == f"`{name}`", concept
+        assert name in defined, concept
+    assert len({code for _, _, code in rows}) == len(rows)
 
 
 def test_terms_are_in_order_and_explained_once() -> None:

@@ -17,9 +17,9 @@ LINE = {"type": "line", "to": pose([0.1, 0.2, 0.3])}
 def shape(found):
     """Kind of each leg with the rows of its waypoints."""
     return [
-        ("joint", [t.index for t in leg.targets])
+        ("joint", [t.row for t in leg.waypoints])
         if isinstance(leg, JointLeg)
-        else ("tool", [w.index for w in leg.path.waypoints])
+        else ("tool", [w.row for w in leg.path.waypoints])
         for leg in found
     ]
 
@@ -30,7 +30,7 @@ def test_joint_interpolation_is_one_joint_motion(start, approach):
     document = {"waypoints": random_poses(0, 3), "approach": approach}
     (leg,) = legs(document, start)
     assert isinstance(leg, JointLeg)
-    assert [(t.index, t.name, t.q) for t in leg.targets] == [
+    assert [(t.row, t.name, t.q) for t in leg.waypoints] == [
         (k, f"path.waypoints[{k}]", None) for k in range(3)
     ]
 
@@ -47,7 +47,7 @@ def test_a_tool_path_begins_at_the_start_or_at_the_first_waypoint(interpolation)
     assert free.path.waypoint_s[0] == 0.0
     approached = legs({**document, "approach": "joint"})
     assert shape(approached) == [("joint", [0]), ("tool", [1, 2])]
-    assert_allclose(approached[0].targets[0].pose.p, first)
+    assert_allclose(approached[0].waypoints[0].pose.p, first)
     assert_allclose(approached[1].path.pose(0.0)[1], first, atol=1e-15)
     alone = {**document, "waypoints": document["waypoints"][:1], "approach": "joint"}
     assert shape(legs(alone)) == [("joint", [0])]
@@ -71,7 +71,7 @@ def test_segments_of_every_kind_mix():
     assert shape(found) == [
         ("tool", [0, 1, 2]), ("joint", [3, 4]), ("tool", [5, 6, 7]), ("joint", [8]), ("tool", [9]),
     ]  # fmt: skip
-    assert_allclose(found[1].targets[0].q, [0.1, 0.2, 0.3, 0.4, 0.5, 0.6])
+    assert_allclose(found[1].waypoints[0].q, [0.1, 0.2, 0.3, 0.4, 0.5, 0.6])
     assert_allclose(found[2].path.pose(0.0)[1], [0.3, 0.1, 0.2])
     assert [w.name for w in found[2].path.waypoints] == [
         "path.segments[4].to", "the first point of path.segments[5]", "the end of path.segments[5]",
@@ -84,14 +84,14 @@ def test_segments_of_every_kind_mix():
 
 def test_a_curve_is_joined_by_a_line_unless_it_must_not_be():
     (leg,) = legs({"segments": [HELIX]})
-    assert [w.index for w in leg.path.waypoints] == [0, 1]
+    assert [w.row for w in leg.path.waypoints] == [0, 1]
     assert_allclose(leg.path.waypoints[0].p, FIRST)
     assert leg.path.waypoint_s[0] == pytest.approx(np.linalg.norm(START.p - FIRST))
     with pytest.raises(InvalidRequest, match="mm") as caught:
         legs({"segments": [{**HELIX, "connect": False}]})
     assert caught.value.field == "path.segments[0].connect"
     (joined,) = legs({"segments": [{**HELIX, "connect": False}]}, Pose(START.R, np.array(FIRST)))
-    assert (joined.path.waypoints[0].index, joined.path.waypoint_s[0]) == (0, 0.0)
+    assert (joined.path.waypoints[0].row, joined.path.waypoint_s[0]) == (0, 0.0)
     assert len(joined.path.pieces) == 1
     turned = {**HELIX, "connect": False, "quaternion_xyzw": quaternion([0, 1, 0])}
     with pytest.raises(InvalidRequest, match="rad"):
@@ -108,8 +108,8 @@ def test_a_curve_without_length_is_refused():
 def test_a_joint_approach_leads_to_the_first_point_of_a_curve_or_spline():
     found = legs({"segments": [HELIX], "approach": "joint"})
     assert shape(found) == [("joint", [0]), ("tool", [1])]
-    assert_allclose(found[0].targets[0].pose.p, FIRST)
-    assert_allclose(found[0].targets[0].pose.R, START.R)
+    assert_allclose(found[0].waypoints[0].pose.p, FIRST)
+    assert_allclose(found[0].waypoints[0].pose.R, START.R)
     spline = {"type": "spline", "through": random_poses(0, 3)}
     assert shape(legs({"segments": [spline], "approach": "joint"})) == [
         ("joint", [0]), ("tool", [1, 2]),
@@ -138,10 +138,10 @@ def test_a_free_start_needs_no_begin_for_a_curve_but_an_orientation_to_keep():
     (leg,) = legs({"segments": [{**HELIX, "quaternion_xyzw": quaternion([1, 0, 0])}]}, None)
     assert leg.path.oriented(0.1)
     (free,) = legs({"segments": [{**HELIX, "orientation": "free"}]}, None)
-    assert not free.path.any_oriented
+    assert not any(piece.oriented for piece in free.path.pieces)
     (all_free,) = legs({"segments": [HELIX], "orientation_free": "all"}, None)
-    assert not all_free.path.any_oriented
-    assert [w.index for w in free.path.waypoints] == [0, 1]
+    assert not any(piece.oriented for piece in all_free.path.pieces)
+    assert [w.row for w in free.path.waypoints] == [0, 1]
     assert shape(legs({"segments": [{"type": "joint", "q": [0.0] * 6}]}, None)) == [("joint", [0])]
 
 
@@ -150,5 +150,5 @@ def test_the_path_frame_places_everything():
     (leg,) = legs({"segments": [LINE], "frame": frame})
     assert isinstance(leg, ToolLeg)
     assert_allclose(leg.path.waypoints[0].p, [-0.1, 0.3, 0.6], atol=1e-15)
-    (target,) = legs({"waypoints": [pose([1, 0, 0])], "frame": frame})[0].targets
+    (target,) = legs({"waypoints": [pose([1, 0, 0])], "frame": frame})[0].waypoints
     assert_allclose(target.pose.p, [0.1, 1.2, 0.3], atol=1e-15)

@@ -300,7 +300,8 @@ def test_a_half_turn_about_a_free_axis_is_no_question():
     assert_allclose(path.poses(np.linspace(0, 0.5, 9))[0][:, :, 2], np.eye(3)[[2] * 9], atol=1e-12)
     with pytest.raises(InvalidRequest, match="180"):
         tool_path({**document, "orientation_free": {"about": "tool_x"}}, origin)
-    assert not tool_path({**document, "orientation_free": "all"}, origin).any_oriented
+    free = tool_path({**document, "orientation_free": "all"}, origin)
+    assert not any(piece.oriented for piece in free.pieces)
 
 
 def test_a_large_turn_on_a_short_way_does_not_swing():
@@ -330,7 +331,7 @@ def test_orientations_that_would_swing_all_the_same_are_refused():
     assert caught.value.field in {f"path.waypoints[{k}]" for k in range(1, 5)}
     assert through(poses, "line", None).length > 0.9
     poses = [pose([x, x * x, 0.0], turn) for x, turn in zip(even, turns, strict=True)]
-    assert through(poses, "spline", None).any_oriented
+    assert any(piece.oriented for piece in through(poses, "spline", None).pieces)
 
 
 def test_a_path_of_no_length_is_a_path():

@@ -87,7 +87,7 @@ def test_the_direction_jumps_at_corners_and_nowhere_else(path):
 
 
 def test_poses_asked_for_are_passed_exactly(path):
-    assert [w.index for w in path.waypoints] == list(range(len(path.waypoints)))
+    assert [w.row for w in path.waypoints] == list(range(len(path.waypoints)))
     assert (np.diff(path.waypoint_s) > 0.0).all()
     for waypoint in path.waypoints:
         R, p = path.pose(waypoint.s)

@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from ikplan import InvalidRequest, load_robot
-from ikplan.documents.limits import LimitOptions, StretchLimits
+from ikplan.documents.limits import LimitOptions, SegmentLimits
 from ikplan.limits.motion_limits import MotionLimits
 from ikplan.robots import Robot, robot_from_urdf
 
@@ -89,7 +89,7 @@ def asked(document: dict[str, Any]) -> dict[str, list[float]]:
 def test_the_strictest_of_all_holds_in_every_field(documents: list[dict[str, Any]]) -> None:
     limits = MotionLimits.of(PANDA, LimitOptions.model_validate(documents[0]))
     for k, document in enumerate(documents[1:]):
-        limits = limits.within(PANDA, StretchLimits.model_validate(document), f"segments[{k}]")
+        limits = limits.within(PANDA, SegmentLimits.model_validate(document), f"segments[{k}]")
     each = [asked(document) for document in documents]
     for name, value in arrays(limits).items():
         strictest = max if name.endswith("_lower") else min
@@ -101,7 +101,7 @@ def test_the_strictest_of_all_holds_in_every_field(documents: list[dict[str, Any
 @settings(deadline=None, max_examples=60)
 def test_the_order_of_the_merge_means_nothing(a: dict[str, Any], b: dict[str, Any]) -> None:
     plain = MotionLimits.of(PANDA, LimitOptions())
-    one, other = StretchLimits.model_validate(a), StretchLimits.model_validate(b)
+    one, other = SegmentLimits.model_validate(a), SegmentLimits.model_validate(b)
     both = arrays(plain.within(PANDA, one, "a").within(PANDA, other, "b"))
     swapped = arrays(plain.within(PANDA, other, "b").within(PANDA, one, "a"))
     again = arrays(plain.within(PANDA, one, "a").within(PANDA, other, "b").within(PANDA, one, "a"))
@@ -128,11 +128,11 @@ def test_a_payload_is_carried_on_until_another_one_is() -> None:
     whole = MotionLimits.of(PANDA, LimitOptions.model_validate({"torque": True, "payload": LOAD}))
     assert whole.payload_mass == 2.0
     np.testing.assert_array_equal(whole.payload_position, LOAD["position"])
-    same = whole.within(PANDA, StretchLimits(velocity_scale=0.5), "segments[0]")
+    same = whole.within(PANDA, SegmentLimits(velocity_scale=0.5), "segments[0]")
     assert same.payload_mass == 2.0
     np.testing.assert_array_equal(same.payload_position, LOAD["position"])
     other = {"payload": {"mass": 0.5, "position": [0.0, 0.0, 0.1]}}
-    changed = whole.within(PANDA, StretchLimits.model_validate(other), "segments[0]")
+    changed = whole.within(PANDA, SegmentLimits.model_validate(other), "segments[0]")
     assert changed.payload_mass == 0.5
     np.testing.assert_array_equal(changed.payload_position, [0.0, 0.0, 0.1])
 
@@ -140,7 +140,7 @@ def test_a_payload_is_carried_on_until_another_one_is() -> None:
 def refused(robot: Robot, document: dict[str, Any], field: str = "limits") -> InvalidRequest:
     with pytest.raises(InvalidRequest) as caught:
         MotionLimits.of(robot, LimitOptions()).within(
-            robot, StretchLimits.model_validate(document), field
+            robot, SegmentLimits.model_validate(document), field
         )
     return caught.value
 

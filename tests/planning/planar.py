@@ -112,8 +112,8 @@ def line(*points: tuple[float, float]) -> Polyline:
     return Polyline(np.array([[x, y, 0.0] for x, y in points]))
 
 
-def led(robot: Robot, tolerance: float = 1e-4, budget_s: float = 1e6) -> PathTracker:
-    """The arm as what is led along tool paths; positions alone count."""
+def tracker_of(robot: Robot, tolerance: float = 1e-4, budget_s: float = 1e6) -> PathTracker:
+    """The arm as what is tracker_of along tool paths; positions alone count."""
     return PathTracker(
         arm_of(robot),
         JointLimits.from_robot(robot),

@@ -14,14 +14,16 @@ import ikplan
 from ikplan import BudgetExceeded, Plan
 from ikplan.documents.plan_request import IkOptions, Tolerance
 from ikplan.kinematics.target import pose_target
-from ikplan.planning import TimeBudget, choose
+from ikplan.planning import TimeBudget, select_configurations
 from ikplan.planning.tracking.densify import densify
 from ikplan.planning.waypoints.waypoint_problem import WaypointProblem
 
 from .conftest import Time
-from .planar import Polyline, joints, led, line, problem_of, solver_of, two_links
+from .planar import Polyline, joints, line, problem_of, solver_of, tracker_of, two_links
 
 STAGES = ["ik", "planning", "timing", "certificate"]
+END = {"ik": 0, "planning": 0, "timing": 1, "certificate": 2}
+"""Which part of a plan each stage is in: candidates are searched for in the midst of planning."""
 
 
 REQUEST: dict[str, Any] = {
@@ -71,9 +73,32 @@ def test_a_budget_that_is_gone_in_a_stage_ends_it_or_keeps_the_next_from_beginni
         return
     with pytest.raises(BudgetExceeded) as caught:
         ikplan.plan(REQUESTS[kind], progress=pass_by)
-    # The joint path is made in one go: what it runs over, the next stage is refused for.
-    assert caught.value.stage == ("timing" if stage == "planning" else stage)
+    # The solver is set up in one go: what it runs over, the next stage is refused for.
+    assert caught.value.stage == ("planning" if stage == "ik" else stage)
     assert begun == STAGES[: STAGES.index(stage) + 1]
+
+
+@pytest.mark.parametrize("kind", ["global", "greedy", "jerk"])
+def test_a_budget_that_is_gone_in_the_search_for_configurations_ends_it_there(
+    kind: str, passing: Time
+) -> None:
+    def pass_by(name: str, _: int, of: int) -> None:
+        if name == "ik" and of:
+            passing.now = 1001.0
+
+    with pytest.raises(BudgetExceeded) as caught:
+        ikplan.plan(REQUESTS[kind], progress=pass_by)
+    assert caught.value.stage == "ik"
+
+
+def test_a_curve_too_long_to_track_in_its_budget_ends_in_the_planning(passing: Time) -> None:
+    def pass_by(_: str, __: int, of: int) -> None:
+        if of:  # from the start on, the lines are tracked
+            passing.now = 1001.0
+
+    with pytest.raises(BudgetExceeded) as caught:
+        ikplan.plan(lines(), progress=pass_by)
+    assert caught.value.stage == "planning"
 
 
 @pytest.mark.parametrize("kind", REQUESTS)
@@ -88,21 +113,21 @@ def test_whenever_the_budget_ends_the_plan_ends_at_the_next_look(kind: str, pass
         end, plan = outcome({**REQUESTS[kind], "budget_s": (budget + 0.5) * 1e-3})
         ends.append(end)
         if plan is None:
-            # Besides, the time of the stage that is left is taken once more.
-            assert passing.looks <= budget + 6
+            # Besides, the time of each stage that is left is taken once more.
+            assert passing.looks <= budget + 7
         else:
             assert lasting(plan) == lasting(whole)
     assert ends == sorted(ends)
-    assert ends[0] == STAGES.index("ik")
-    assert STAGES.index("timing") in ends
+    assert ends[0] == END["ik"]
+    assert END["timing"] in ends
 
 
 def outcome(request: dict[str, Any]) -> tuple[int, Plan | None]:
-    """The number of the stage that the budget ran out in, and the plan if there is one."""
+    """In which part the budget ran out, as a number, and the plan if there is one."""
     try:
-        return len(STAGES), ikplan.plan(request)
+        return len(END), ikplan.plan(request)
     except BudgetExceeded as error:
-        return STAGES.index(error.stage), None
+        return END[error.stage], None
 
 
 def lasting(plan: Plan) -> str:
@@ -124,7 +149,7 @@ def test_greedy_waypoints_solved_so_far_are_the_best_so_far(passing: Time) -> No
         robot, solver_of(robot), targets, start, False, Tolerance(), TimeBudget(10.0, gone)
     )
     with pytest.raises(BudgetExceeded) as caught:
-        choose(problem, IkOptions(method="lm", elongation="greedy"))
+        select_configurations(problem, IkOptions(method="lm", elongation="greedy"))
     best = caught.value.best
     assert best is not None
     assert best["waypoints_solved"] == len(best["q"]) == 3
@@ -141,20 +166,20 @@ def test_the_verdict_on_many_waypoints_ends_with_the_budget_too(
 
     problem = problem_of(two_links(), clock=TimeBudget(10.0, gone))
     with pytest.raises(BudgetExceeded) as caught:
-        choose(problem, IkOptions(method="lm", elongation=elongation))
+        select_configurations(problem, IkOptions(method="lm", elongation=elongation))
     assert caught.value.best == {"waypoints_solved": 1}
 
 
 def test_following_a_path_ends_with_the_budget(passing: Time) -> None:
     guide = line((0.5, -0.4), (0.45, 0.35))
-    follower = led(two_links(), budget_s=10.0)
+    tracker = tracker_of(two_links(), budget_s=10.0)
     start = joints(guide.points[0], 1.0)
-    assert len(follower.follow(guide, start[None], np.zeros(1)).s) > 2
+    assert len(tracker.track(guide, start[None], np.zeros(1)).s) > 2
     passing.now = 11.0
     with pytest.raises(BudgetExceeded):
-        follower.follow(guide, start[None], np.zeros(1))
+        tracker.track(guide, start[None], np.zeros(1))
     with pytest.raises(BudgetExceeded):
-        densify(follower, guide, np.array([0.0, guide.length]), joints(guide.points, 1.0))
+        densify(tracker, guide, np.array([0.0, guide.length]), joints(guide.points, 1.0))
 
 
 def test_no_further_start_is_led_once_the_budget_is_gone(passing: Time) -> None:
@@ -170,8 +195,8 @@ def test_no_further_start_is_led_once_the_budget_is_gone(passing: Time) -> None:
     looks = []
     for count in (1, 2):
         passing.now = 0.0
-        follower = led(two_links(), budget_s=1.5)
+        tracker = tracker_of(two_links(), budget_s=1.5)
         with pytest.raises(BudgetExceeded):
-            follower.follow(guide, starts[:count], np.zeros(count))
+            tracker.track(guide, starts[:count], np.zeros(count))
         looks.append(passing.now)
     assert looks[0] == looks[1] > 1.5

@@ -81,6 +81,83 @@ def test_the_time_of_each_stage_is_added_up_also_of_one_that_fails(passing: Time
     assert clock.seconds == {"ik": 6.0, "timing": 3.5}
 
 
+def test_the_time_of_a_stage_within_another_counts_once(passing: Time) -> None:
+    clock = TimeBudget(100.0)
+    with clock.stage("planning"):
+        passing.now += 1.0
+        for _ in range(2):
+            with clock.stage("ik"):
+                passing.now += 3.0
+            passing.now += 5.0
+        with contextlib.suppress(ZeroDivisionError), clock.stage("ik"):
+            passing.now += 0.5
+            raise ZeroDivisionError
+        passing.now += 0.25
+    passing.now += 7.0  # between two stages
+    with clock.stage("timing"):
+        passing.now += 2.0
+    assert clock.seconds == {"planning": 11.25, "ik": 6.5, "timing": 2.0}
+
+
+def test_the_error_names_the_innermost_stage_that_runs(passing: Time) -> None:
+    def left(where: str) -> BudgetExceeded:
+        passing.now = 0.0
+        clock = TimeBudget(10.0)
+
+        def look(here: str) -> None:
+            if here == where:
+                passing.now = 11.0
+            clock.check()
+
+        def plan() -> None:
+            with clock.stage("planning"):
+                look("before")
+                with clock.stage("ik"):
+                    look("within")
+                look("after")
+
+        with pytest.raises(BudgetExceeded) as caught:
+            plan()
+        return caught.value
+
+    stages = {where: left(where).stage for where in ("before", "within", "after")}
+    assert stages == {"before": "planning", "within": "ik", "after": "planning"}
+
+
+def test_a_stage_within_another_that_is_refused_ran_out_in_the_outer_one(passing: Time) -> None:
+    clock = TimeBudget(10.0)
+
+    def plan() -> None:
+        with clock.stage("planning"):
+            passing.now = 11.0
+            with clock.stage("ik"):
+                pytest.fail("a stage is not begun after the budget")
+
+    with pytest.raises(BudgetExceeded) as caught:
+        plan()
+    assert caught.value.stage == "planning"
+
+
+def test_progress_goes_on_counting_through_a_stage_within_another() -> None:
+    told: list[tuple[str, int, int]] = []
+    clock = TimeBudget(10.0, lambda *what: told.append(what))
+    with clock.stage("planning"):
+        clock.expect(3)
+        clock.advance(1)
+        with clock.stage("ik"):
+            clock.advance(2)
+        clock.advance(3)
+    assert told == [
+        ("planning", 0, 0),
+        ("planning", 0, 3),
+        ("planning", 1, 3),
+        ("ik", 1, 3),
+        ("ik", 2, 3),
+        ("planning", 2, 3),
+        ("planning", 3, 3),
+    ]
+
+
 def test_progress_names_the_stage_and_counts_its_waypoints(passing: Time) -> None:
     told: list[tuple[str, int, int]] = []
     clock = TimeBudget(10.0, lambda *what: told.append(what))
@@ -162,6 +239,20 @@ def test_a_search_cut_short_is_a_budget_exceeded_with_the_best_so_far(
         search()
     assert caught.value.stage == "ik"
     assert caught.value.best == {"waypoints_solved": 2}
+    assert watches[0].state == "cancelled"
+
+
+def test_a_search_cut_short_in_a_stage_within_another_names_it(watches: list[Watch]) -> None:
+    clock = TimeBudget(10.0)
+
+    def search() -> None:
+        cut = np.zeros(1, dtype=np.bool_)
+        with clock.stage("planning"), clock.cutting(cut, 10**9), clock.stage("ik"):
+            raise SearchCut
+
+    with pytest.raises(BudgetExceeded) as caught:
+        search()
+    assert caught.value.stage == "ik"
     assert watches[0].state == "cancelled"
 
 

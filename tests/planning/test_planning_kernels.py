@@ -14,11 +14,11 @@ from scipy.optimize import linprog
 from ikplan.kinematics.arm import arm_of
 from ikplan.kinematics.target import no_freedom, pose_target
 from ikplan.planning.ladder.banded_cholesky import solve_banded
-from ikplan.planning.ladder.ik_candidates import Candidates, sample_ik_solutions
+from ikplan.planning.ladder.ik_candidates import IkCandidates, sample_ik_solutions
 from ikplan.planning.ladder.joint_length import joint_path_length
 from ikplan.planning.ladder.ladder_graph import diverse_shortest_paths
 from ikplan.planning.ladder.null_space import null_space_basis
-from ikplan.planning.ladder.path_shortening import polish
+from ikplan.planning.ladder.path_shortening import shorten_sequence
 from ikplan.planning.waypoints.least_motion import stack_targets
 from ikplan.robots import load_robot
 
@@ -74,7 +74,7 @@ def test_the_ladder_finds_the_shortest_path_of_all(seed, free):
     counts = rng.integers(1, 5, size=4)
     q = rng.normal(size=(4, 4, 3))
     start = rng.normal(size=3)
-    candidates = Candidates(q, counts, np.zeros(1, dtype=np.int64))
+    candidates = IkCandidates(q, counts, np.zeros(1, dtype=np.int64))
     chain = arm_of(load_robot("eod_arm")).chain
     limits = np.full(3, 3.0)  # no room for a full turn
     paths = diverse_shortest_paths(chain, candidates, start, free, -limits, limits, 5, 1e-9, 10.0)
@@ -147,7 +147,9 @@ def test_the_polish_shortens_to_a_stationary_point(name: str, seed: int, start_f
         arm_of(robot).chain, found, home, start_free, lower, upper, 1, 0.6, 0.1
     )[0]
     before = joint_path_length(q, home, start_free)
-    length, _ = polish(arm_of(robot).chain, stacked, q, home, start_free, lower, upper, 200, 1e-12)
+    length, _ = shorten_sequence(
+        arm_of(robot).chain, stacked, q, home, start_free, lower, upper, 200, 1e-12
+    )
     assert length <= before
     assert length == pytest.approx(joint_path_length(q, home, start_free), rel=1e-12)
     for k, target in enumerate(targets):
@@ -180,12 +182,12 @@ def test_the_polish_leaves_the_only_solution_alone() -> None:
         0
     ]
     before = q.copy()
-    polish(arm_of(robot).chain, stacked, q, home, False, lower, upper, 50, 1e-9)
+    shorten_sequence(arm_of(robot).chain, stacked, q, home, False, lower, upper, 50, 1e-9)
     np.testing.assert_array_equal(q, before)
     assert stacked.freedom.axis == no_freedom().axis
 
 
-def test_the_polish_lets_go_of_a_long_stretch_at_a_limit_at_once() -> None:
+def test_the_polish_lets_go_of_a_long_run_at_a_limit_at_once() -> None:
     """Dense waypoints on a ring: ways that begin at a limit of the last joint, and need not."""
     robot = load_robot("iiwa14")
     arm = arm_of(robot)
@@ -196,9 +198,9 @@ def test_the_polish_lets_go_of_a_long_stretch_at_a_limit_at_once() -> None:
         targets.append(pose_target(np.array(p), R))
     found, stacked, lower, upper, home = grown(robot, targets)
     ways = diverse_shortest_paths(arm.chain, found, home, False, lower, upper, 6, 0.6, 0.1)
-    stretch = ((ways <= lower + 1e-4) | (ways >= upper - 1e-4)).any(axis=2).sum(axis=1)
-    q = ways[int(np.argmax(stretch))]
-    assert stretch.max() > 50
-    length, _ = polish(arm.chain, stacked, q, home, False, lower, upper, 12, 1e-9)
-    least, _ = polish(arm.chain, stacked, q, home, False, lower, upper, 300, 1e-12)
+    at_limit = ((ways <= lower + 1e-4) | (ways >= upper - 1e-4)).any(axis=2).sum(axis=1)
+    q = ways[int(np.argmax(at_limit))]
+    assert at_limit.max() > 50
+    length, _ = shorten_sequence(arm.chain, stacked, q, home, False, lower, upper, 12, 1e-9)
+    least, _ = shorten_sequence(arm.chain, stacked, q, home, False, lower, upper, 300, 1e-12)
     assert length <= 1.001 * least

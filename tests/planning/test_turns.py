@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 import ikplan
 from ikplan.kinematics.arm import arm_of
 from ikplan.planning.ladder.equivalent_configurations import with_equivalents
-from ikplan.planning.ladder.ik_candidates import Candidates
+from ikplan.planning.ladder.ik_candidates import IkCandidates
 from ikplan.planning.ladder.joint_length import joint_path_length
 from ikplan.planning.ladder.ladder_graph import diverse_shortest_paths
 from ikplan.robots import load_robot
@@ -32,7 +32,7 @@ def test_the_shortest_path_is_found_among_all_the_copies(seed: int, free: bool) 
     q = rng.uniform(-1, 1, (4, 3, dof)) * np.minimum(upper, math.pi)
     counts = rng.integers(1, 4, size=4)
     start = rng.uniform(lower, upper)
-    candidates = Candidates(q, counts, np.zeros(1, dtype=np.int64))
+    candidates = IkCandidates(q, counts, np.zeros(1, dtype=np.int64))
     paths = diverse_shortest_paths(EOD, candidates, start, free, lower, upper, 5, 1e-9, 10.0)
 
     rows = []

@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
-import numpy as np
+from collections.abc import Sequence
 
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ikplan.joint_path import JointPath
 from ikplan.limits import JointLimits
-from ikplan.timing import TimedPath
+from ikplan.timing import Samples, TimedPath, on_grid, sample, time_joint_path
 
 
 def make_limits(dof: int, *, seed: int = 0, box: float = 3.0) -> JointLimits:
@@ -17,6 +21,15 @@ def make_limits(dof: int, *, seed: int = 0, box: float = 3.0) -> JointLimits:
         acceleration=rng.uniform(5.0, 20.0, dof),
         joint_names=tuple(f"joint{i}" for i in range(dof)),
     )
+
+
+def time_and_sample(
+    waypoints: ArrayLike, limits: JointLimits, rate_hz: float = 250.0, rest_at: Sequence[int] = ()
+) -> tuple[TimedPath, Samples]:
+    """Time the joint path through waypoints, to end at a sample, and sample it."""
+    path = JointPath.through(waypoints, limits, rest_at=rest_at)
+    timed = on_grid(time_joint_path(path, limits), rate_hz)
+    return timed, sample(timed, rate_hz)
 
 
 def assert_keeps_limits(timed: TimedPath, limits: JointLimits) -> None:

@@ -38,8 +38,8 @@ def test_some_limit_binds_nearly_everywhere() -> None:
     timed = time_joint_path(JointPath.through(rng.uniform(-2, 2, (12, 5)), limits), limits)
     found = binding(timed)
     assert found.dt.sum() == pytest.approx(timed.duration, rel=1e-12)
-    assert found.dt[found.usage > 0.97].sum() > 0.95 * timed.duration
-    assert found.usage.max() <= 1.0
+    assert found.dt[found.ratio > 0.97].sum() > 0.95 * timed.duration
+    assert found.ratio.max() <= 1.0
 
 
 def test_a_path_of_no_length_is_bound_by_nothing() -> None:
@@ -167,7 +167,7 @@ def test_an_engine_that_fails_is_tried_on_finer_grids_and_then_told_with_the_pla
     assert error.value.position == pytest.approx(0.5, abs=0.2)
 
 
-def test_the_compiled_twin_stands_in_where_toppra_fails(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_compiled_engine_stands_in_where_toppra_fails(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(ToppraEngine, "solve", Failing.solve)
     monkeypatch.setattr(ToppraEngine, "calls", 0, raising=False)
     timed = time_joint_path(JointPath.through(CORNERS, LINE), LINE)

@@ -84,16 +84,16 @@ def test_the_use_of_limits_is_exact_between_nodes() -> None:
         path, _ = random_path(seed)
         timed = time_joint_path(path, limits)
         (span,) = timed.spans
-        v_share, a_share = span.problem.usage(span.x)
+        v_ratio, a_ratio = span.problem.limit_ratios(span.x)
         inside = np.linspace(0.0, 1.0, 41)[None] * np.diff(timed.node_times)[:, None]
         _, dq, ddq = timed.evaluate((timed.node_times[:-1, None] + inside).ravel())
         shape = (len(span.dt), 41, 4)
         v_seen = np.abs(dq.reshape(shape) / limits.velocity).max(axis=1)
         a_seen = np.abs(ddq.reshape(shape)[:, 1:-1] / limits.acceleration).max(axis=1)
-        assert (v_seen <= v_share + 1e-9).all()
-        assert (a_seen <= a_share + 1e-9).all()
-        assert np.abs(v_seen - v_share).max() < 1e-2
-        assert np.abs(a_seen - a_share).max() < 5e-2
+        assert (v_seen <= v_ratio + 1e-9).all()
+        assert (a_seen <= a_ratio + 1e-9).all()
+        assert np.abs(v_seen - v_ratio).max() < 1e-2
+        assert np.abs(a_seen - a_ratio).max() < 5e-2
 
 
 @pytest.mark.parametrize("waypoints", [[], [[]], [0.0, 1.0], [[[0.0]]], [[np.nan]], [[np.inf]]])

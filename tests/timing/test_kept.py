@@ -60,7 +60,7 @@ def test_a_limit_that_a_timing_has_not_seen_is_kept_by_the_samples(
         limits = replace(limits, jerk=np.full(6, jerk))
     blind = time_joint_path(path, limits)
     kept, samples = sampled_within_limits(blind, 200.0, [constraint], nodes)
-    used = constraint.used(samples.q, samples.dq, samples.ddq)
+    used = constraint.ratio(samples.q, samples.dq, samples.ddq)
     assert 0.95 < used.max() <= 1.0
     assert kept.duration > blind.duration
     # And a motion that keeps it is left alone.
@@ -77,7 +77,7 @@ def test_a_limit_on_a_range_is_looked_at_there_only(jerk: float | None) -> None:
     blind = time_joint_path(path, limits)
     slow = tool(linear_speed=0.1)
     time = np.linspace(0.0, blind.duration, 5000)
-    used = slow.used(*blind.evaluate(time))
+    used = slow.ratio(*blind.evaluate(time))
     for k in range(len(path.s_waypoints) - 1):
         first, last = path.s_waypoints[[k, k + 1]]
         kept, _ = sampled_within_limits(blind, 1000.0, [replace(slow, start=first, end=last)])

@@ -13,7 +13,7 @@ from ikplan.joint_path import JointPath
 from ikplan.limits import JointLimits
 from ikplan.robots import Robot, load_robot, robot_names
 from ikplan.timing import (
-    SegmentLimits,
+    SegmentJointLimits,
     ToolLimits,
     TorqueLimits,
     sample,
@@ -225,7 +225,7 @@ def test_the_strictest_of_overlapping_ranges_holds() -> None:
     odd = JointLimits(*box, limits.velocity * 2.0, limits.acceleration * 0.2, names)
     a, b, c = (share * path.length for share in (0.2, 0.5, 0.8))
     timed = time_joint_path(
-        path, limits, segments=[SegmentLimits(a, c, half), SegmentLimits(b, c, odd)]
+        path, limits, segments=[SegmentJointLimits(a, c, half), SegmentJointLimits(b, c, odd)]
     )
     samples = sample(timed, 2000.0)
     s = np.interp(samples.time, timed.node_times, timed.s)

@@ -12,9 +12,9 @@ import pytest
 from ikplan import errors
 from ikplan.limits import JointLimits
 from ikplan.pipeline.retime import time_request
-from ikplan.timing import Retimed, periods, retime
+from ikplan.timing import TimedPath, periods
 
-from .cases import assert_keeps_limits, assert_meets_waypoints
+from .cases import assert_keeps_limits, assert_meets_waypoints, time_and_sample
 
 FOLDER = Path(__file__).parents[1] / "vectors" / "timing"
 VECTORS = {path.stem: json.loads(path.read_text()) for path in sorted(FOLDER.glob("*.json"))}
@@ -25,17 +25,18 @@ GOOD = [name for name, vector in VECTORS.items() if "duration" in vector["expect
 BAD = [name for name, vector in VECTORS.items() if "error" in vector["expect"]]
 
 
-def run(vector: dict[str, Any]) -> Retimed:
+def run(vector: dict[str, Any]) -> TimedPath:
     fields = vector["limits"]
     names = tuple(f"joint{i}" for i in range(len(fields["lower"])))
     # JSON has no NaN and no infinity: they are written as words.
     waypoints = [[float(value) for value in row] for row in vector["waypoints"]]
-    return retime(
+    timed, _ = time_and_sample(
         waypoints,
         JointLimits(joint_names=names, **fields),
-        rate_hz=vector.get("rate_hz", 1000.0),
-        rest_at=vector.get("rest_at", ()),
+        vector.get("rate_hz", 1000.0),
+        vector.get("rest_at", ()),
     )
+    return timed
 
 
 def test_every_vector_is_judged() -> None:
@@ -47,18 +48,18 @@ def test_every_vector_is_judged() -> None:
 @pytest.mark.parametrize("name", GOOD)
 def test_a_hard_path_is_timed_within_limits_near_its_optimum(name: str) -> None:
     vector = VECTORS[name]
-    result = run(vector)
+    timed = run(vector)
     limits = JointLimits(
         joint_names=tuple(f"joint{i}" for i in range(len(vector["limits"]["lower"]))),
         **vector["limits"],
     )
-    assert_keeps_limits(result.timed, limits)
-    assert_meets_waypoints(result.timed, np.array(vector["waypoints"]))
+    assert_keeps_limits(timed, limits)
+    assert_meets_waypoints(timed, np.array(vector["waypoints"]))
     best = vector["expect"]["duration"]
     rate_hz = vector.get("rate_hz", 1000.0)
-    assert result.timed.duration <= periods(best * 1.005, rate_hz) / rate_hz
+    assert timed.duration <= periods(best * 1.005, rate_hz) / rate_hz
     # toppra bounds accelerations at nodes only, and can be faster than limits allow by a little.
-    assert result.timed.duration >= best * (1 - 1e-3)
+    assert timed.duration >= best * (1 - 1e-3)
 
 
 @pytest.mark.parametrize("name", BAD)

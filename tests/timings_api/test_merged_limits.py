@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 import ikplan
 from ikplan import load_robot
-from ikplan.documents.limits import LimitOptions, StretchLimits
+from ikplan.documents.limits import LimitOptions, SegmentLimits
 from ikplan.limits.motion_limits import MotionLimits
 
 KINDS = ("velocity", "acceleration")
@@ -52,8 +52,8 @@ def test_the_strictest_holds_in_each_direction_whichever_comes_first(kind, whole
     for first, second in ((segment, part), (part, segment)):
         merged = MotionLimits.of(ROBOT, LimitOptions.model_validate(options(kind, whole)))
         for layer in (first, second):
-            stretch = StretchLimits.model_validate(options(kind, layer))
-            merged = merged.within(ROBOT, stretch, "path.segments[0].limits")
+            limits_of_segment = SegmentLimits.model_validate(options(kind, layer))
+            merged = merged.within(ROBOT, limits_of_segment, "path.segments[0].limits")
         np.testing.assert_allclose(getattr(merged, kind), own * up, rtol=1e-12)
         np.testing.assert_allclose(getattr(merged, f"{kind}_lower"), -own * down, rtol=1e-12)
 

@@ -11,8 +11,8 @@ import pytest
 
 import ikplan
 from ikplan import CertificateViolated, InvalidRequest, Plan
-from ikplan.certificate import Claim, LimitedWaypoints, certify
-from ikplan.documents.limits import LimitOptions, Payload, StretchLimits
+from ikplan.certificate import Claim, RequestedSegment, certify
+from ikplan.documents.limits import LimitOptions, Payload, SegmentLimits
 from ikplan.limits.motion_limits import MotionLimits
 
 DOWN = [1.0, 0.0, 0.0, 0.0]
@@ -225,17 +225,17 @@ def test_the_certificate_finds_a_segment_that_breaks_its_limits() -> None:
         plan.time, plan.q, plan.dq, plan.ddq, limits,
     )  # fmt: skip
     for options, words in (
-        (StretchLimits(tool_speed=0.05), "segments[0]: the tool speed"),
-        (StretchLimits(velocity_scale=0.05), "segments[0]: the velocity limit of"),
-        (StretchLimits(acceleration=0.05), "segments[0]: the acceleration limit of"),
-        (StretchLimits(torque=[1.0] * 7), "segments[0]: the torque limit of"),
-        (StretchLimits(jerk=0.1), "segments[0]: the jerk limit of"),
+        (SegmentLimits(tool_speed=0.05), "segments[0]: the tool speed"),
+        (SegmentLimits(velocity_scale=0.05), "segments[0]: the velocity limit of"),
+        (SegmentLimits(acceleration=0.05), "segments[0]: the acceleration limit of"),
+        (SegmentLimits(torque=[1.0] * 7), "segments[0]: the torque limit of"),
+        (SegmentLimits(jerk=0.1), "segments[0]: the jerk limit of"),
         (
-            StretchLimits(torque=True, payload=Payload(mass=200.0)),
+            SegmentLimits(torque=True, payload=Payload(mass=200.0)),
             "segments[0]: the torque limit of",
         ),
     ):
-        part = LimitedWaypoints("segments[0]", 2, 4, options)
+        part = RequestedSegment("segments[0]", 2, 4, options)
         with pytest.raises(CertificateViolated) as caught:
             certify(replace(claim, segments=(part,)))
         assert any(violation.startswith(words) for violation in caught.value.violations)

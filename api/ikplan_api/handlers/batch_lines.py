@@ -11,11 +11,11 @@ from typing import Any
 
 from fastapi import Request
 
-from ikplan.documents.json_ready import plain
+from ikplan.documents.json_ready import json_ready
 from ikplan.errors import IkplanError, InvalidRequest
 from ikplan_api.http.problems import Refusal, http_problem, request_id_of
 from ikplan_api.jobs.plan_jobs import PlanJobs
-from ikplan_api.robots.uploads import robot_document
+from ikplan_api.robots.uploads import named_robot
 
 __all__ = ["NDJSON", "plan_lines", "split_lines"]
 
@@ -80,11 +80,11 @@ async def plan_lines(
 async def _plan_line(request: Request, index: int, line: bytes) -> bytes:
     jobs: PlanJobs = request.app.state.plan_jobs
     try:
-        robot = await robot_document(request, line)
-        job = await jobs.identify("plan", line, robot, wait_if_full=True)
+        robot, known = await named_robot(request, "plan", line)
+        job = await jobs.identify("plan", line, robot, known, wait_if_full=True)
         plan = await jobs.run(job, wait_if_full=True)
     except IkplanError as error:
-        return _failed(request, index, plain(error.to_problem()))
+        return _failed(request, index, json_ready(error.to_problem()))
     except Exception:
         _log.exception("line %d of a batch failed", index)
         return _failed(request, index, http_problem(500, "unexpected error in the service"))

@@ -17,7 +17,7 @@ from ikplan_api.http.disconnect import while_connected
 from ikplan_api.http.problems import problem_response, request_id_of
 from ikplan_api.http.representations import accepted_format, plan_response
 from ikplan_api.jobs.plan_jobs import PlanJobs
-from ikplan_api.robots.uploads import robot_document
+from ikplan_api.robots.uploads import named_robot
 
 __all__ = ["ACCEPTED", "PLANS", "PREFER", "create_plan_response", "get_plan_response"]
 
@@ -65,8 +65,8 @@ async def create_plan_response(request: Request, kind: str) -> Response:
     jobs: PlanJobs = request.app.state.plan_jobs
     form = accepted_format(request)
     document = await (_plan_request(request) if kind == "plan" else read_json_body(request))
-    robot = await robot_document(request, document)
-    job = await jobs.identify(kind, document, robot)
+    robot, known = await named_robot(request, kind, document)
+    job = await jobs.identify(kind, document, robot, known)
     if not _prefers_async(request):
         plan = await while_connected(request, jobs.run(job))
     elif (stored := await jobs.find(job.plan_id)) is not None:

@@ -15,7 +15,7 @@ from fastapi.routing import APIRoute
 from starlette.exceptions import HTTPException
 from starlette.routing import Match
 
-from ikplan.documents.json_ready import plain
+from ikplan.documents.json_ready import json_ready
 from ikplan.documents.json_text import shortened
 from ikplan.errors import (
     AccessDenied,
@@ -65,7 +65,7 @@ def problem_response(
     """Return a response with a problem document; its ``instance`` is the request's id."""
     body = {**document, "instance": f"urn:ikplan:request:{request_id}"}
     return Response(
-        json.dumps(_brief(plain(body)), allow_nan=False),
+        json.dumps(_brief(json_ready(body)), allow_nan=False),
         status_code=int(document["status"]),
         media_type=PROBLEM,
         headers=dict(headers or {}),

@@ -248,7 +248,7 @@ class SqlitePlanStore:
         await self.change(
             "INSERT OR REPLACE INTO jobs (id, kind, document, robot, budget_s, accepted) "
             "VALUES (?, ?, ?, ?, ?, ?)",
-            (*job, time.time()),
+            (job.plan_id, job.kind, job.document, job.robot, job.budget_s, time.time()),
         )
 
     async def fail(self, plan_id: str, problem: bytes) -> None:

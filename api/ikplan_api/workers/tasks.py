@@ -2,40 +2,47 @@
 
 from __future__ import annotations
 
-import contextlib
 import functools
-import itertools
 import json
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, NamedTuple
-
-import pinocchio as pin
+from typing import Any, NamedTuple, TypeVar
 
 from ikplan.documents import parse_json, write_json
+from ikplan.documents.base import Document
 from ikplan.documents.plan_request import FkRequest, IkRequest, PlanRequest
 from ikplan.documents.timing_request import TimingRequest
-from ikplan.errors import Unreachable
-from ikplan.ik.registry import find_solver, solvers
+from ikplan.ik.registry import solvers
+from ikplan.pipeline import warm_up as kernels
 from ikplan.pipeline.forward_kinematics import fk_request
-from ikplan.pipeline.identity import plan_id, with_tool
-from ikplan.pipeline.plan import plan, solve_ik_request
-from ikplan.pipeline.retime import time_request
+from ikplan.pipeline.identity import UNKNOWN, KnownRequest, plan_id
+from ikplan.pipeline.plan import make_plan as planned
+from ikplan.pipeline.plan import solve_ik_request
+from ikplan.pipeline.resolve import resolve_robot
+from ikplan.pipeline.retime import make_timing as timed
 from ikplan.planning import Progress
 from ikplan.robots import Robot, RobotUpload, catalogue_robot, robot_names
 from ikplan_api.telemetry.plan_figures import PlanFigures, figures_of
 
 __all__ = [
+    "SHORT",
     "TASKS",
     "RequestIdentity",
     "TaskInput",
     "TaskResult",
     "identify",
+    "parse_request",
     "robots_document",
     "run_task",
     "solvers_document",
     "warm_up",
 ]
+
+
+SHORT = 8 * 1024
+"""Longest document that the event loop parses itself, within a few milliseconds [bytes]."""
+
+R = TypeVar("R", bound=Document)
 
 
 class TaskResult(NamedTuple):
@@ -59,12 +66,24 @@ class TaskInput:
     Attributes:
         document: The request document as received.
         robot: The uploaded robot that the request names; None: a robot of the catalogue.
+        known: What is known of the request already.
         progress: Receives the progress of the task, if given.
     """
 
     document: bytes
     robot: bytes | None = None
+    known: KnownRequest = UNKNOWN
     progress: Progress | None = None
+
+    def request(self, model: type[R]) -> R:
+        """Return the request; parse it unless that was done before.
+
+        Raises:
+            InvalidRequest: A field is wrong.
+        """
+        if isinstance(self.known.request, model):
+            return self.known.request
+        return parse_json(model, self.document)
 
     def begin(self, stage: str) -> None:
         """Report the stage of a task that reports no progress itself."""
@@ -114,6 +133,19 @@ _REQUESTS: dict[str, type[PlanRequest] | type[TimingRequest]] = {
 }
 
 
+def parse_request(kind: str, document: bytes) -> PlanRequest | TimingRequest:
+    """Parse a request for a plan.
+
+    Args:
+        kind: ``"plan"`` or ``"time"``.
+        document: The request document.
+
+    Raises:
+        InvalidRequest: A field is wrong.
+    """
+    return parse_json(_REQUESTS[kind], document)
+
+
 def identify(kind: str, task: TaskInput) -> RequestIdentity:
     """Return the id and the budget of a request without planning it.
 
@@ -126,22 +158,24 @@ def identify(kind: str, task: TaskInput) -> RequestIdentity:
         RobotNotFound: No robot has that name.
         InvalidRobot: The description of the uploaded robot is invalid.
     """
-    request = parse_json(_REQUESTS[kind], task.document)
-    robot = with_tool(task.robot_named(request.robot), request.tool)
+    request = task.request(_REQUESTS[kind])
+    robot = resolve_robot(request, task.robot_named(request.robot))
     return RequestIdentity(plan_id(request, robot), request.budget_s)
 
 
 def make_plan(task: TaskInput) -> TaskResult:
     """Run the task of ``POST /v1/plans``."""
-    request = parse_json(PlanRequest, task.document)
-    made = plan(request, robot=task.robot_named(request.robot), progress=task.progress)
+    request = task.request(PlanRequest)
+    robot = task.robot_named(request.robot)
+    made = planned(request, robot, task.progress, known_id=task.known.plan_id)
     return TaskResult(write_json(made), made.id, figures_of(made))
 
 
 def make_timing(task: TaskInput) -> TaskResult:
     """Run the task of ``POST /v1/timings``."""
-    request = parse_json(TimingRequest, task.document)
-    made = time_request(request, robot=task.robot_named(request.robot), progress=task.progress)
+    request = task.request(TimingRequest)
+    robot = task.robot_named(request.robot)
+    made = timed(request, robot, task.progress, known_id=task.known.plan_id)
     return TaskResult(write_json(made), made.id, figures_of(made))
 
 
@@ -210,33 +244,16 @@ def warm_up(methods: Sequence[str] = ("ik-ba", "lm")) -> None:
     Args:
         methods: Names of the solvers to warm up.
     """
-    for kind, request in _warming_requests(methods):
-        # One request is unreachable: the explanation has kernels of its own.
-        with contextlib.suppress(Unreachable):
-            run_task(kind, TaskInput(json.dumps(request).encode()))
+    kernels.warm_up(_running("fk"), "fk")
+    for jerk in (False, True):
+        kernels.warm_up(_running("time"), "time", jerk=jerk)
+    for method in methods:
+        kernels.warm_up(_running("ik"), "ik", method)
+        kernels.warm_up(_running("plan"), "plan", method)
     robots_document()
     solvers_document()
 
 
-def _warming_requests(methods: Sequence[str]) -> Iterator[tuple[str, dict[str, Any]]]:
-    robot = catalogue_robot("iiwa14")
-    q = [float(v) for v in robot.home]
-    pose = robot.fk([v + 0.05 for v in q])
-    point = {"position": [float(v) for v in pose.translation]}
-    full = {**point, "quaternion_xyzw": [float(v) for v in pin.Quaternion(pose.rotation).coeffs()]}
-    far = {**full, "position": [9.0, 0.0, 0.0]}
-    starts: tuple[Any, ...] = (None, q)
-    yield "fk", {"robot": robot.name, "q": q}
-    moved = {"robot": robot.name, "waypoints": [q, [v + 0.05 for v in q]], "budget_s": 3600}
-    for limits in ({}, {"jerk": 100.0}):
-        yield "time", {**moved, "limits": limits}
-    for method in methods:
-        options = {"method": method}
-        for target, start in itertools.product((point, full), starts):
-            yield "ik", {"robot": robot.name, **target, "start": start, "ik": options}
-        if any(p.name == "decouple" for p in find_solver(method).parameters):
-            decoupled = {"method": method, "params": {"decouple": True}}
-            yield "ik", {"robot": robot.name, **full, "ik": decoupled}
-    for target, start in itertools.product((point, full, far), (*starts, "free")):
-        path = {"waypoints": [target]}
-        yield "plan", {"robot": robot.name, "path": path, "start": start, "budget_s": 3600}
+def _running(kind: str) -> Callable[[Mapping[str, Any]], TaskResult]:
+    """Return what runs a request document as a task."""
+    return lambda request: run_task(kind, TaskInput(json.dumps(request).encode()))

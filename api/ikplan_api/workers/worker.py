@@ -5,24 +5,23 @@ from __future__ import annotations
 import contextlib
 import functools
 import json
-import multiprocessing
 import os
 import resource
 import signal
 import socket
-import threading
 import time
 import traceback
+from dataclasses import replace
 from typing import NamedTuple
 
 from ikplan.errors import IkplanError
+from ikplan.workers.child import Fault, set_up
 from ikplan_api.workers import shared_memory, tasks
 from ikplan_api.workers.tasks import TaskInput, TaskResult
 
 __all__ = [
     "OUT_OF_MEMORY",
     "READY_S",
-    "TaskFault",
     "WorkerReply",
     "initialize",
     "prepare",
@@ -53,10 +52,6 @@ class WorkerReply(NamedTuple):
     shared_bytes: int
 
 
-class TaskFault(Exception):
-    """An unexpected failure of a task; holds the traceback as text, which can always be pickled."""
-
-
 @functools.cache
 def prepare() -> None:
     """Load or compile the kernels and load the robots, once per process."""
@@ -71,22 +66,12 @@ def initialize(memory_bytes: int, reports: socket.socket, documents: socket.sock
         reports: Socket for progress reports.
         documents: Socket for long documents.
     """
-    # SIGTERM must end the process at once, even inside a kernel.
-    signal.signal(signal.SIGTERM, signal.SIG_DFL)
+    set_up()
     if memory_bytes:
         resource.setrlimit(resource.RLIMIT_DATA, (memory_bytes, memory_bytes))
     reports.setblocking(False)
     _reports[:] = [reports]
     _documents[:] = [documents]
-    threading.Thread(target=_end_with_service, daemon=True).start()
-
-
-def _end_with_service() -> None:
-    """End this worker when the service ends, even if the service was killed."""
-    service = multiprocessing.parent_process()
-    if service is not None:
-        service.join()
-        os._exit(1)
 
 
 def ready() -> int:
@@ -122,29 +107,28 @@ def _set_alarm(seconds: float) -> None:
     signal.setitimer(signal.ITIMER_REAL, seconds)
 
 
-def run(task: int, kind: str, document: bytes, robot: bytes | None, limit_s: float) -> WorkerReply:
+def run(number: int, kind: str, task: TaskInput, limit_s: float) -> WorkerReply:
     """Run a task.
 
     Args:
-        task: Number of the task in progress reports.
+        number: Number of the task in progress reports.
         kind: Name of the task.
-        document: The request document.
-        robot: An uploaded robot, or None.
+        task: Its input.
         limit_s: Time limit from the start of the first stage [s].
 
     Raises:
         IkplanError: The verdict on the request.
-        TaskFault: An unexpected failure.
+        Fault: An unexpected failure.
     """
     _set_alarm(READY_S + limit_s)
     try:
-        return _reply(tasks.run_task(kind, TaskInput(document, robot, _Reporter(task, limit_s))))
+        return _reply(tasks.run_task(kind, replace(task, progress=_Reporter(number, limit_s))))
     except IkplanError:
         raise
     except MemoryError:
         os._exit(OUT_OF_MEMORY)  # the state of this process is unreliable now
     except Exception:
-        raise TaskFault(traceback.format_exc()) from None
+        raise Fault(traceback.format_exc()) from None
     finally:
         # Before the reply is sent: a worker that ends while it sends breaks the pipe.
         _set_alarm(0.0)

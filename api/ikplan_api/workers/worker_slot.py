@@ -3,27 +3,22 @@
 from __future__ import annotations
 
 import asyncio
-import multiprocessing
 import signal
 import socket
 
-from pebble import ProcessExpired, ProcessFuture, ProcessPool
+from pebble import ProcessExpired
 
-from ikplan.errors import IkplanError, WorkerLost
+from ikplan.errors import IkplanError
+from ikplan.workers.child import Fault
+from ikplan.workers.process import TaskNotStarted, WorkerProcess, worker_lost
 from ikplan_api.workers import shared_memory, worker
-from ikplan_api.workers.tasks import TaskResult
+from ikplan_api.workers.tasks import TaskInput, TaskResult
 
-__all__ = ["TaskNotStarted", "TaskTimeout", "WorkerSlot"]
+__all__ = ["TaskTimeout", "WorkerOutOfMemory", "WorkerSlot"]
 
-_FORKING = multiprocessing.get_context("forkserver")
-_FORKING.set_forkserver_preload(["ikplan.workers.single_threaded", "ikplan_api.workers.preload"])
 _GRACE_S = 5.0
 _LONG = 4 * 2**20
 """Length from which copying a document takes milliseconds [bytes]."""
-
-
-class TaskNotStarted(Exception):
-    """The worker ended before it started the task: another worker can run it."""
 
 
 class TaskTimeout(Exception):
@@ -35,11 +30,7 @@ class WorkerOutOfMemory(Exception):
 
 
 class WorkerSlot:
-    """One worker process, replaced whenever it ends.
-
-    A process pool of size one: the workers of a larger pool share pipes and locks, and a worker
-    killed while it holds them blocks the others. New workers are forked from a process that has
-    loaded every kernel and robot, so that a replacement takes milliseconds.
+    """One worker process of the service, replaced whenever it ends.
 
     Args:
         memory_bytes: Private memory that the worker may allocate [bytes]; 0: no limit.
@@ -48,9 +39,8 @@ class WorkerSlot:
 
     def __init__(self, memory_bytes: int, reports: socket.socket) -> None:
         self._initial = (memory_bytes, reports)
-        self._pool: ProcessPool | None = None
+        self._process = WorkerProcess("ikplan_api.workers.preload", worker.initialize)
         self._documents: tuple[socket.socket, socket.socket] | None = None
-        self._doing: ProcessFuture[worker.WorkerReply] | None = None
         self.pid = 0
         self.healthy = False
 
@@ -66,11 +56,8 @@ class WorkerSlot:
         self._empty()
         self._documents = here, there = socket.socketpair()
         here.setblocking(False)
-        pool = ProcessPool(
-            1, initializer=worker.initialize, initargs=(*self._initial, there), context=_FORKING
-        )
-        self._pool = pool
-        self.pid = pool.schedule(worker.ready).result()
+        self._process.start(*self._initial, there)
+        self.pid = self._process.begin(worker.ready).result()
         self.healthy = True
 
     async def empty(self) -> None:
@@ -79,19 +66,12 @@ class WorkerSlot:
 
     def _empty(self) -> None:
         self.healthy = False
-        if self._pool is not None:
-            self._pool.stop()  # type: ignore[no-untyped-call]
-            self._pool.join()
-            self._pool = None
+        self._process.stop()
         for end in self._documents or ():
             end.close()
         self._documents = None
-        if self._doing is not None and not self._doing.done():
-            self._doing.set_exception(TaskNotStarted())  # pebble leaves it open
 
-    async def run(
-        self, task: int, kind: str, document: bytes, robot: bytes | None, limit_s: float
-    ) -> TaskResult:
+    async def run(self, number: int, kind: str, task: TaskInput, limit_s: float) -> TaskResult:
         """Run a task on the worker; if ``healthy`` is false afterwards, call ``fill``.
 
         Raises:
@@ -101,17 +81,15 @@ class WorkerSlot:
             WorkerOutOfMemory: The task needed too much memory.
             WorkerLost: The worker ended during the task.
         """
-        assert self._pool is not None
         self.healthy = False
         try:
-            self._doing = self._pool.schedule(
-                worker.run,
-                args=(task, kind, document, robot, limit_s),
-                # The worker has a timer of its own; this limit is for a halted process.
-                timeout=worker.READY_S + limit_s + _GRACE_S,
+            # The worker has a timer of its own; the longer limit is for a halted process.
+            patience_s = worker.READY_S + limit_s + _GRACE_S
+            doing = self._process.begin(
+                worker.run, number, kind, task, limit_s, timeout_s=patience_s
             )
-            reply = await asyncio.wrap_future(self._doing)
-        except (IkplanError, worker.TaskFault):
+            reply = await asyncio.wrap_future(doing)
+        except (IkplanError, Fault):
             self.healthy = True
             raise
         except ProcessExpired as error:
@@ -142,7 +120,4 @@ def _loss(error: ProcessExpired) -> Exception:
         return TaskTimeout()
     if code == worker.OUT_OF_MEMORY:
         return WorkerOutOfMemory()
-    how = f"by {signal.Signals(-code).name}" if code < 0 else f"with exit code {code}"
-    return WorkerLost(
-        f"the worker process ended {how}; other requests are not affected", exit_code=code
-    )
+    return worker_lost(error)

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ikplan.arrays import Array
 from ikplan.certificate.requested.curves import Curve
 
 __all__ = ["ArcLength"]
 
-Array = NDArray[np.float64]
 
 _X, _W = np.polynomial.legendre.leggauss(8)
 _X, _W = 0.5 * (_X + 1.0), 0.5 * _W

@@ -6,10 +6,10 @@ import math
 from collections.abc import Callable, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ikplan.arrays import Array
 from ikplan.certificate.requested.assembly import assembled
-from ikplan.certificate.requested.corners import Item
+from ikplan.certificate.requested.corners import PathItem
 from ikplan.certificate.requested.named_curves import curve_pieces
 from ikplan.certificate.requested.path import RequestedPath
 from ikplan.certificate.requested.pieces import BendPiece, Piece, helix, line
@@ -21,7 +21,6 @@ from ikplan.documents.segment import ArcSegment, EndOrientation, LineSegment, Or
 
 __all__ = ["PathReader"]
 
-Array = NDArray[np.float64]
 NewRow = Callable[[RequestedPose], int]
 
 
@@ -41,7 +40,7 @@ class PathReader:
         self._frame, self._begin, self._blend = frame, begin, blend
         self.at = begin
         self._new_row = new_row
-        self._items: list[Item] = []
+        self._items: list[PathItem] = []
         self._first: list[int] = []
         self._poses: dict[int, RequestedPose] = {}
 
@@ -105,7 +104,7 @@ class PathReader:
         self._items += items
         self.at = passed[-1]
 
-    def curve(self, segment: CurveSegment, field: str, mark_first: bool) -> None:
+    def curve(self, segment: CurveSegment, field: str, first_is_waypoint: bool) -> None:
         """Append a named curve, joined by a line to where the path has got to."""
         R, origin = self._frame.frame(segment.frame)
         pieces = curve_pieces(segment, R, origin)
@@ -117,10 +116,10 @@ class PathReader:
         lacks = first.R is not None and self.at.R is None
         if gap > SAME_PLACE or turn > SAME_PLACE or lacks:
             self.go_straight(first, field, None, segment.blend)
-        elif mark_first and self._items:
+        elif first_is_waypoint and self._items:
             last = self._items[-1]
-            last.marks.append((last.piece.length, self._row(first)))
-        elif mark_first:
+            last.waypoints.append((last.piece.length, self._row(first)))
+        elif first_is_waypoint:
             self._first.append(self._row(first))
         if first.R is not None:
             self.at = RequestedPose(self.at.p, first.R)
@@ -159,7 +158,7 @@ class PathReader:
     ) -> None:
         row = self._row(to)
         field = f"path.waypoints[{row}]" if field is None else field
-        self._items.append(Item(piece, field, blend, [(piece.length, row)]))
+        self._items.append(PathItem(piece, field, blend, [(piece.length, row)]))
         self.at = to
 
     def _turned(
@@ -184,9 +183,9 @@ class PathReader:
         elif R0 is not None:
             turn = self._turn(R1, turn_axis)
             pieces = _evenly(pieces, R0, np.zeros(3) if turn is None else turn)
-        self._items += [Item(piece, field, blend) for piece in pieces]
+        self._items += [PathItem(piece, field, blend) for piece in pieces]
         self.at = RequestedPose(p, R1)
-        self._items[-1].marks.append((pieces[-1].length, self._row(self.at)))
+        self._items[-1].waypoints.append((pieces[-1].length, self._row(self.at)))
 
 
 def _through(p0: Array, via: Array, p1: Array) -> BendPiece:
@@ -217,14 +216,16 @@ def _evenly(pieces: Sequence[Piece], R0: Array, turn: Array) -> list[Piece]:
     return turned
 
 
-def _led(items: Sequence[Item], R0: Array | None, poses: dict[int, RequestedPose]) -> list[Item]:
+def _led(
+    items: Sequence[PathItem], R0: Array | None, poses: dict[int, RequestedPose]
+) -> list[PathItem]:
     """Give an orientation to parts without one that lead to a pose that has one.
 
     The tool turns evenly over the length, from the last orientation; before the first one, it is
     turned as there. What no orientation follows stays free.
     """
-    led: list[Item] = []
-    free: list[Item] = []
+    led: list[PathItem] = []
+    free: list[PathItem] = []
 
     def lead(R1: Array) -> None:
         start = R1 if R0 is None else R0
@@ -242,14 +243,14 @@ def _led(items: Sequence[Item], R0: Array | None, poses: dict[int, RequestedPose
             R0 = piece.end(piece.length).R
             continue
         free.append(item)
-        R1 = poses[item.marks[-1][1]].R if item.marks else None
+        R1 = poses[item.waypoints[-1][1]].R if item.waypoints else None
         if R1 is not None:
             lead(R1)
             R0 = R1
     return led + free
 
 
-def _turned_free(items: Sequence[Item], R0: Array, turn: Array) -> list[Item]:
+def _turned_free(items: Sequence[PathItem], R0: Array, turn: Array) -> list[PathItem]:
     if sum(item.piece.length for item in items) > SAME_PLACE:
         pieces = _evenly([item.piece for item in items], R0, turn)
     else:  # no way to turn on: it turns on the spot, then stays
@@ -257,13 +258,13 @@ def _turned_free(items: Sequence[Item], R0: Array, turn: Array) -> list[Item]:
         R1 = R0 @ exp(turn[None])[0]
         pieces = [line(p, p, R0, turn), *(item.piece.turning(R1, still) for item in items[1:])]
     return [
-        Item(piece, item.field, item.blend, _at_end(item, piece))
+        PathItem(piece, item.field, item.blend, _at_end(item, piece))
         for item, piece in zip(items, pieces, strict=True)
     ]
 
 
-def _at_end(item: Item, piece: Piece) -> list[tuple[float, int]]:
-    """The marks of an item on a piece that stands for it."""
+def _at_end(item: PathItem, piece: Piece) -> list[tuple[float, int]]:
+    """The waypoints of an item on a piece that stands for it."""
     if piece.length == item.piece.length:
-        return item.marks
-    return [(piece.length, row) for _, row in item.marks]
+        return item.waypoints
+    return [(piece.length, row) for _, row in item.waypoints]

@@ -12,16 +12,15 @@ import dataclasses
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ikplan.arrays import Array
 from ikplan.certificate.requested.arc_length import ArcLength
 from ikplan.certificate.requested.curves import QuinticCurve
 from ikplan.certificate.requested.pieces import TURN_LENGTH, CurvePiece, End, Piece
 from ikplan.certificate.requested.turning import BlendTurn
 
-__all__ = ["Item", "Rounding", "corner_radius", "round_corner"]
+__all__ = ["PathItem", "Rounding", "corner_radius", "round_corner"]
 
-Array = NDArray[np.float64]
 
 _JUMP = 1e-6
 """A change of direction, or of angular rate times TURN_LENGTH, by more than this is a corner."""
@@ -30,20 +29,20 @@ _BACK = 1e-3
 
 
 @dataclass(eq=False)
-class Item:
+class PathItem:
     """A piece with what the request says of it.
 
     Attributes:
         piece: The piece.
         field: The field of the request that it comes from.
         blend: Radius of the corner at its end [m]; None: that of the path.
-        marks: Length on the piece [m] and row of each waypoint on it.
+        waypoints: Length on the piece [m] and row of each waypoint on it.
     """
 
     piece: Piece
     field: str
     blend: float | None = None
-    marks: list[tuple[float, int]] = dataclasses.field(default_factory=list)
+    waypoints: list[tuple[float, int]] = dataclasses.field(default_factory=list)
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,7 +60,7 @@ class Rounding:
     nearest: float
 
 
-def corner_radius(before: Item, after: Item, default: float) -> float:
+def corner_radius(before: PathItem, after: PathItem, default: float) -> float:
     """Return the radius within which the corner between two items is rounded [m]; 0: not at all.
 
     Args:

@@ -12,11 +12,11 @@ from functools import cached_property
 from typing import Protocol
 
 import numpy as np
-from numpy.typing import NDArray
+
+from ikplan.arrays import Array
 
 __all__ = ["CubicCurve", "Curve", "QuinticCurve", "RoseCurve", "SinusoidCurve", "natural_cubic"]
 
-Array = NDArray[np.float64]
 Derivatives = tuple[Array, Array, Array]
 
 

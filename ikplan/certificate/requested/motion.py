@@ -4,14 +4,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import numpy as np
-from numpy.typing import NDArray
-
+from ikplan.arrays import Array
 from ikplan.certificate.requested.path import RequestedPath
 
-__all__ = ["JointRange", "RequestedMotion", "RequestedWaypoint", "ToolLeg"]
-
-Array = NDArray[np.float64]
+__all__ = ["JointSegmentRange", "RequestedMotion", "RequestedWaypoint", "ToolLeg"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,7 +42,7 @@ class ToolLeg:
 
 
 @dataclass(frozen=True)
-class JointRange:
+class JointSegmentRange:
     """A joint segment: the motion from one waypoint to the next.
 
     Attributes:
@@ -67,11 +63,11 @@ class RequestedMotion:
     Attributes:
         waypoints: The waypoints, in order.
         legs: The tool paths, in order.
-        joint_ranges: The joint segments.
+        joint_segments: The joint segments.
         last_rows: Waypoint at which each segment ends, by its field.
     """
 
     waypoints: tuple[RequestedWaypoint, ...]
     legs: tuple[ToolLeg, ...]
-    joint_ranges: tuple[JointRange, ...]
+    joint_segments: tuple[JointSegmentRange, ...]
     last_rows: dict[str, int]

@@ -6,8 +6,8 @@ import math
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ikplan.arrays import Array
 from ikplan.certificate.requested.arc_length import ArcLength
 from ikplan.certificate.requested.curves import Curve, RoseCurve, SinusoidCurve
 from ikplan.certificate.requested.pieces import CurvePiece, Piece, helix, line
@@ -22,8 +22,6 @@ from ikplan.documents.curve import (
 )
 
 __all__ = ["curve_pieces"]
-
-Array = NDArray[np.float64]
 
 
 def curve_pieces(segment: CurveSegment, R: Array, origin: Array) -> list[Piece]:

@@ -6,15 +6,12 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ikplan.arrays import Array, Flags, Indices
 from ikplan.certificate.requested.pieces import BendPiece, CurvePiece, Piece, line
 from ikplan.certificate.requested.rotations import exp
 
 __all__ = ["Places", "RequestedPath", "SegmentRange"]
-
-Array = NDArray[np.float64]
-Index = NDArray[np.int64]
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,13 +56,13 @@ class RequestedPath:
 
     Attributes:
         pieces: The pieces, at least one.
-        marks: Path length [m] and row of each waypoint on the path, in order.
-        ranges: What of the request each part comes from.
+        waypoints: Path length [m] and row of each waypoint on the path, in order.
+        segments: What of the request each part comes from.
     """
 
     pieces: tuple[Piece, ...]
-    marks: tuple[tuple[float, int], ...]
-    ranges: tuple[SegmentRange, ...]
+    waypoints: tuple[tuple[float, int], ...]
+    segments: tuple[SegmentRange, ...]
 
     @cached_property
     def begins(self) -> Array:
@@ -78,12 +75,12 @@ class RequestedPath:
         return float(self.begins[-1])
 
     @cached_property
-    def oriented(self) -> NDArray[np.bool_]:
+    def oriented(self) -> Flags:
         """Whether each piece asks for an orientation, shape (n,)."""
         return np.array([piece.oriented for piece in self.pieces])
 
     @cached_property
-    def spots(self) -> NDArray[np.bool_]:
+    def spots(self) -> Flags:
         """Whether each piece is a turn on the spot, shape (n,)."""
         return np.array([piece.spot for piece in self.pieces])
 
@@ -105,7 +102,7 @@ class RequestedPath:
         )
 
     @cached_property
-    def _curved(self) -> NDArray[np.bool_]:
+    def _curved(self) -> Flags:
         return np.array([isinstance(piece, CurvePiece) for piece in self.pieces])
 
     @cached_property
@@ -119,15 +116,15 @@ class RequestedPath:
         return np.sort(np.concatenate([self.begins, *inner]))
 
     @cached_property
-    def curved_and_oriented(self) -> NDArray[np.bool_]:
+    def curved_and_oriented(self) -> Flags:
         """Whether each piece is a curve without closed arc length that turns the tool, (n,)."""
         return self._curved & self.oriented
 
-    def piece_at(self, s: Array) -> Index:
+    def piece_at(self, s: Array) -> Indices:
         """Return the piece at path lengths s, shape (m,); where two meet, the later one."""
         return np.clip(np.searchsorted(self.begins, s, "right") - 1, 0, len(self.pieces) - 1)
 
-    def places(self, piece: Index, s: Array) -> Places:
+    def places(self, piece: Indices, s: Array) -> Places:
         """Return poses and derivatives at lengths s from the begins of pieces, both (m,) [m]."""
         curved = self._curved[piece]
         if not curved.any():
@@ -145,7 +142,7 @@ class RequestedPath:
             out.v[here], out.w[here] = found.v, found.w
         return out
 
-    def _on_bends(self, piece: Index, s: Array) -> Places:
+    def _on_bends(self, piece: Indices, s: Array) -> Places:
         p0, t, n, c, h, k, R0, w = (stack[piece] for stack in self._bends)
         half = 0.5 * k * s
         chord = h * s * np.sinc(half / np.pi)

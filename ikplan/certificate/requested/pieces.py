@@ -6,15 +6,14 @@ import math
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ikplan.arrays import Array
 from ikplan.certificate.requested.arc_length import ArcLength
 from ikplan.certificate.requested.rotations import exp
 from ikplan.certificate.requested.turning import EvenTurn, HeadingTurn, Turning
 
 __all__ = ["TURN_LENGTH", "BendPiece", "CurvePiece", "End", "Piece", "helix", "line"]
 
-Array = NDArray[np.float64]
 
 TURN_LENGTH = 0.3
 """Length that a radian of a turn on the spot counts for [m/rad]; only to tell places apart."""

@@ -6,15 +6,14 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ikplan.arrays import Array
 from ikplan.certificate.requested.rotations import angle_between, rotation_of, unit
 from ikplan.documents.path import PathRequest
 from ikplan.documents.poses import Frame, Waypoint
 
 __all__ = ["SAME_PLACE", "PathFrame", "RequestedPose"]
 
-Array = NDArray[np.float64]
 
 SAME_PLACE = 1e-9
 """Poses this near to one another are one pose [m and rad]."""

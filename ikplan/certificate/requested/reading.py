@@ -9,11 +9,11 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ikplan.arrays import Array
 from ikplan.certificate.requested.building import PathReader
 from ikplan.certificate.requested.motion import (
-    JointRange,
+    JointSegmentRange,
     RequestedMotion,
     RequestedWaypoint,
     ToolLeg,
@@ -25,8 +25,6 @@ from ikplan.documents.segment import ArcSegment, JointSegment, LineSegment, Spli
 from ikplan.robots import Robot
 
 __all__ = ["read_motion"]
-
-Array = NDArray[np.float64]
 
 
 def read_motion(robot: Robot, path: PathRequest, q_start: Array | None) -> RequestedMotion:
@@ -55,7 +53,7 @@ class _Reader:
         self._leaves = q_start is None or path.approach == "joint"
         self._rows: list[RequestedWaypoint] = []
         self._legs: list[ToolLeg] = []
-        self._joint_ranges: list[JointRange] = []
+        self._joint_segments: list[JointSegmentRange] = []
         self._last_rows: dict[str, int] = {}
         self._open: PathReader | None = None
         self._begin_row: int | None = None
@@ -64,7 +62,7 @@ class _Reader:
         """What has been read."""
         self._close()
         return RequestedMotion(
-            tuple(self._rows), tuple(self._legs), tuple(self._joint_ranges), self._last_rows
+            tuple(self._rows), tuple(self._legs), tuple(self._joint_segments), self._last_rows
         )
 
     def waypoints(self) -> None:
@@ -130,7 +128,7 @@ class _Reader:
             self._at, self._begin_row = pose, len(self._rows) - 1
         elif segment.to is not None:
             self._joint_to(self._frame.pose(segment.to))
-        self._joint_ranges.append(JointRange(field, begin, len(self._rows) - 1))
+        self._joint_segments.append(JointSegmentRange(field, begin, len(self._rows) - 1))
 
     def _joint_to(self, pose: RequestedPose) -> None:
         self._close()

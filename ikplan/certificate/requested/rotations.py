@@ -9,7 +9,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
+
+from ikplan.arrays import Array
 
 __all__ = [
     "angle_between",
@@ -21,8 +22,6 @@ __all__ = [
     "rotations_of",
     "unit",
 ]
-
-Array = NDArray[np.float64]
 
 
 def unit(vector: Array | Sequence[float]) -> Array:

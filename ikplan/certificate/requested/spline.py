@@ -6,10 +6,10 @@ from collections.abc import Sequence
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ikplan.arrays import Array
 from ikplan.certificate.requested.arc_length import ArcLength
-from ikplan.certificate.requested.corners import Item
+from ikplan.certificate.requested.corners import PathItem
 from ikplan.certificate.requested.curves import CubicCurve
 from ikplan.certificate.requested.pieces import CurvePiece, line
 from ikplan.certificate.requested.poses import SAME_PLACE, RequestedPose
@@ -18,10 +18,8 @@ from ikplan.certificate.requested.turning import EvenTurn, QuaternionSpline, Tur
 
 __all__ = ["spline_items"]
 
-Array = NDArray[np.float64]
 
-
-def spline_items(poses: Sequence[RequestedPose], rows: Sequence[int], field: str) -> list[Item]:
+def spline_items(poses: Sequence[RequestedPose], rows: Sequence[int], field: str) -> list[PathItem]:
     """Return the items of a spline through poses.
 
     The curve ends, and a new one begins, where a position is repeated. Poses without an
@@ -65,13 +63,13 @@ def _led(poses: Sequence[RequestedPose]) -> list[RequestedPose]:
     return led
 
 
-def _straight(a: RequestedPose, b: RequestedPose, row: int, field: str) -> Item:
+def _straight(a: RequestedPose, b: RequestedPose, row: int, field: str) -> PathItem:
     turn = None if a.R is None or b.R is None else rotation_between(a.R, b.R)
     piece = line(a.p, b.p, a.R if turn is not None else None, turn)
-    return Item(piece, field or _waypoint(row), 0.0, [(piece.length, row)])
+    return PathItem(piece, field or _waypoint(row), 0.0, [(piece.length, row)])
 
 
-def _run(poses: Sequence[RequestedPose], rows: Sequence[int], field: str) -> list[Item]:
+def _run(poses: Sequence[RequestedPose], rows: Sequence[int], field: str) -> list[PathItem]:
     """One curve through distinct positions, in two parts where the orientation becomes free."""
     if len(poses) == 2:
         return [_straight(poses[0], poses[1], rows[0], field)]
@@ -84,8 +82,8 @@ def _run(poses: Sequence[RequestedPose], rows: Sequence[int], field: str) -> lis
     for a, b in pairwise(cuts):
         law = _law(poses[a : b + 1], s[a : b + 1]) if counts[a] else None
         piece = CurvePiece(arc, float(s[a]), float(s[b] - s[a]), law)
-        marks = [(float(s[k] - s[a]), rows[k - 1]) for k in range(a + 1, b + 1)]
-        items.append(Item(piece, field or _waypoint(rows[b - 1]), 0.0, marks))
+        waypoints = [(float(s[k] - s[a]), rows[k - 1]) for k in range(a + 1, b + 1)]
+        items.append(PathItem(piece, field or _waypoint(rows[b - 1]), 0.0, waypoints))
     return items
 
 

@@ -5,15 +5,14 @@ from __future__ import annotations
 from typing import Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ikplan.arrays import Array
 from ikplan.certificate.requested.arc_length import ArcLength
 from ikplan.certificate.requested.curves import cubic_values, natural_cubic
 from ikplan.certificate.requested.rotations import exp, log, rotations_of, unit
 
 __all__ = ["BlendTurn", "EvenTurn", "HeadingTurn", "QuaternionSpline", "Turning"]
 
-Array = NDArray[np.float64]
 
 _STEP = 1e-5
 """Step of a difference over a parameter that goes from 0 to 1."""

@@ -7,7 +7,7 @@ import traceback
 from typing import Any
 
 from ikplan.cli.terminal.output import say_json
-from ikplan.documents.json_ready import plain
+from ikplan.documents.json_ready import json_ready
 from ikplan.errors import IkplanError, InvalidInput, NoPlan
 
 __all__ = ["INTERNAL", "NO_PLAN", "WRONG_INPUT", "fail", "fail_of_fault", "fail_of_file"]
@@ -37,7 +37,7 @@ def fail(error: IkplanError, *, as_json: bool) -> int:
     if repairs:
         _write("  (--repair N applies one and plans)\n")
     if as_json:
-        say_json(plain(error.to_problem()))
+        say_json(json_ready(error.to_problem()))
     if isinstance(error, InvalidInput):
         return WRONG_INPUT
     return NO_PLAN if isinstance(error, NoPlan) else INTERNAL

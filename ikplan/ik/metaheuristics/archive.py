@@ -7,14 +7,12 @@ crowding distance of Deb et al., "NSGA-II", 2002.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ikplan._jit import kernel
+from ikplan.arrays import Array
 from ikplan.ik.metaheuristics.order import ascending
 
 __all__ = ["archive_into", "crowding", "dominates", "draw_leader", "knee"]
-
-Array = NDArray[np.float64]
 
 
 @kernel

@@ -11,9 +11,9 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ikplan._jit import kernel
+from ikplan.arrays import Array, Indices
 from ikplan.ik.metaheuristics.bounds import bound
 from ikplan.ik.metaheuristics.draw import distinct, signed
 from ikplan.ik.metaheuristics.order import ascending
@@ -30,8 +30,6 @@ from ikplan.ik.metaheuristics.population import (
 )
 
 __all__ = ["AbcParams", "abc"]
-
-Array = NDArray[np.float64]
 
 
 class AbcParams(NamedTuple):
@@ -58,7 +56,7 @@ def _neighbour(
     x_best: Array,
     i: int,
     params: AbcParams,
-    partner: NDArray[np.int64],
+    partner: Indices,
     y: Array,
     rng: np.random.Generator,
 ) -> None:

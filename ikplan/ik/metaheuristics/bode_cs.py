@@ -10,9 +10,9 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ikplan._jit import kernel
+from ikplan.arrays import Array, Indices
 from ikplan.ik.metaheuristics.bounds import bound
 from ikplan.ik.metaheuristics.cuckoo import abandon
 from ikplan.ik.metaheuristics.differential import crossover
@@ -32,8 +32,6 @@ from ikplan.ik.metaheuristics.population import (
 )
 
 __all__ = ["BodeCsParams", "bode_cs", "bode_mutant"]
-
-Array = NDArray[np.float64]
 
 
 class BodeCsParams(NamedTuple):
@@ -105,7 +103,7 @@ def _opposite(x: Array, low: Array, high: Array, Ccsor: float, u: float, y: Arra
 def bode_mutant(
     X: Array,
     j: int,
-    r: NDArray[np.int64],
+    r: Indices,
     x_best: Array,
     F: float,
     lam: float,

@@ -8,13 +8,12 @@ negative.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ikplan._jit import kernel
+from ikplan.arrays import Array
 
 __all__ = ["BOUNDS", "CLIP", "REFLECT", "RESAMPLE", "bound", "bound_flight", "clip"]
 
-Array = NDArray[np.float64]
 
 BOUNDS = ("clip", "reflect", "resample")
 CLIP, REFLECT, RESAMPLE = range(3)

@@ -9,9 +9,9 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ikplan._jit import kernel
+from ikplan.arrays import Array
 from ikplan.ik.metaheuristics.bounds import bound
 from ikplan.ik.metaheuristics.draw import levy_deviation, levy_step, permutation
 from ikplan.ik.metaheuristics.population import (
@@ -26,8 +26,6 @@ from ikplan.ik.metaheuristics.population import (
 )
 
 __all__ = ["CsParams", "abandon", "cs"]
-
-Array = NDArray[np.float64]
 
 
 class CsParams(NamedTuple):

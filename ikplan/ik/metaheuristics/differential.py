@@ -9,9 +9,9 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ikplan._jit import kernel
+from ikplan.arrays import Array, Indices
 from ikplan.ik.metaheuristics.bounds import bound
 from ikplan.ik.metaheuristics.draw import distinct
 from ikplan.ik.metaheuristics.population import (
@@ -36,7 +36,6 @@ __all__ = [
     "rand_1",
 ]
 
-Array = NDArray[np.float64]
 
 RAND_1, BEST_1, BEST_2, RAND_2, CURRENT_TO_BEST_1 = range(5)
 
@@ -68,14 +67,14 @@ def crossover(x: Array, v: Array, CR: float, rng: np.random.Generator) -> None:
 
 
 @kernel
-def rand_1(X: Array, r: NDArray[np.int64], F: float, v: Array) -> None:
+def rand_1(X: Array, r: Indices, F: float, v: Array) -> None:
     """Write the mutant of DE/rand/1."""
     for k in range(v.shape[0]):
         v[k] = X[r[0], k] + F * (X[r[1], k] - X[r[2], k])
 
 
 @kernel
-def _mutate(X: Array, x_best: Array, j: int, r: NDArray[np.int64], p: DeParams, v: Array) -> None:
+def _mutate(X: Array, x_best: Array, j: int, r: Indices, p: DeParams, v: Array) -> None:
     """Write the mutant of individual j."""
     if p.strategy == RAND_1:
         rand_1(X, r, p.F, v)

@@ -5,13 +5,11 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ikplan._jit import kernel
+from ikplan.arrays import Indices
 
 __all__ = ["distinct", "levy_deviation", "levy_step", "permutation", "signed", "subset"]
-
-Indices = NDArray[np.int64]
 
 
 @kernel

@@ -9,9 +9,9 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ikplan._jit import kernel
+from ikplan.arrays import Array
 from ikplan.ik.metaheuristics.bounds import bound
 from ikplan.ik.metaheuristics.order import ascending
 from ikplan.ik.metaheuristics.population import (
@@ -25,8 +25,6 @@ from ikplan.ik.metaheuristics.population import (
 )
 
 __all__ = ["GaParams", "cross", "ga"]
-
-Array = NDArray[np.float64]
 
 
 class GaParams(NamedTuple):

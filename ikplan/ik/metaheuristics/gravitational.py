@@ -10,9 +10,9 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ikplan._jit import kernel
+from ikplan.arrays import Array
 from ikplan.ik.metaheuristics.bounds import bound_flight
 from ikplan.ik.metaheuristics.order import ascending
 from ikplan.ik.metaheuristics.population import (
@@ -27,7 +27,6 @@ from ikplan.ik.metaheuristics.population import (
 
 __all__ = ["GsaParams", "gsa", "masses_into"]
 
-Array = NDArray[np.float64]
 
 EPS = 2.220446049250313e-16
 

@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import numpy as np
-from numpy.typing import NDArray
-
 from ikplan._jit import kernel
+from ikplan.arrays import Array
 
 __all__ = ["halton_into"]
 
@@ -25,7 +23,7 @@ def _next_prime(after: int) -> int:
 
 
 @kernel
-def halton_into(X: NDArray[np.float64]) -> None:
+def halton_into(X: Array) -> None:
     """Write Halton points 1..N of the unit cube, shape (N, D), with the first D primes as bases."""
     base = 1
     for k in range(X.shape[1]):

@@ -11,9 +11,9 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ikplan._jit import kernel
+from ikplan.arrays import Array
 from ikplan.ik.metaheuristics.archive import (
     archive_into,
     dominates,
@@ -34,8 +34,6 @@ from ikplan.ik.metaheuristics.population import (
 )
 
 __all__ = ["MoPsoParams", "mo_pso"]
-
-Array = NDArray[np.float64]
 
 
 class MoPsoParams(NamedTuple):

@@ -9,9 +9,9 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ikplan._jit import kernel
+from ikplan.arrays import Array
 from ikplan.ik.metaheuristics.bounds import bound
 from ikplan.ik.metaheuristics.differential import crossover, rand_1
 from ikplan.ik.metaheuristics.draw import distinct
@@ -30,8 +30,6 @@ from ikplan.ik.metaheuristics.population import (
 from ikplan.ik.objective import Objective
 
 __all__ = ["OdeParams", "box_into", "keep_best_half", "ode"]
-
-Array = NDArray[np.float64]
 
 
 class OdeParams(NamedTuple):

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ikplan._jit import kernel
+from ikplan.arrays import Array, Indices
 
 __all__ = ["ascending"]
 
@@ -14,7 +14,7 @@ MERGED = 500
 
 
 @kernel
-def ascending(values: NDArray[np.float64]) -> NDArray[np.int64]:
+def ascending(values: Array) -> Indices:
     """Return the indices of ``values``, shape (n,), least value first; equal ones in order.
 
     By insertion: populations are small and mostly in order already. Large ones are merged, to the

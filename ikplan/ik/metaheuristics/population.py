@@ -11,9 +11,9 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ikplan._jit import kernel
+from ikplan.arrays import Array, Flags, Indices
 from ikplan.ik.metaheuristics.bounds import clip
 from ikplan.ik.objective import Objective, evaluate
 
@@ -34,8 +34,7 @@ __all__ = [
     "replace_if_better",
 ]
 
-Array = NDArray[np.float64]
-Counter = NDArray[np.int64]
+Counter = Indices
 
 COLD, INDIVIDUAL, CLOUD = 0, 1, 2
 """Use of the start configuration in the first population: none, as individual 0, or as the centre
@@ -70,7 +69,7 @@ class Problem(NamedTuple):
     population: int
     iterations: int
     stop_value: float
-    cut: NDArray[np.bool_]
+    cut: Flags
 
 
 class Best(NamedTuple):

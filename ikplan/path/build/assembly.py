@@ -6,16 +6,18 @@ from collections.abc import Sequence
 from itertools import dropwhile, pairwise
 
 from ikplan.path.build.corners import Joints, blend_radii
-from ikplan.path.build.items import Item, Mark
+from ikplan.path.build.items import ItemWaypoint, PathItem
 from ikplan.path.pieces.blend import Blend, blend_corner
 from ikplan.path.pieces.piece import Piece, Pose
 from ikplan.path.pieces.steady import line
-from ikplan.path.tool_path import Corner, PathStretch, PathWaypoint, ToolPath
+from ikplan.path.tool_path import Corner, PathWaypoint, SegmentRange, ToolPath
 
 __all__ = ["assemble"]
 
 
-def assemble(begin: Pose, first: Sequence[Mark], items: Sequence[Item], blend: float) -> ToolPath:
+def assemble(
+    begin: Pose, first: Sequence[ItemWaypoint], items: Sequence[PathItem], blend: float
+) -> ToolPath:
     """Join items to a path.
 
     Args:
@@ -29,51 +31,51 @@ def assemble(begin: Pose, first: Sequence[Mark], items: Sequence[Item], blend: f
     """
     whole = list(dropwhile(_is_empty, items))
     before = items[: len(items) - len(whole)]
-    first = [*first, *(mark for item in before for mark in item.marks)]
+    first = [*first, *(waypoint for item in before for waypoint in item.waypoints)]
     waypoints = [PathWaypoint(m.row, m.name, 0.0, m.pose.R, m.pose.p) for m in first]
-    stretches: list[PathStretch] = []
+    segments: list[SegmentRange] = []
     for item in before:
-        _stretch_to(stretches, item.field, 0.0, 0.0)
+        _extend_segment(segments, item.field, 0.0, 0.0)
     if not whole:
         R = begin.R if first and first[-1].pose.R is not None else None
         spot = line(begin.p, begin.p, R)
-        return ToolPath((spot,), tuple(waypoints), (), tuple(stretches))
+        return ToolPath((spot,), tuple(waypoints), (), tuple(segments))
     kept = _without_empty(whole)
     joints = Joints.between(kept)
-    return _lay_out(waypoints, stretches, kept, blend_radii(kept, joints, blend), joints)
+    return _lay_out(waypoints, segments, kept, blend_radii(kept, joints, blend), joints)
 
 
-def _is_empty(item: Item) -> bool:
+def _is_empty(item: PathItem) -> bool:
     """Whether an item leads nowhere: its poses coincide, and so the builder has joined them."""
     return item.piece.length == 0.0
 
 
-def _without_empty(items: Sequence[Item]) -> list[Item]:
+def _without_empty(items: Sequence[PathItem]) -> list[PathItem]:
     """Drop empty items after the first; their waypoints and blends go to the item before."""
-    kept: list[Item] = []
+    kept: list[PathItem] = []
     for item in items:
         if not _is_empty(item):
-            kept.append(Item(item.piece, list(item.marks), item.field, item.blend))
+            kept.append(PathItem(item.piece, list(item.waypoints), item.field, item.blend))
             continue
         end = kept[-1].piece.length
-        kept[-1].marks += [Mark(end, m.row, m.name, m.pose) for m in item.marks]
+        kept[-1].waypoints += [ItemWaypoint(end, m.row, m.name, m.pose) for m in item.waypoints]
         kept[-1].blend = kept[-1].blend if item.blend is None else item.blend
         kept[-1].empty.append(item.field)
     return kept
 
 
-def _stretch_to(stretches: list[PathStretch], field: str, begin: float, end: float) -> None:
-    """Append a stretch, or lengthen the last one if it comes from the same field."""
-    if stretches and stretches[-1].field == field:
-        last = stretches.pop()
+def _extend_segment(segments: list[SegmentRange], field: str, begin: float, end: float) -> None:
+    """Append a segment, or lengthen the last one if it comes from the same field."""
+    if segments and segments[-1].field == field:
+        last = segments.pop()
         begin, end = last.begin, max(last.end, end)
-    stretches.append(PathStretch(field, begin, end))
+    segments.append(SegmentRange(field, begin, end))
 
 
 def _lay_out(
     waypoints: list[PathWaypoint],
-    stretches: list[PathStretch],
-    items: Sequence[Item],
+    segments: list[SegmentRange],
+    items: Sequence[PathItem],
     radii: Sequence[float],
     joints: Joints,
 ) -> ToolPath:
@@ -94,7 +96,7 @@ def _lay_out(
             pieces.append(piece)
         end, row = s + length, None
         at = end if after is None else end + after.nearest
-        for m in item.marks:
+        for m in item.waypoints:
             last = m.s >= item.piece.length
             where = at if last else s + m.s - cut
             exact = not (last and after is not None)
@@ -109,11 +111,11 @@ def _lay_out(
         elif k + 1 < len(items) and joints.jump[k]:
             corners.append(Corner(end, item.field, row, 0.0, 0.0, 0.0, True))
         begin = s if before is None else s - before.piece.length
-        _stretch_to(stretches, item.field, begin, end)
+        _extend_segment(segments, item.field, begin, end)
         for field in item.empty:
-            _stretch_to(stretches, field, at, at)
+            _extend_segment(segments, field, at, at)
         s, before = end, after
-    return ToolPath(tuple(pieces), tuple(waypoints), tuple(corners), tuple(stretches))
+    return ToolPath(tuple(pieces), tuple(waypoints), tuple(corners), tuple(segments))
 
 
 def _between(piece: Piece, before: Blend | None, after: Blend | None) -> tuple[Piece | None, float]:

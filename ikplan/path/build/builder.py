@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ikplan.arrays import Array
 from ikplan.documents.curve import CurveSegment
 from ikplan.documents.segment import ArcSegment, EndOrientation, LineSegment, OrientationRule
 from ikplan.errors import InvalidRequest
 from ikplan.path.build.assembly import assemble
-from ikplan.path.build.items import Item, Mark
+from ikplan.path.build.items import ItemWaypoint, PathItem
 from ikplan.path.build.orientation_lead_in import lead_to_orientations
 from ikplan.path.build.path_frame import PathFrame
 from ikplan.path.build.spline_items import spline_items
@@ -26,7 +26,6 @@ from ikplan.path.tool_path import ToolPath
 
 __all__ = ["PathBuilder"]
 
-Array = NDArray[np.float64]
 
 _AXES = {"tool_x": 0, "tool_y": 1, "tool_z": 2}
 
@@ -58,8 +57,8 @@ class PathBuilder:
         self._row = row
         self._free_axis = None if free_axis is None else _AXES[free_axis]
         self._blend = blend
-        self._items: list[Item] = []
-        self._first: list[Mark] = []
+        self._items: list[PathItem] = []
+        self._first: list[ItemWaypoint] = []
 
     @property
     def end(self) -> Pose:
@@ -71,9 +70,9 @@ class PathBuilder:
         """Whether nothing has been appended."""
         return not self._items
 
-    def mark_begin(self) -> None:
+    def add_begin_waypoint(self) -> None:
         """Count the begin of the path as a waypoint."""
-        self._first.append(Mark(0.0, self._row(), self._name, self._begin))
+        self._first.append(ItemWaypoint(0.0, self._row(), self._name, self._begin))
 
     def add_line(
         self,
@@ -140,16 +139,18 @@ class PathBuilder:
     ) -> None:
         """Append a C2 curve through poses, one or more, after the end of what has been built."""
         asked = zip(names, poses, strict=True)
-        marks = [Mark(0.0, self._row(), name, pose) for name, pose in asked]
+        waypoints = [ItemWaypoint(0.0, self._row(), name, pose) for name, pose in asked]
         passed = joined([self._at, *poses])
-        items = spline_items(passed, [self._name, *names], marks)
+        items = spline_items(passed, [self._name, *names], waypoints)
         for item in items:
             item.field = field or item.field
         items[-1].blend = blend
         self._items += items
         self._at, self._name = passed[-1], names[-1]
 
-    def add_curve(self, segment: CurveSegment, field: str, *, mark_first: bool = True) -> None:
+    def add_curve(
+        self, segment: CurveSegment, field: str, *, first_is_waypoint: bool = True
+    ) -> None:
         """Append a named curve, joined by a line to where the path has got to.
 
         Raises:
@@ -172,10 +173,10 @@ class PathBuilder:
         lacks = first.R is not None and self._at.R is None
         name = f"the first point of {field}"
         if gap <= COINCIDENT and turn <= COINCIDENT and not lacks:
-            if mark_first:
-                marks = self._items[-1].marks if self._items else self._first
+            if first_is_waypoint:
+                waypoints = self._items[-1].waypoints if self._items else self._first
                 at = self._items[-1].piece.length if self._items else 0.0
-                marks.append(Mark(at, self._row(), name, first))
+                waypoints.append(ItemWaypoint(at, self._row(), name, first))
         elif not segment.connect and (gap > COINCIDENT or turn > COINCIDENT):
             raise InvalidRequest(
                 f"{field}: the curve begins {1e3 * gap:.6g} mm and {turn:.6g} rad from where the "
@@ -203,7 +204,7 @@ class PathBuilder:
         """Return the path.
 
         Raises:
-            InvalidRequest: A corner cannot be blended, or a free stretch leads to an orientation
+            InvalidRequest: A corner cannot be blended, or a free part leads to an orientation
                 180 degrees away.
         """
         items = lead_to_orientations(self._items, self._begin, self._first_name, self._free_axis)
@@ -224,8 +225,8 @@ class PathBuilder:
         )
 
     def _append(self, piece: Piece, to: Pose, name: str, field: str, blend: float | None) -> None:
-        mark = Mark(piece.length, self._row(), name, to)
-        self._items.append(Item(piece, [mark], field or name, blend))
+        waypoint = ItemWaypoint(piece.length, self._row(), name, to)
+        self._items.append(PathItem(piece, [waypoint], field or name, blend))
         self._at, self._name = to, name
 
     def _append_oriented(
@@ -266,7 +267,7 @@ class PathBuilder:
                 so_far += piece.length
             pieces = oriented
         for piece in pieces:
-            self._items.append(Item(piece, [], field, blend))
-        mark = Mark(pieces[-1].length, self._row(), name, Pose(R_end, p))
-        self._items[-1].marks.append(mark)
+            self._items.append(PathItem(piece, [], field, blend))
+        waypoint = ItemWaypoint(pieces[-1].length, self._row(), name, Pose(R_end, p))
+        self._items[-1].waypoints.append(waypoint)
         self._at, self._name = Pose(R_end, p), name

@@ -6,16 +6,15 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ikplan.arrays import Array, Flags
 from ikplan.errors import InvalidRequest
-from ikplan.path.build.items import Item
+from ikplan.path.build.items import PathItem
 from ikplan.path.pieces.piece import TURN_LENGTH, dot
 from ikplan.path.tool_path import ToolPath
 
 __all__ = ["Joints", "blend_radii"]
 
-Array = NDArray[np.float64]
 
 _JUMP = 1e-6
 """A change of direction, or of angular rate times TURN_LENGTH, by more than this is a corner."""
@@ -36,13 +35,13 @@ class Joints(NamedTuple):
         rate: Angular rates of both sides added, 0 where one is free [rad/m].
     """
 
-    jump: NDArray[np.bool_]
-    back: NDArray[np.bool_]
-    spot: NDArray[np.bool_]
+    jump: Flags
+    back: Flags
+    spot: Flags
     rate: Array
 
     @classmethod
-    def between(cls, items: Sequence[Item]) -> Joints:
+    def between(cls, items: Sequence[PathItem]) -> Joints:
         """Return the joints between items, in order."""
         raw = ToolPath(tuple(item.piece for item in items))
         k = np.arange(len(items) - 1)
@@ -62,7 +61,7 @@ class Joints(NamedTuple):
         )
 
 
-def blend_radii(items: Sequence[Item], joints: Joints, default: float) -> list[float]:
+def blend_radii(items: Sequence[PathItem], joints: Joints, default: float) -> list[float]:
     """Return the radius within which each joint is rounded [m]; 0: not at all.
 
     Args:
@@ -92,7 +91,7 @@ def blend_radii(items: Sequence[Item], joints: Joints, default: float) -> list[f
     return radii
 
 
-def _radius(item: Item, joints: Joints, k: int, default: float) -> float:
+def _radius(item: PathItem, joints: Joints, k: int, default: float) -> float:
     sharp = joints.spot[k] or joints.back[k]
     if item.blend is None:
         return 0.0 if sharp or not joints.jump[k] else default
@@ -106,12 +105,14 @@ def _radius(item: Item, joints: Joints, k: int, default: float) -> float:
     return item.blend
 
 
-def _refuse_overlap(items: Sequence[Item], k: int, begin: float, end: float, alike: bool) -> None:
+def _refuse_overlap(
+    items: Sequence[PathItem], k: int, begin: float, end: float, alike: bool
+) -> None:
     """Refuse radii at the begin and the end of an item that do not fit on it."""
     piece = items[k].piece
     length = piece.length
     # Waypoints and folds inside the item must stay on the path.
-    inside = [m.s for m in items[k].marks if 0.0 < m.s < length] + list(piece.folds)
+    inside = [m.s for m in items[k].waypoints if 0.0 < m.s < length] + list(piece.folds)
     rooms = min(inside, default=length), length - max(inside, default=0.0)
     shared = begin > 0.0 and end > 0.0 and begin + end > length * _ROUNDING
     for radius, other, room, joint in (
@@ -127,7 +128,7 @@ def _refuse_overlap(items: Sequence[Item], k: int, begin: float, end: float, ali
 
 
 def _refuse_radius(
-    items: Sequence[Item], joint: int, radius: float, limit: float, item: Item
+    items: Sequence[PathItem], joint: int, radius: float, limit: float, item: PathItem
 ) -> None:
     before, after = items[joint], items[joint + 1]
     name = "path.blend" if before.blend is None else f"{before.field}.blend"

@@ -7,11 +7,11 @@ from dataclasses import dataclass
 
 from ikplan.path.pieces.piece import Piece, Pose
 
-__all__ = ["Item", "Mark"]
+__all__ = ["ItemWaypoint", "PathItem"]
 
 
 @dataclass(frozen=True)
-class Mark:
+class ItemWaypoint:
     """A waypoint on an item.
 
     Attributes:
@@ -28,19 +28,19 @@ class Mark:
 
 
 @dataclass
-class Item:
+class PathItem:
     """A piece with what belongs to it.
 
     Attributes:
         piece: The piece.
-        marks: The waypoints on it, those at its end included.
+        waypoints: The waypoints on it, those at its end included.
         field: Field of the request that it comes from.
         blend: Radius of the corner at its end [m]; None: that of the path.
         empty: Fields of the request that lead nowhere, at its end.
     """
 
     piece: Piece
-    marks: list[Mark] = dataclasses.field(default_factory=list)
+    waypoints: list[ItemWaypoint] = dataclasses.field(default_factory=list)
     field: str = ""
     blend: float | None = None
     empty: list[str] = dataclasses.field(default_factory=list)

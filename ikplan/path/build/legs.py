@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from itertools import count
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ikplan.arrays import Array
 from ikplan.documents.curve import CurveSegment
 from ikplan.documents.plan_request import PathRequest
 from ikplan.documents.segment import ArcSegment, JointSegment, LineSegment, SplineSegment
@@ -18,25 +18,24 @@ from ikplan.path.build.path_frame import PathFrame
 from ikplan.path.pieces.piece import Pose
 from ikplan.path.tool_path import ToolPath
 
-__all__ = ["JointLeg", "JointTarget", "Leg", "ToolLeg", "legs_of"]
+__all__ = ["JointLeg", "JointWaypoint", "Leg", "ToolLeg", "legs_of"]
 
-Array = NDArray[np.float64]
 ForwardKinematics = Callable[[Array], tuple[Array, Array]]
 
 
 @dataclass(frozen=True)
-class JointTarget:
+class JointWaypoint:
     """What a joint motion goes to: joint values or a tool pose.
 
     Attributes:
-        index: Its row among the waypoints of the request.
+        row: Its row among the waypoints of the request.
         name: Where the request asks for it.
         q: Joint values, shape (dof,) [rad or m]; None: a pose is asked for.
         pose: The tool pose in the base; None: joint values are asked for.
         field: The joint segment that ends there; empty: none.
     """
 
-    index: int
+    row: int
     name: str
     q: Array | None = None
     pose: Pose | None = None
@@ -45,9 +44,9 @@ class JointTarget:
 
 @dataclass(frozen=True)
 class JointLeg:
-    """A joint spline through targets, from where the leg before ended."""
+    """A joint spline through waypoints, from where the leg before ended."""
 
-    targets: tuple[JointTarget, ...]
+    waypoints: tuple[JointWaypoint, ...]
 
 
 @dataclass(frozen=True)
@@ -95,7 +94,7 @@ class _Walk:
         self._at = start if start is None else self._stripped(*start)
         self._name = "the start"
         self._builder: PathBuilder | None = None
-        self._targets: list[JointTarget] = []
+        self._joint_waypoints: list[JointWaypoint] = []
         self.legs: list[Leg] = []
 
     def waypoints(self) -> None:
@@ -160,7 +159,7 @@ class _Walk:
             before = self._at or Pose(None, np.zeros(3))
             begin = self._new_builder(before).curve_begin(segment)
             self._go_to(begin, f"the first point of {field}")
-        self._tool().add_curve(segment, field, mark_first=not first)
+        self._tool().add_curve(segment, field, first_is_waypoint=not first)
 
     def _joint_segment(self, segment: JointSegment, field: str) -> None:
         if segment.q is not None:
@@ -172,7 +171,7 @@ class _Walk:
         """Begin the tool path at a pose: by a joint motion, or there if the start is free."""
         if self._at is None:
             self._at, self._name = pose, name
-            self._tool().mark_begin()
+            self._tool().add_begin_waypoint()
         else:
             self._joint_to(name, pose=pose)
 
@@ -180,7 +179,7 @@ class _Walk:
         self, name: str, q: Array | None = None, pose: Pose | None = None, field: str = ""
     ) -> None:
         self._close_tool()
-        self._targets.append(JointTarget(self._row(), name, q, pose, field))
+        self._joint_waypoints.append(JointWaypoint(self._row(), name, q, pose, field))
         self._name = name
 
     def _tool(self) -> PathBuilder:
@@ -207,13 +206,13 @@ class _Walk:
             self._at, self._builder = self._builder.end, None
 
     def _close_joint(self) -> None:
-        if not self._targets:
+        if not self._joint_waypoints:
             return
-        self.legs.append(JointLeg(tuple(self._targets)))
-        last = self._targets[-1]
+        self.legs.append(JointLeg(tuple(self._joint_waypoints)))
+        last = self._joint_waypoints[-1]
         # Only a tool path needs the pose, and only after joint values it takes kinematics.
         self._at = self._stripped(*self._fk(last.q)) if last.q is not None else last.pose
-        self._targets = []
+        self._joint_waypoints = []
 
     def _stripped(self, R: Array | None, p: Array) -> Pose:
         return Pose(None if self._frame.positions_only else R, p)

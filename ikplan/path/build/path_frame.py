@@ -5,16 +5,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ikplan.arrays import Array
 from ikplan.documents.plan_request import PathRequest
 from ikplan.documents.poses import Frame, Waypoint
 from ikplan.path.pieces.piece import Pose, unit
 from ikplan.path.rotation.so3 import rotation_of
 
 __all__ = ["PathFrame"]
-
-Array = NDArray[np.float64]
 
 
 class PathFrame:

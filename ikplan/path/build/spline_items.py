@@ -7,10 +7,10 @@ from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ikplan.arrays import Array
 from ikplan.errors import InvalidRequest
-from ikplan.path.build.items import Item, Mark
+from ikplan.path.build.items import ItemWaypoint, PathItem
 from ikplan.path.coincidence import COINCIDENT, joined
 from ikplan.path.curves.arc_length import ArcLength
 from ikplan.path.curves.shapes import CubicShape
@@ -24,19 +24,20 @@ from ikplan.path.rotation.so3 import exp, quaternion_of
 
 __all__ = ["spline_items"]
 
-Array = NDArray[np.float64]
 
 _OFF_SPHERE = 0.7
 """Quaternions farther than this from unit length turn back and forth when they are brought back."""
 
 
-def spline_items(poses: Sequence[Pose], names: Sequence[str], marks: Sequence[Mark]) -> list[Item]:
+def spline_items(
+    poses: Sequence[Pose], names: Sequence[str], waypoints: Sequence[ItemWaypoint]
+) -> list[PathItem]:
     """Return the items of a C2 curve through poses.
 
     Args:
         poses: The begin and the poses passed, two or more, joined where they coincide.
         names: What the request calls them.
-        marks: The waypoint of each pose but the first, wherever on its item.
+        waypoints: The waypoint of each pose but the first, wherever on its item.
 
     Raises:
         InvalidRequest: Two neighbouring orientations are 180 degrees apart, or the orientations
@@ -44,15 +45,15 @@ def spline_items(poses: Sequence[Pose], names: Sequence[str], marks: Sequence[Ma
     """
     steps = [np.linalg.norm(b.p - a.p) > COINCIDENT for a, b in pairwise(poses)]
     poses = _led(poses, names)
-    items: list[Item] = []
+    items: list[PathItem] = []
     first = 0
     for k, moves in enumerate([*steps, False]):
         if moves:
             continue
         if k > first:
-            items += _run(poses[first : k + 1], names[first : k + 1], marks[first:k])
+            items += _run(poses[first : k + 1], names[first : k + 1], waypoints[first:k])
         if k < len(steps):
-            items.append(_on_the_spot(poses[k : k + 2], names[k : k + 2], marks[k]))
+            items.append(_on_the_spot(poses[k : k + 2], names[k : k + 2], waypoints[k]))
         first = k + 1
     return items
 
@@ -81,16 +82,18 @@ def _led(poses: Sequence[Pose], names: Sequence[str]) -> list[Pose]:
     return led
 
 
-def _on_the_spot(poses: Sequence[Pose], names: Sequence[str], mark: Mark) -> Item:
+def _on_the_spot(poses: Sequence[Pose], names: Sequence[str], waypoint: ItemWaypoint) -> PathItem:
     begin, end = joined(poses)
     turn = None
     if begin.R is not None and end.R is not None:
         turn = shortest_turn(begin.R, end.R, (names[0], names[1]), field=names[1])
     piece = line(begin.p, end.p, begin.R if turn is not None else None, turn)
-    return Item(piece, [replace(mark, s=piece.length)], names[1], 0.0)
+    return PathItem(piece, [replace(waypoint, s=piece.length)], names[1], 0.0)
 
 
-def _run(poses: Sequence[Pose], names: Sequence[str], marks: Sequence[Mark]) -> list[Item]:
+def _run(
+    poses: Sequence[Pose], names: Sequence[str], waypoints: Sequence[ItemWaypoint]
+) -> list[PathItem]:
     """One curve through distinct positions, cut where the orientation begins or ends to count."""
     oriented = np.array([pose.R is not None for pose in poses])
     for k in np.flatnonzero(oriented[1:] & oriented[:-1]).tolist():
@@ -103,7 +106,7 @@ def _run(poses: Sequence[Pose], names: Sequence[str], marks: Sequence[Mark]) -> 
             assert R1 is not None
             turn = shortest_turn(R0, R1, (names[0], names[1]), field=names[1])
         straight = line(poses[0].p, poses[1].p, None if turn is None else poses[0].R, turn)
-        return [Item(straight, [replace(marks[0], s=straight.length)], names[1], 0.0)]
+        return [PathItem(straight, [replace(waypoints[0], s=straight.length)], names[1], 0.0)]
     curve = ArcLength(CubicShape(np.array([pose.p for pose in poses])))
     s = np.array([curve.at_break(k) for k in range(len(poses))])
     counts = oriented[1:] & oriented[:-1]
@@ -112,8 +115,8 @@ def _run(poses: Sequence[Pose], names: Sequence[str], marks: Sequence[Mark]) -> 
     for a, b in pairwise(cuts):
         turning = _turning(poses[a : b + 1], s[a : b + 1], names[a : b + 1]) if counts[a] else None
         piece = CurvedPiece(curve, float(s[a]), float(s[b] - s[a]), turning)
-        inside = [replace(marks[k - 1], s=float(s[k] - s[a])) for k in range(a + 1, b + 1)]
-        items.append(Item(piece, inside, names[b], 0.0))
+        inside = [replace(waypoints[k - 1], s=float(s[k] - s[a])) for k in range(a + 1, b + 1)]
+        items.append(PathItem(piece, inside, names[b], 0.0))
     return items
 
 

@@ -5,14 +5,13 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ikplan.arrays import Array, Flags, Indices
 from ikplan.path.curves.shapes import Shape
 from ikplan.path.pieces.piece import dot
 
 __all__ = ["ArcLength", "CurvePoints"]
 
-Array = NDArray[np.float64]
 
 _X, _WEIGHTS = np.polynomial.legendre.leggauss(8)
 _TO_POWERS = np.linalg.inv(np.vander(_X, increasing=True))
@@ -22,7 +21,7 @@ _CHECKS = np.array([-1.0, -0.52, 0.07, 0.61, 1.0])
 _FIT = 1e-10
 """Error of the speed allowed, as a share of it."""
 _POINT = 1e-10
-"""A stretch shorter than this share of the length counts as a point."""
+"""An interval shorter than this share of the length counts as a point."""
 _LEVELS = 60
 
 
@@ -41,7 +40,7 @@ class CurvePoints(NamedTuple):
 
     s: Array
     t: Array
-    node: NDArray[np.int64]
+    node: Indices
     p: Array
     v: Array
     bend: Array
@@ -51,9 +50,9 @@ class CurvePoints(NamedTuple):
 class ArcLength:
     """A shape with its arc length as the parameter.
 
-    On each stretch between two nodes the speed |dp/dt| is the polynomial through its values at
+    On each interval between two nodes the speed |dp/dt| is the polynomial through its values at
     eight Gauss points, the arc length its integral, and t(s) the inverse of that, by Newton's
-    method. Stretches are halved until the polynomial is exact to 1e-10.
+    method. Intervals are halved until the polynomial is exact to 1e-10.
 
     Attributes:
         shape: The curve.
@@ -100,8 +99,8 @@ class ArcLength:
         bend = (second - dot(v, second)[:, None] * v) / (speed**2)[:, None]
         return CurvePoints(s, t, node, p, v, bend, speed)
 
-    def _parameters(self, node: NDArray[np.int64], since: Array) -> Array:
-        """Invert the arc length on the stretches after the nodes, shape (m,)."""
+    def _parameters(self, node: Indices, since: Array) -> Array:
+        """Invert the arc length on the intervals after the nodes, shape (m,)."""
         half, arcs, speeds = self._half[node], self._arcs[:, node], self._speeds[:, node]
         x = np.clip(2.0 * since / self._lengths[node] - 1.0, -1.0, 1.0)
         for _ in range(8):
@@ -120,11 +119,11 @@ class ArcLength:
         norm = np.linalg.norm(first, axis=1)
         return np.maximum(speed, floor), first / np.where(norm > 0.0, norm, 1.0)[:, None]
 
-    def _subdivide(self) -> tuple[Array, Array, NDArray[np.bool_]]:
+    def _subdivide(self) -> tuple[Array, Array, Flags]:
         """Return nodes, the polynomials of the speed between them, and where they fit."""
         breaks = self.shape.breaks
         a, b = breaks[:-1], breaks[1:]
-        done: list[tuple[Array, Array, NDArray[np.bool_]]] = []
+        done: list[tuple[Array, Array, Flags]] = []
         checks = np.vander(_CHECKS, len(_X), increasing=True)
         scale = 0.0
         for level in range(_LEVELS):
@@ -138,7 +137,7 @@ class ArcLength:
             scale = scale or float(length.sum())
             fits = (np.abs(checks @ polynomials - true) <= _FIT * true).all(axis=0)
             stop = fits | (length <= _POINT * scale) | (level == _LEVELS - 1)
-            # A point stands for a stretch too short to fit: run through evenly.
+            # A point stands for an interval too short to fit: run through evenly.
             polynomials[0, ~fits] = 0.5 * length[~fits] / half[~fits]
             polynomials[1:, ~fits] = 0.0
             done.append((a[stop], polynomials[:, stop], fits[stop]))
@@ -152,8 +151,8 @@ class ArcLength:
         polynomials = np.concatenate([d[1] for d in done], axis=1)[:, order]
         return nodes, polynomials, np.concatenate([d[2] for d in done])[order]
 
-    def _find_folds(self, fitted: NDArray[np.bool_]) -> tuple[float, ...]:
-        """Where the curve turns within stretches too short to be more than a point."""
+    def _find_folds(self, fitted: Flags) -> tuple[float, ...]:
+        """Where the curve turns within intervals too short to be more than a point."""
         folds = []
         edges = np.flatnonzero(np.diff(np.concatenate([[False], ~fitted, [False]]).astype(int)))
         for first, last in edges.reshape(-1, 2):

@@ -5,15 +5,14 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ikplan.arrays import Array
 from ikplan.path.coincidence import COINCIDENT
 from ikplan.path.pieces.piece import unit
 from ikplan.path.pieces.steady import SteadyPiece, line
 
 __all__ = ["arc_about", "arc_through", "helix_about"]
 
-Array = NDArray[np.float64]
 
 _STRAIGHT = 1e-9
 """An arc that bulges by less than this [m] is a line."""

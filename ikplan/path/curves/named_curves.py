@@ -7,8 +7,8 @@ from collections.abc import Sequence
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ikplan.arrays import Array
 from ikplan.documents.curve import (
     CircleSegment,
     CurveSegment,
@@ -27,8 +27,6 @@ from ikplan.path.pieces.piece import Piece, Pose
 from ikplan.path.pieces.steady import line
 
 __all__ = ["curve_pieces"]
-
-Array = NDArray[np.float64]
 
 
 def curve_pieces(segment: CurveSegment, R: Array, origin: Array) -> list[Piece]:

@@ -7,12 +7,11 @@ from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
-__all__ = ["CubicShape", "QuinticShape", "RoseShape", "Shape", "SinusoidShape"]
+from ikplan.arrays import Array
 
-Array = NDArray[np.float64]
+__all__ = ["CubicShape", "QuinticShape", "RoseShape", "Shape", "SinusoidShape"]
 
 
 class Shape(Protocol):

@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ikplan.arrays import Array
 from ikplan.path.curves.arc_length import ArcLength
 from ikplan.path.curves.shapes import QuinticShape
 from ikplan.path.pieces.curved import CurvedPiece
@@ -15,8 +15,6 @@ from ikplan.path.pieces.turning import BlendTurning
 from ikplan.path.rotation.so3 import angle_between
 
 __all__ = ["Blend", "blend_corner"]
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

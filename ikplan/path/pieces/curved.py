@@ -5,15 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ikplan.arrays import Array
 from ikplan.path.curves.arc_length import ArcLength
 from ikplan.path.pieces.piece import Motion, Piece
 from ikplan.path.pieces.turning import HeadingTurning, SteadyTurning, Turning
 
 __all__ = ["CurvedPiece"]
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -6,11 +6,11 @@ from abc import ABC, abstractmethod
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
+
+from ikplan.arrays import Array
 
 __all__ = ["TURN_LENGTH", "Motion", "Piece", "Pose", "dot", "unit"]
 
-Array = NDArray[np.float64]
 
 TURN_LENGTH = 0.3
 """Path length that one radian of a turn on the spot counts for [m/rad]."""

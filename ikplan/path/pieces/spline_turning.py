@@ -3,16 +3,15 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline, PPoly
 
+from ikplan.arrays import Array
 from ikplan.path.curves.arc_length import CurvePoints
 from ikplan.path.pieces.piece import dot
 from ikplan.path.rotation.so3 import rotation_of
 
 __all__ = ["SplineTurning"]
 
-Array = NDArray[np.float64]
 
 _SWINGS = 0.4
 """Farther than this from unit length, the quaternions turn back and forth when scaled to it."""

@@ -15,20 +15,19 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ikplan.arrays import Array, Indices
 from ikplan.path.pieces.piece import TURN_LENGTH, Motion, Piece
 from ikplan.path.pieces.steady_kernels import SteadyStack, steady_rows
 
 __all__ = ["SteadyPiece", "line", "stack_steady", "steady_motion"]
 
-Array = NDArray[np.float64]
 
 _ON_THE_SPOT = 1e-6
 """A motion shorter than this [m] that turns by more counts as a turn."""
 
 
-def steady_motion(stack: SteadyStack, row: NDArray[np.int64], s: Array) -> Motion:
+def steady_motion(stack: SteadyStack, row: Indices, s: Array) -> Motion:
     """Return the motion of piece ``row[i]`` of the stack at ``s[i]`` [m] from its begin."""
     m = len(s)
     motion = Motion(np.empty((m, 3, 3)), *(np.empty((m, 3)) for _ in range(4)))

@@ -6,15 +6,12 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ikplan._jit import kernel
+from ikplan.arrays import Array, Indices
 from ikplan.path.rotation.so3_kernels import exp_into
 
 __all__ = ["SteadyStack", "steady_rows"]
-
-Array = NDArray[np.float64]
-Index = NDArray[np.int64]
 
 
 class SteadyStack(NamedTuple):
@@ -37,7 +34,7 @@ def _sinc(x: float) -> float:
 
 @kernel
 def steady_rows(
-    a: SteadyStack, row: Index, s: Array, R: Array, p: Array, v: Array, w: Array, bend: Array
+    a: SteadyStack, row: Indices, s: Array, R: Array, p: Array, v: Array, w: Array, bend: Array
 ) -> None:
     """Write the motion of piece ``row[i]`` at length ``s[i]`` from its begin to row i."""
     turn = np.empty((3, 3))

@@ -5,15 +5,13 @@ from __future__ import annotations
 from typing import Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ikplan.arrays import Array
 from ikplan.path.curves.arc_length import ArcLength, CurvePoints
 from ikplan.path.pieces.piece import dot
 from ikplan.path.rotation.so3 import exp, log, right_jacobian, right_jacobian_inverse
 
 __all__ = ["BlendTurning", "HeadingTurning", "SteadyTurning", "Turning"]
-
-Array = NDArray[np.float64]
 
 
 class Turning(Protocol):

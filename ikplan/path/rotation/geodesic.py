@@ -5,14 +5,13 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ikplan.arrays import Array
 from ikplan.errors import InvalidRequest
 from ikplan.path.rotation.so3 import log
 
 __all__ = ["AMBIGUOUS", "refuse_half_turn", "shortest_turn"]
 
-Array = NDArray[np.float64]
 
 AMBIGUOUS = 1e-6
 """Turns this near to 180 degrees go either way [rad]."""

@@ -10,8 +10,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ikplan.arrays import Array
 from ikplan.path.rotation.so3_kernels import exp_rows, log_rows, matrix_rows, quaternion_rows
 
 __all__ = [
@@ -25,7 +25,6 @@ __all__ = [
     "rotation_of",
 ]
 
-Array = NDArray[np.float64]
 
 _SMALL = 1e-2
 """Angle below which power series are more exact than the closed forms [rad]."""

@@ -8,13 +8,11 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ikplan._jit import kernel
+from ikplan.arrays import Array
 
 __all__ = ["exp_into", "exp_rows", "log_rows", "matrix_rows", "quaternion_rows"]
-
-Array = NDArray[np.float64]
 
 
 @kernel

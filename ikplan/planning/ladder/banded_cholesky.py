@@ -4,14 +4,10 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
-from numpy.typing import NDArray
-
 from ikplan._jit import kernel
+from ikplan.arrays import Array
 
 __all__ = ["solve_banded"]
-
-Array = NDArray[np.float64]
 
 
 @kernel

@@ -1,4 +1,4 @@
-"""The Newton step of the polish: all waypoints together, in the tangent spaces of their targets.
+"""The Newton step of path shortening: all waypoints at once, in their targets' tangent spaces.
 
 The Hessian is block tridiagonal, so that a step costs time linear in the number of waypoints.
 """
@@ -6,17 +6,14 @@ The Hessian is block tridiagonal, so that a step costs time linear in the number
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ikplan._jit import kernel
+from ikplan.arrays import Array, Flags, Indices
 from ikplan.planning.ladder.banded_cholesky import solve_banded
 from ikplan.planning.ladder.null_space import null_space_basis
 
 __all__ = ["newton_step"]
 
-Array = NDArray[np.float64]
-Indices = NDArray[np.int64]
-Flags = NDArray[np.bool_]
 
 _AT_LIMIT = 1e-4
 """Nearer to a limit than this, a joint that is pushed out rests: cut short by the limit, its steps
@@ -135,8 +132,8 @@ def newton_step(
 
     A joint at its limit is fixed where the step would push it out, and freed again where the
     descent after the step would pull it in, over and over until the set stands (a primal-dual
-    active set). That fixes and frees whole stretches of waypoints at once; one waypoint looked at
-    by itself would let go of such a stretch only from its ends.
+    active set). That fixes and frees whole runs of waypoints at once; one waypoint looked at
+    by itself would let go of such a run only from its ends.
 
     Args:
         u: Directions of the steps into each waypoint, shape (n, dof).

@@ -10,9 +10,9 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ikplan._jit import kernel
+from ikplan.arrays import Array, Flags, Indices
 from ikplan.kinematics.arm import Arm
 from ikplan.kinematics.chain import Chain
 
@@ -24,8 +24,6 @@ __all__ = [
     "with_equivalents",
 ]
 
-Array = NDArray[np.float64]
-Indices = NDArray[np.int64]
 
 _TURN = 2.0 * math.pi
 _MOST_COPIES = 1024
@@ -33,7 +31,7 @@ _MOST_COPIES = 1024
 
 
 @kernel
-def joints_with_full_turn(chain: Chain, lower: Array, upper: Array) -> NDArray[np.bool_]:
+def joints_with_full_turn(chain: Chain, lower: Array, upper: Array) -> Flags:
     """Return which joints can stand a full turn further and be where they were, shape (dof,)."""
     turns = np.zeros(lower.shape[0], dtype=np.bool_)
     if not chain.coupled:
@@ -54,7 +52,7 @@ def nearest_copy(value: float, near: float, lower: float, upper: float) -> float
 
 
 @kernel
-def copies_of(q: Array, turns: NDArray[np.bool_], lower: Array, upper: Array) -> Array:
+def copies_of(q: Array, turns: Flags, lower: Array, upper: Array) -> Array:
     """Return a solution with all its copies within the limits, shape (m, dof) [rad or m].
 
     The copies of a joint without limits are the ones nearest to the solution.
@@ -81,7 +79,7 @@ def with_equivalents(arm: Arm, rows: Array) -> Array:
 @kernel
 def _count_copies(
     q: Array,
-    turns: NDArray[np.bool_],
+    turns: Flags,
     lower: Array,
     upper: Array,
     first: Array,
@@ -108,7 +106,7 @@ def shortest_over_equivalents(
     down: Array,
     q_start: Array,
     start_free: bool,
-    turns: NDArray[np.bool_],
+    turns: Flags,
     lower: Array,
     upper: Array,
     known: Array,

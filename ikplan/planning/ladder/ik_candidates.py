@@ -12,17 +12,16 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ikplan._jit import kernel
+from ikplan.arrays import Array, Flags, Indices
 from ikplan.ik.levenberg_marquardt import Effort, Workspace, new_workspace, refine
 from ikplan.ik.restarts import nearest_turns, restart_into
 from ikplan.kinematics.chain import Chain
 from ikplan.kinematics.target import Freedom, Target, constraint_rows
 
-__all__ = ["Candidates", "Targets", "sample_ik_solutions", "target_at"]
+__all__ = ["IkCandidates", "Targets", "sample_ik_solutions", "target_at"]
 
-Array = NDArray[np.float64]
 
 _FAR = 0.6
 """Where every solution moves a joint by more than this on the way to the next waypoint, the ones
@@ -42,12 +41,12 @@ class Targets(NamedTuple):
 
     R: Array
     p: Array
-    oriented: NDArray[np.bool_]
+    oriented: Flags
     weight: Array
     freedom: Freedom
 
 
-class Candidates(NamedTuple):
+class IkCandidates(NamedTuple):
     """Solutions of each waypoint.
 
     Attributes:
@@ -57,8 +56,8 @@ class Candidates(NamedTuple):
     """
 
     q: Array
-    counts: NDArray[np.int64]
-    evaluations: NDArray[np.int64]
+    counts: Indices
+    evaluations: Indices
 
 
 @kernel
@@ -103,7 +102,7 @@ def sample_ik_solutions(
     fresh: int,
     shift: float,
     tolerance: float,
-) -> Candidates:
+) -> IkCandidates:
     """Find solutions of every waypoint.
 
     Args:
@@ -124,7 +123,7 @@ def sample_ik_solutions(
         before come first, in their order.
     """
     n, dof = targets.p.shape[0], q_start.shape[0]
-    found = Candidates(
+    found = IkCandidates(
         np.empty((n, cap, dof)), np.zeros(n, dtype=np.int64), np.zeros(1, dtype=np.int64)
     )
     w: Workspace = new_workspace(chain)

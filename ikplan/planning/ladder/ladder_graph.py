@@ -1,6 +1,6 @@
 """The least joint motion through one candidate per waypoint: shortest paths over the ladder.
 
-The shortest path over the candidates is not always the one that is shortest after the polish, so
+The shortest path over the candidates is not always the one that is shortest once shortened, so
 several that really differ are offered.
 """
 
@@ -9,28 +9,23 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ikplan._jit import kernel
+from ikplan.arrays import Array, Flags, Indices
 from ikplan.kinematics.chain import Chain
 from ikplan.planning.ladder.equivalent_configurations import (
     joints_with_full_turn,
     nearest_copy,
     shortest_over_equivalents,
 )
-from ikplan.planning.ladder.ik_candidates import Candidates
+from ikplan.planning.ladder.ik_candidates import IkCandidates
 from ikplan.planning.ladder.joint_length import joint_path_length
 
 __all__ = ["diverse_shortest_paths"]
 
-Array = NDArray[np.float64]
-Indices = NDArray[np.int64]
-
 
 @kernel
-def _step_to(
-    q: Array, q_before: Array, turns: NDArray[np.bool_], lower: Array, upper: Array
-) -> float:
+def _step_to(q: Array, q_before: Array, turns: Flags, lower: Array, upper: Array) -> float:
     """Return the distance to q, each joint at its copy nearest to where it is."""
     total = 0.0
     for d in range(q.shape[0]):
@@ -41,7 +36,7 @@ def _step_to(
 
 @kernel
 def _turn_to(
-    q: Array, q_before: Array, turns: NDArray[np.bool_], lower: Array, upper: Array, out: Array
+    q: Array, q_before: Array, turns: Flags, lower: Array, upper: Array, out: Array
 ) -> None:
     """Write q with each joint at its copy nearest to where it is."""
     for d in range(q.shape[0]):
@@ -50,10 +45,10 @@ def _turn_to(
 
 @kernel
 def _climb(
-    candidates: Candidates,
+    candidates: IkCandidates,
     q_start: Array,
     start_free: bool,
-    turns: NDArray[np.bool_],
+    turns: Flags,
     lower: Array,
     upper: Array,
 ) -> tuple[Array, Indices, Array]:
@@ -90,7 +85,7 @@ def _climb(
 
 
 @kernel
-def _descend(candidates: Candidates, turns: NDArray[np.bool_]) -> tuple[Array, Indices]:
+def _descend(candidates: IkCandidates, turns: Flags) -> tuple[Array, Indices]:
     """Least joint motion from every candidate to the end, and the candidate after it there.
 
     As if no limit stood in the way of a turn: where the motion will have brought a joint by then
@@ -118,7 +113,7 @@ def _descend(candidates: Candidates, turns: NDArray[np.bool_]) -> tuple[Array, I
 @kernel
 def diverse_shortest_paths(
     chain: Chain,
-    candidates: Candidates,
+    candidates: IkCandidates,
     q_start: Array,
     start_free: bool,
     lower: Array,
@@ -134,7 +129,7 @@ def diverse_shortest_paths(
 
     Args:
         chain: The chain from base to tool.
-        candidates: Candidates of each waypoint; each waypoint has at least one.
+        candidates: IkCandidates of each waypoint; each waypoint has at least one.
         q_start: The start, shape (dof,) [rad or m].
         start_free: Whether the motion may begin at any candidate of the first waypoint.
         lower: Lower position limits, -inf for a joint without, shape (dof,) [rad or m].
@@ -199,6 +194,6 @@ def _away(rows: Array, q: Array, apart: float) -> bool:
 
 
 @kernel
-def _has_copies(turns: NDArray[np.bool_], lower: Array, upper: Array) -> bool:
+def _has_copies(turns: Flags, lower: Array, upper: Array) -> bool:
     """Whether a joint with limits has room for a full turn."""
     return bool(np.any(turns & np.isfinite(upper - lower)))

@@ -5,17 +5,15 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ikplan._jit import kernel
+from ikplan.arrays import Array, Flags
 
 __all__ = ["null_space_basis"]
 
-Array = NDArray[np.float64]
-
 
 @kernel
-def null_space_basis(Jt: Array, fixed: NDArray[np.bool_], basis: Array) -> int:
+def null_space_basis(Jt: Array, fixed: Flags, basis: Array) -> int:
     """Write an orthonormal basis of the joint motions that keep the target, row by row.
 
     Args:

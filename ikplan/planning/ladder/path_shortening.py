@@ -1,4 +1,4 @@
-"""The continuous polish: every waypoint slides on its own solution set, all of them together.
+"""Path shortening: every waypoint slides on its own solution set, all of them together.
 
 Minimises sum ||q_k - q_k-1|| subject to every target and the limits, by Newton steps in the tangent
 spaces of the solution sets. The Hessian is block tridiagonal, so that a step costs time linear in
@@ -10,9 +10,9 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ikplan._jit import kernel
+from ikplan.arrays import Array
 from ikplan.ik.levenberg_marquardt import (
     Effort,
     Workspace,
@@ -27,9 +27,7 @@ from ikplan.planning.ladder.banded_newton import newton_step
 from ikplan.planning.ladder.ik_candidates import Targets, target_at
 from ikplan.planning.ladder.joint_length import joint_path_length
 
-__all__ = ["polish"]
-
-Array = NDArray[np.float64]
+__all__ = ["shorten_sequence"]
 
 
 @kernel
@@ -83,7 +81,7 @@ def _slide(
 
 
 @kernel
-def polish(
+def shorten_sequence(
     chain: Chain,
     targets: Targets,
     q: Array,

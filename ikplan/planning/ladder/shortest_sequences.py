@@ -1,20 +1,19 @@
-"""Ways through targets one after the other: candidates of each, and the shortest joint motions."""
+"""Joint sequences through targets one after the other: candidates of each, the shortest motions."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ikplan.arrays import Array
 from ikplan.kinematics.arm import Arm
-from ikplan.planning.ladder.ik_candidates import Candidates, Targets, sample_ik_solutions
+from ikplan.planning.ladder.ik_candidates import IkCandidates, Targets, sample_ik_solutions
 from ikplan.planning.ladder.ladder_graph import diverse_shortest_paths
-from ikplan.planning.ladder.path_shortening import polish
+from ikplan.planning.ladder.path_shortening import shorten_sequence
 
-__all__ = ["candidates_of", "polished_ways"]
+__all__ = ["ik_candidates", "shortened_sequences"]
 
-Array = NDArray[np.float64]
 
 _CAP = 40
 """Candidates kept of a target."""
@@ -23,14 +22,14 @@ _FIRST = 100
 _FRESH = 4
 """Evenly spread seeds of every further target."""
 _PATHS = 6
-"""Paths over the ladder that are polished."""
+"""Paths over the ladder that are shortened."""
 _EXACT = 1e-9
 """Error that counts as none [m and rad]."""
 
 
-def candidates_of(
+def ik_candidates(
     arm: Arm, targets: Targets, q_start: Array, seeds: Array | None = None, seed: int = 0
-) -> Candidates:
+) -> IkCandidates:
     """Return a diverse set of solutions of each of n targets.
 
     Args:
@@ -57,10 +56,10 @@ def candidates_of(
     )
 
 
-def polished_ways(
-    arm: Arm, targets: Targets, candidates: Candidates, q_start: Array, start_free: bool
+def shortened_sequences(
+    arm: Arm, targets: Targets, candidates: IkCandidates, q_start: Array, start_free: bool
 ) -> Iterator[tuple[float, Array, int]]:
-    """Yield the shortest paths over the candidates that really differ, each polished.
+    """Yield the shortest paths over the candidates that really differ, each shortened.
 
     Args:
         arm: The arm.
@@ -76,5 +75,7 @@ def polished_ways(
     for q in diverse_shortest_paths(
         arm.chain, candidates, q_start, start_free, lower, upper, _PATHS, 0.6, 0.1
     ):
-        length, spent = polish(arm.chain, targets, q, q_start, start_free, lower, upper, 60, 1e-5)
+        length, spent = shorten_sequence(
+            arm.chain, targets, q, q_start, start_free, lower, upper, 60, 1e-5
+        )
         yield length, q, spent

@@ -1,52 +1,50 @@
-"""Ways of a redundant arm along a path, chosen over all its stations at once.
+"""Joint sequences of a redundant arm along a path, chosen over all its points at once.
 
-Led along a path from its start, an arm takes the nearest configuration at each step, and may come
+Tracking a path from its start, an arm takes the nearest configuration at each step, and may come
 to a limit that it would have kept clear of had it begun to move aside long before.
 """
 
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ikplan.arrays import Array
 from ikplan.kinematics.arm import Arm
 from ikplan.planning.ladder.ik_candidates import Targets
-from ikplan.planning.ladder.shortest_sequences import candidates_of, polished_ways
+from ikplan.planning.ladder.shortest_sequences import ik_candidates, shortened_sequences
 from ikplan.time_budget import TimeBudget
 
 __all__ = ["resolve_redundancy_globally"]
-
-Array = NDArray[np.float64]
 
 
 def resolve_redundancy_globally(
     arm: Arm, targets: Targets, q_start: Array, clock: TimeBudget
 ) -> tuple[list[tuple[float, Array]], int]:
-    """Choose ways through every station that move the joints little.
+    """Choose sequences through every point that move the joints little.
 
-    Whether the arm can move from each station to the next along the path is not looked at.
+    Whether the arm can move from each point to the next along the path is not looked at.
 
     Args:
         arm: The arm.
-        targets: The targets of m stations.
+        targets: The targets of m points.
         q_start: The configuration at the first, shape (dof,) [rad or m].
         clock: The time budget.
 
     Returns:
-        Joint motion [rad or m] and configurations, shape (m, dof), of each way, shortest first,
-        none where a station has no solution; and evaluations spent.
+        Joint motion [rad or m] and configurations, shape (m, dof), of each sequence, shortest
+        first, none where a point has no solution; and evaluations spent.
     """
-    clock.check()
     after = Targets(
         targets.R[1:], targets.p[1:], targets.oriented[1:], targets.weight[1:], targets.freedom
     )
-    candidates = candidates_of(arm, after, q_start)
+    with clock.stage("ik"):
+        candidates = ik_candidates(arm, after, q_start)
     evaluations = int(candidates.evaluations[0])
-    ways: list[tuple[float, Array]] = []
+    sequences: list[tuple[float, Array]] = []
     if (candidates.counts == 0).any():
-        return ways, evaluations
-    for length, q, spent in polished_ways(arm, after, candidates, q_start, False):
+        return sequences, evaluations
+    for length, q, spent in shortened_sequences(arm, after, candidates, q_start, False):
         clock.check()
         evaluations += spent
-        ways.append((length, np.ascontiguousarray(np.vstack([q_start, q]))))
-    return sorted(ways, key=lambda way: way[0]), evaluations
+        sequences.append((length, np.ascontiguousarray(np.vstack([q_start, q]))))
+    return sorted(sequences, key=lambda sequence: sequence[0]), evaluations

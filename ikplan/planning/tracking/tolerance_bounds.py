@@ -1,7 +1,8 @@
 """How far the tool leaves what a target leaves free, between the places where it is looked at.
 
-Stations often lie on the very edge of a cone or a box. From there a joint spline may lead out and
-back in within a small share of the step, and what is left over once the freedom is taken off shows
+Path points often lie on the very edge of a cone or a box. From there a joint spline may lead out
+and back in within a small share of the step, and what is left over once the freedom is taken off
+shows
 nothing of it at a place beyond. The lean, or the offset along an axis of the box, is smooth there:
 a parabola through three places tells how far it goes between them.
 """
@@ -9,15 +10,13 @@ a parabola through three places tells how far it goes between them.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ikplan.arrays import Array
 from ikplan.kinematics.target import Freedom
 from ikplan.path.rotation.so3 import log
 from ikplan.planning.ladder.ik_candidates import Targets
 
 __all__ = ["box_size", "has_bounds", "violation_between"]
-
-Array = NDArray[np.float64]
 
 
 def has_bounds(freedom: Freedom) -> bool:

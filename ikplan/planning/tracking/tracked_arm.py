@@ -1,12 +1,12 @@
-"""An arm to be led along tool paths, and what it has to keep there."""
+"""The arm, its limits and the tolerance while it tracks a tool path."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ikplan.arrays import Array
 from ikplan.documents.plan_request import Tolerance
 from ikplan.kinematics.arm import Arm
 from ikplan.kinematics.target import ORIENTATION_WEIGHT, Freedom, constraint_rows
@@ -15,19 +15,18 @@ from ikplan.planning.ladder.ik_candidates import Targets, target_at
 from ikplan.planning.tracking.reference_path import ReferencePath
 from ikplan.time_budget import TimeBudget
 
-__all__ = ["EXACT", "MOST_STATIONS", "TrackedArm"]
+__all__ = ["EXACT", "MAX_POINTS", "TrackedArm"]
 
-Array = NDArray[np.float64]
 
 EXACT = 1e-9
-"""Error of a station that counts as none [m and rad]."""
-MOST_STATIONS = 20_000
-"""Stations of a path at which more are no longer added."""
+"""Error of a point that counts as none [m and rad]."""
+MAX_POINTS = 20_000
+"""Points of a path at which more are no longer added."""
 
 
 @dataclass(frozen=True)
 class TrackedArm:
-    """An arm to be led along tool paths.
+    """An arm that tracks tool paths.
 
     Attributes:
         arm: The arm.
@@ -45,10 +44,10 @@ class TrackedArm:
     tolerance: Tolerance
     clock: TimeBudget
 
-    def targets_at(self, guide: ReferencePath, s: Array) -> Targets:
+    def targets_at(self, reference: ReferencePath, s: Array) -> Targets:
         """Return the targets of path positions, shape (m,)."""
-        R, p = guide.poses(s)
-        mask = guide.orientation_mask(s) & self.oriented
+        R, p = reference.poses(s)
+        mask = reference.orientation_mask(s) & self.oriented
         return Targets(
             np.ascontiguousarray(R),
             np.ascontiguousarray(p),
@@ -57,7 +56,7 @@ class TrackedArm:
             self.freedom,
         )
 
-    def redundant(self, guide: ReferencePath) -> bool:
+    def redundant(self, reference: ReferencePath) -> bool:
         """Return whether the arm has self-motion along a path."""
-        targets = self.targets_at(guide, np.array([0.5 * guide.length]))
+        targets = self.targets_at(reference, np.array([0.5 * reference.length]))
         return self.arm.dof > constraint_rows(target_at(targets, 0))

@@ -1,43 +1,40 @@
-"""What comes of leading an arm along a tool path: stations to its end, or where it was lost."""
+"""The result of tracking a tool path: the configurations, or where tracking failed."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
-import numpy as np
-from numpy.typing import NDArray
+from ikplan.arrays import Array, Indices
 
 __all__ = ["TrackedPath", "TrackingFailed"]
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
 class TrackedPath:
-    """Stations of a path that was followed to its end.
+    """Points of a path that was tracked to its end.
 
     Attributes:
         s: Path positions, shape (m,).
         q: Configurations, shape (m, dof) [rad or m].
-        rest: Indices of the stations where the motion stops.
-        waypoint: Indices of the stations of the waypoints, shape (n,).
-        length: Sum of the joint distances, the move to the first station included.
+        rest: Indices of the points where the motion stops.
+        waypoint: Indices of the points of the waypoints, shape (n,).
+        length: Sum of the joint distances, the move to the first point included.
         evaluations: Forward-kinematics evaluations spent.
     """
 
     s: Array
     q: Array
     rest: list[int]
-    waypoint: NDArray[np.int64]
+    waypoint: Indices
     length: float
     evaluations: int
 
 
 class TrackingFailed(Exception):
-    """The arm could not be led farther along the path.
+    """The arm cannot track the path any farther.
 
     Attributes:
-        s: Path position of the last station reached.
+        s: Path position of the last point reached.
         q: Its configuration, shape (dof,) [rad or m].
         evaluations: Forward-kinematics evaluations spent.
         beyond: The configuration next on the path, which it cannot move on to, shape (dof,); None:

@@ -1,8 +1,8 @@
-"""Following a tool path continuously, station by station.
+"""Tracking a tool path continuously, point by point.
 
 Two neighbouring configurations are joined only if the motion between them stays on the path: the
 configuration half-way is brought onto the half-way target, and must not have to move far for it.
-Where it has to, the stations are too far apart, or lie on different branches. There is no threshold
+Where it has to, the points are too far apart, or lie on different branches. There is no threshold
 on joint jumps.
 """
 
@@ -11,25 +11,30 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ikplan._jit import kernel
+from ikplan.arrays import Array
 from ikplan.ik.levenberg_marquardt import Effort, differentiate, refine, residual
 from ikplan.ik.workspace import Workspace, new_workspace
 from ikplan.kinematics.chain import Chain
 from ikplan.planning.ladder.ik_candidates import Targets, target_at
 from ikplan.planning.ladder.null_space import null_space_basis
 
-__all__ = ["NO_EXTRA_OFFSET", "errors_at", "first_discontinuity", "project_onto_targets", "track"]
+__all__ = [
+    "NO_EXTRA_OFFSET",
+    "errors_at",
+    "first_discontinuity",
+    "project_onto_targets",
+    "track_points",
+]
 
-Array = NDArray[np.float64]
 
 _SINGULARITY_STEP = 0.02
 """How far to step aside from a singular configuration [rad or m]."""
 MIDPOINT_RATIO = 0.25
-"""Share of a step by which the half-way configuration may be off the middle."""
+"""Fraction of a step by which the half-way configuration may be off the middle."""
 NO_EXTRA_OFFSET = 1e-7
-"""As little besides as counts as none [rad or m]."""
+"""Extra midpoint offset treated as zero [rad or m]."""
 
 
 @kernel
@@ -42,11 +47,11 @@ def _midpoint_is_continuous(
     lower: Array,
     upper: Array,
     tolerance: float,
-    slack: float,
+    extra_offset: float,
     middle: Array,
     w: Workspace,
 ) -> tuple[bool, int]:
-    """Write station k's configuration; return whether the step over it holds, and evaluations."""
+    """Solve point k, the middle of a step; return whether that is continuous, and evaluations."""
     dof = before.shape[0]
     step = 0.0
     for d in range(dof):
@@ -60,14 +65,14 @@ def _midpoint_is_continuous(
     off = 0.0
     for d in range(dof):
         off += (middle[d] - 0.5 * (before[d] + after[d])) ** 2
-    return math.sqrt(off) <= MIDPOINT_RATIO * math.sqrt(step) + slack, spent
+    return math.sqrt(off) <= MIDPOINT_RATIO * math.sqrt(step) + extra_offset, spent
 
 
 @kernel
 def _avoid_limits_in_null_space(
     chain: Chain, targets: Targets, k: int, q: Array, lower: Array, upper: Array, w: Workspace
 ) -> None:
-    """Slide q within its self-motion away from limits it comes near to, in place."""
+    """Move q within its self-motion away from limits it comes near to, in place."""
     dof = q.shape[0]
     push = np.zeros(dof)
     near = False
@@ -104,11 +109,11 @@ def _double_step(
     lower: Array,
     upper: Array,
     tolerance: float,
-    lean: bool,
+    avoid_limits: bool,
     trial: Array,
     w: Workspace,
 ) -> tuple[bool, int]:
-    """Write a configuration of station k + 2, from that of k; return whether it is, evaluations."""
+    """Solve point k + 2 starting from point k; return success and evaluations."""
     for d in range(trial.shape[0]):
         trial[d] = q[k, d]
         if k >= 2 and s[k] > s[k - 2]:
@@ -116,7 +121,7 @@ def _double_step(
             ahead = (s[k + 2] - s[k]) / (s[k] - s[k - 2])
             trial[d] += min(ahead, 2.0) * (q[k, d] - q[k - 2, d])
         trial[d] = min(max(trial[d], lower[d]), upper[d])
-    if lean:
+    if avoid_limits:
         _avoid_limits_in_null_space(chain, targets, k + 2, trial, lower, upper, w)
     target = target_at(targets, k + 2)
     distance, angle, evaluations = refine(chain, target, trial, lower, upper, Effort(15, 8), w)
@@ -133,7 +138,7 @@ def _double_step(
 
 
 @kernel
-def track(
+def track_points(
     chain: Chain,
     targets: Targets,
     s: Array,
@@ -143,25 +148,26 @@ def track(
     upper: Array,
     tolerance: float,
     redundant: bool,
-    slack: float,
+    extra_offset: float,
 ) -> tuple[int, int]:
-    """Follow stations from station ``first``, whose configuration is given, in steps of two.
+    """Track points from point ``first``, whose configuration is given, in steps of two.
 
     Args:
         chain: The chain from base to tool.
-        targets: The targets of m stations, m odd.
-        s: Path positions of the stations, shape (m,).
-        q: In: rows up to ``first``, out: the rows after it as far as followed, shape (m, dof).
+        targets: The targets of m points, m odd.
+        s: Path positions of the points, shape (m,).
+        q: In: rows up to ``first``, out: the rows after it as far as tracked, shape (m, dof).
         first: An even index.
         lower: Lower bounds, shape (dof,) [rad or m].
         upper: Upper bounds, shape (dof,) [rad or m].
         tolerance: Error that counts as on the target [m and rad].
-        redundant: Whether the arm has self-motion to lean away from its limits with.
-        slack: How far off the middle a half-way configuration may be besides its share of the step
-            [rad or m]: in a bend sharper than the stations are dense it is off by all of a step.
+        redundant: Whether the arm has self-motion to move away from its limits with.
+        extra_offset: How far off the middle a half-way configuration may be besides its part of
+            the step [rad or m]: in a bend sharper than the points are dense it is off by all of a
+            step.
 
     Returns:
-        Index of the last station reached (even; the last one: all), and evaluations.
+        Index of the last point reached (even; the last one: all), and evaluations.
     """
     m, dof = q.shape
     w = new_workspace(chain)
@@ -169,15 +175,35 @@ def track(
     evaluations = 0
     k = first
     while k + 2 < m:
-        # Where leaning away from limits leads astray, as by a singular configuration: without.
-        for lean in range(2 if redundant else 1):
+        # Where moving away from limits fails, as by a singular configuration: without.
+        for avoid_limits in range(2 if redundant else 1):
             reached, spent = _double_step(
-                chain, targets, s, q, k, lower, upper, tolerance, redundant and lean == 0, trial, w
+                chain,
+                targets,
+                s,
+                q,
+                k,
+                lower,
+                upper,
+                tolerance,
+                redundant and avoid_limits == 0,
+                trial,
+                w,
             )
             evaluations += spent
             if reached:
                 reached, spent = _midpoint_is_continuous(
-                    chain, targets, k + 1, q[k], trial, lower, upper, tolerance, slack, middle, w
+                    chain,
+                    targets,
+                    k + 1,
+                    q[k],
+                    trial,
+                    lower,
+                    upper,
+                    tolerance,
+                    extra_offset,
+                    middle,
+                    w,
                 )
                 evaluations += spent
             if reached:
@@ -199,12 +225,12 @@ def first_discontinuity(
     upper: Array,
     tolerance: float,
 ) -> tuple[int, int]:
-    """Return the first even station whose step of two does not hold, else m - 1; evaluations.
+    """Return the first even point whose step of two is not continuous, else m - 1; evaluations.
 
     Args:
         chain: The chain from base to tool.
-        targets: The targets of m stations, m odd.
-        q: Configurations of the stations, shape (m, dof) [rad or m].
+        targets: The targets of m points, m odd.
+        q: Configurations of the points, shape (m, dof) [rad or m].
         lower: Lower bounds, shape (dof,) [rad or m].
         upper: Upper bounds, shape (dof,) [rad or m].
         tolerance: Error that counts as on the target [m and rad].
@@ -214,7 +240,7 @@ def first_discontinuity(
     middle = np.empty(dof)
     evaluations = 0
     for k in range(0, m - 2, 2):
-        holds, spent = _midpoint_is_continuous(
+        continuous, spent = _midpoint_is_continuous(
             chain,
             targets,
             k + 1,
@@ -228,7 +254,7 @@ def first_discontinuity(
             w,
         )
         evaluations += spent
-        if not holds:
+        if not continuous:
             return k, evaluations
     return m - 1, evaluations
 

@@ -5,12 +5,12 @@ from __future__ import annotations
 import numpy as np
 
 from ikplan.planning.waypoints.waypoint_ik import solve_waypoint
-from ikplan.planning.waypoints.waypoint_problem import Chosen, WaypointProblem
+from ikplan.planning.waypoints.waypoint_problem import SelectedConfigurations, WaypointProblem
 
-__all__ = ["choose_greedily"]
+__all__ = ["select_greedily"]
 
 
-def choose_greedily(problem: WaypointProblem) -> Chosen:
+def select_greedily(problem: WaypointProblem) -> SelectedConfigurations:
     """Choose the nearest solution found at each waypoint, in order.
 
     Args:
@@ -26,10 +26,11 @@ def choose_greedily(problem: WaypointProblem) -> Chosen:
     q = np.empty((len(problem.targets), problem.robot.dof))
     q_before = problem.q_start
     evaluations = 0
-    for k in range(len(problem.targets)):
-        problem.clock.check({"waypoints_solved": k, "q": q[:k].tolist()})
-        problem.clock.advance(problem.first_row + k)
-        q_before, spent = solve_waypoint(problem, k, q_before)
-        q[k] = q_before
-        evaluations += spent
-    return Chosen(q, evaluations)
+    with problem.clock.stage("ik"):
+        for k in range(len(problem.targets)):
+            problem.clock.check({"waypoints_solved": k, "q": q[:k].tolist()})
+            problem.clock.advance(problem.first_row + k)
+            q_before, spent = solve_waypoint(problem, k, q_before)
+            q[k] = q_before
+            evaluations += spent
+    return SelectedConfigurations(q, evaluations)

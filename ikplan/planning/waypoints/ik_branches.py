@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ikplan.arrays import Array
 from ikplan.planning.ladder.equivalent_configurations import with_equivalents
 from ikplan.planning.ladder.ik_candidates import sample_ik_solutions
 from ikplan.planning.waypoints.least_motion import stack_targets
@@ -13,7 +13,6 @@ from ikplan.planning.waypoints.waypoint_problem import WaypointProblem
 
 __all__ = ["branches"]
 
-Array = NDArray[np.float64]
 
 _STARTS = 24
 """Starts of a tool path that are tried where it may begin in any branch."""
@@ -33,23 +32,24 @@ def branches(problem: WaypointProblem) -> tuple[Array, int]:
         Unreachable: There is none within tolerance.
     """
     arm = problem.solver.arm
-    found = sample_ik_solutions(
-        arm.chain,
-        stack_targets(problem.targets),
-        np.empty((1, 0, arm.dof)),
-        problem.q_start,
-        arm.lower,
-        arm.upper,
-        2 * _STARTS,
-        _SEEDS,
-        0,
-        (0.5 + problem.solver.seed * 0.6180339887498949) % 1.0,
-        1e-9,
-    )
-    evaluations = int(found.evaluations[0])
-    q = with_equivalents(arm, found.q[0, : found.counts[0]])
-    if len(q) == 0:
-        one, spent = solve_waypoint(problem, 0, problem.q_start)
-        return one[None], evaluations + spent
+    with problem.clock.stage("ik"):
+        found = sample_ik_solutions(
+            arm.chain,
+            stack_targets(problem.targets),
+            np.empty((1, 0, arm.dof)),
+            problem.q_start,
+            arm.lower,
+            arm.upper,
+            2 * _STARTS,
+            _SEEDS,
+            0,
+            (0.5 + problem.solver.seed * 0.6180339887498949) % 1.0,
+            1e-9,
+        )
+        evaluations = int(found.evaluations[0])
+        q = with_equivalents(arm, found.q[0, : found.counts[0]])
+        if len(q) == 0:
+            one, spent = solve_waypoint(problem, 0, problem.q_start)
+            return one[None], evaluations + spent
     order = np.argsort(np.linalg.norm(q - problem.q_start, axis=1), kind="stable")
     return np.ascontiguousarray(q[order[:_STARTS]]), evaluations

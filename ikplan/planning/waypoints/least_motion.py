@@ -4,20 +4,24 @@ from __future__ import annotations
 
 import numpy as np
 
+from ikplan.arrays import Array
 from ikplan.kinematics.target import Target
-from ikplan.planning.ladder.ik_candidates import Candidates, Targets
-from ikplan.planning.ladder.shortest_sequences import candidates_of, polished_ways
+from ikplan.planning.ladder.ik_candidates import IkCandidates, Targets
+from ikplan.planning.ladder.shortest_sequences import ik_candidates, shortened_sequences
 from ikplan.planning.waypoints.waypoint_ik import solve_waypoint
-from ikplan.planning.waypoints.waypoint_problem import Array, Chosen, WaypointProblem
+from ikplan.planning.waypoints.waypoint_problem import (
+    SelectedConfigurations,
+    WaypointProblem,
+)
 
-__all__ = ["choose_least_motion", "stack_targets"]
+__all__ = ["select_least_motion", "stack_targets"]
 
 
-def choose_least_motion(problem: WaypointProblem) -> Chosen:
+def select_least_motion(problem: WaypointProblem) -> SelectedConfigurations:
     """Choose the configurations that move the joints least over the whole path.
 
-    Candidates of each waypoint, the shortest paths over their ladder that really differ, and a
-    polish of each; the shortest after the polish is taken.
+    Candidates of each waypoint, the shortest paths over their ladder that really differ, each of
+    them shortened; the shortest of these is taken.
 
     Args:
         problem: The targets.
@@ -32,19 +36,20 @@ def choose_least_motion(problem: WaypointProblem) -> Chosen:
     arm = problem.solver.arm
     lower, upper = arm.search_bounds(problem.q_start)
     targets = stack_targets(problem.targets)
-    seeds, evaluations = _metaheuristic_seeds(problem, lower, upper)
-    candidates = candidates_of(arm, targets, problem.q_start, seeds, problem.solver.seed)
-    problem.clock.check()
-    evaluations += int(candidates.evaluations[0]) + _rescue(problem, candidates)
+    with problem.clock.stage("ik"):
+        seeds, evaluations = _metaheuristic_seeds(problem, lower, upper)
+        candidates = ik_candidates(arm, targets, problem.q_start, seeds, problem.solver.seed)
+        problem.clock.check()
+        evaluations += int(candidates.evaluations[0]) + _rescue(problem, candidates)
     best, best_length = candidates.q[:, 0], np.inf
-    for length, q, spent in polished_ways(
+    for length, q, spent in shortened_sequences(
         arm, targets, candidates, problem.q_start, problem.start_free
     ):
         evaluations += spent
         if length < best_length:
             best, best_length = q, length
         problem.clock.check({"q": best.tolist()})
-    return Chosen(best, evaluations)
+    return SelectedConfigurations(best, evaluations)
 
 
 def stack_targets(targets: list[Target]) -> Targets:
@@ -77,7 +82,7 @@ def _metaheuristic_seeds(problem: WaypointProblem, lower: Array, upper: Array) -
     return np.array(rows), evaluations
 
 
-def _rescue(problem: WaypointProblem, candidates: Candidates) -> int:
+def _rescue(problem: WaypointProblem, candidates: IkCandidates) -> int:
     """Find a candidate for every waypoint without one, in place; the evaluations.
 
     Raises:

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from ikplan.documents.plan_request import IkOptions
-from ikplan.planning.waypoints.greedy import choose_greedily
-from ikplan.planning.waypoints.least_motion import choose_least_motion
-from ikplan.planning.waypoints.waypoint_problem import Chosen, WaypointProblem
+from ikplan.planning.waypoints.greedy import select_greedily
+from ikplan.planning.waypoints.least_motion import select_least_motion
+from ikplan.planning.waypoints.waypoint_problem import SelectedConfigurations, WaypointProblem
 
-__all__ = ["choose"]
+__all__ = ["select_configurations"]
 
 
-def choose(problem: WaypointProblem, options: IkOptions) -> Chosen:
+def select_configurations(problem: WaypointProblem, options: IkOptions) -> SelectedConfigurations:
     """Choose one configuration per waypoint.
 
     Seeds that are not to be refined leave nothing to choose from: they are taken as they come,
@@ -28,5 +28,5 @@ def choose(problem: WaypointProblem, options: IkOptions) -> Chosen:
         BudgetExceeded: The time budget ran out.
     """
     if options.elongation == "greedy" or not options.refine:
-        return choose_greedily(problem)
-    return choose_least_motion(problem)
+        return select_greedily(problem)
+    return select_least_motion(problem)

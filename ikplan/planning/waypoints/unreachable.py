@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from typing import Any
 
+from ikplan.arrays import Array
 from ikplan.documents.plan_request import Tolerance
 from ikplan.errors import Unreachable
 from ikplan.ik.closest_approach import Miss
 from ikplan.ik.solve import NoSolution, place, unreachable
 from ikplan.kinematics.target import Target
-from ikplan.planning.waypoints.waypoint_problem import Array, WaypointProblem
+from ikplan.planning.waypoints.waypoint_problem import WaypointProblem
 
 __all__ = ["unreachable_path", "within_tolerance"]
 

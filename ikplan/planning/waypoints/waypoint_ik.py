@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
+from ikplan.arrays import Array
 from ikplan.errors import Unreachable
 from ikplan.ik.solve import NoSolution, place
 from ikplan.planning.waypoints.unreachable import unreachable_path, within_tolerance
-from ikplan.planning.waypoints.waypoint_problem import Array, WaypointProblem
+from ikplan.planning.waypoints.waypoint_problem import WaypointProblem
 
 __all__ = ["solve_waypoint"]
 

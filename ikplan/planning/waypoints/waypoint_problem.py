@@ -4,18 +4,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import numpy as np
-from numpy.typing import NDArray
-
+from ikplan.arrays import Array
 from ikplan.documents.plan_request import Tolerance
 from ikplan.ik.solve import PoseSolver
 from ikplan.kinematics.target import Target
 from ikplan.robots import Robot
 from ikplan.time_budget import TimeBudget
 
-__all__ = ["Chosen", "WaypointProblem"]
-
-Array = NDArray[np.float64]
+__all__ = ["SelectedConfigurations", "WaypointProblem"]
 
 
 @dataclass(frozen=True)
@@ -46,7 +42,7 @@ class WaypointProblem:
 
 
 @dataclass(frozen=True)
-class Chosen:
+class SelectedConfigurations:
     """One configuration per waypoint.
 
     Attributes:

@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ikplan.arrays import Array
 from ikplan.errors import InvalidRequest
 from ikplan.plans.export.formats import Arm, Format
 from ikplan.plans.export.resampling import positions_at_cycle
@@ -95,7 +95,7 @@ def encode(plan: PlanDocument) -> bytes:
     return ("\n".join(lines) + "\n").encode()
 
 
-def _rows(q: NDArray[np.float64]) -> list[str]:
+def _rows(q: Array) -> list[str]:
     # Adding zero turns -0.0 into 0.0.
     rounded = (np.round(q, _DIGITS) + 0.0).tolist()
     return [f"[{', '.join(f'{value:.{_DIGITS}f}' for value in row)}]" for row in rounded]

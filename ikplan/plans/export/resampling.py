@@ -6,8 +6,8 @@ import math
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ikplan.arrays import Array
 from ikplan.errors import InvalidRequest
 from ikplan.plans.playback import evaluate
 
@@ -17,7 +17,6 @@ if TYPE_CHECKING:
 
 __all__ = ["CLOSE_ENOUGH", "positions_at_cycle"]
 
-Array = NDArray[np.float64]
 
 CLOSE_ENOUGH = 1e-5
 """How far values between samples may be from the motion [rad or m]."""

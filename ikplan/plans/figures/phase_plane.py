@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ikplan.arrays import Array
 from ikplan.limits.motion_limits import MotionLimits
 
 __all__ = ["path_speed", "path_speed_bound"]
 
-Array = NDArray[np.float64]
 
 # Below this share of the highest speed, the direction and bend of a path cannot be told from the
 # velocities and accelerations of the motion along it.

@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
 
 from ikplan.errors import RobotNotFound
 from ikplan.plans.figures.style import (
@@ -34,8 +33,6 @@ if TYPE_CHECKING:
     from ikplan.robots import Robot
 
 __all__ = ["IMAGE_SUFFIXES", "check_image_suffix", "draw_plan", "plot_plan"]
-
-Array = NDArray[np.float64]
 
 
 def plot_plan(plan: PlanDocument, path: str | Path, *, robot: Robot | None = None) -> None:

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
 
+from ikplan.arrays import Array
 from ikplan.certificate.limits import torque_ratios
 from ikplan.documents import parse
 from ikplan.documents.limits import LimitOptions
@@ -32,7 +32,6 @@ if TYPE_CHECKING:
 
 __all__ = ["draw_timing", "plot_timing"]
 
-Array = NDArray[np.float64]
 _POSITIONS = "Positions over their ranges"
 _LIMIT: dict[str, Any] = {"color": "#B00020", "lw": 1.0, "ls": (0, (4, 3))}
 

@@ -6,8 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Protocol
 
-import numpy as np
-from numpy.typing import NDArray
+from ikplan.arrays import Array, Indices
 
 __all__ = [
     "BEND",
@@ -20,8 +19,6 @@ __all__ = [
     "PathPoints",
 ]
 
-Array = NDArray[np.float64]
-Indices = NDArray[np.int64]
 Label = tuple[str, str | None]
 
 # These limits are looked at in points of every interval and allowed for between them; they are
@@ -60,14 +57,14 @@ class ConstraintRows:
         coefficients: For indices of points, shape (p,): coefficients of the path acceleration u
             and of the squared path velocity x, each of shape (p, columns).
         x_max: Upper bounds of x, shape (m,).
-        demand: For indices of points, u and x, each of shape (p,): by how much u and x would have
-            to be divided to keep each limit, 1 where it is just kept, shape (p, labels).
+        ratios: For indices of points, u and x, each of shape (p,): the ratio to each limit, by
+            which u and x would have to be divided to keep it, shape (p, labels).
     """
 
     columns: int
     coefficients: Callable[[Indices], tuple[Array, Array]]
     x_max: Array
-    demand: Callable[[Indices, Array, Array], Array]
+    ratios: Callable[[Indices, Array, Array], Array]
 
 
 class PathConstraint(Protocol):
@@ -85,7 +82,7 @@ class PathConstraint(Protocol):
 
     @property
     def labels(self) -> tuple[Label, ...]:
-        """Kind and joint of each limit, in the order of the columns of demands."""
+        """Kind and joint of each limit, in the order of the columns of ratios."""
         ...
 
     def at(self, points: PathPoints) -> ConstraintRows:
@@ -99,8 +96,8 @@ class PathConstraint(Protocol):
         """
         ...
 
-    def used(self, q: Array, dq: Array, ddq: Array) -> Array:
-        """Return how far joint motions use the limit.
+    def ratio(self, q: Array, dq: Array, ddq: Array) -> Array:
+        """Return the limit ratio of joint motions.
 
         Args:
             q: Joint positions, shape (m, dof) [rad or m].

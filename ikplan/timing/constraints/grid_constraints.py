@@ -6,8 +6,8 @@ import functools
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ikplan.arrays import Array
 from ikplan.joint_path.joint_path import JointPath
 from ikplan.timing.constraints.constraints import PathConstraint
 from ikplan.timing.constraints.interval_points import IntervalPoints, parts_of
@@ -15,8 +15,6 @@ from ikplan.timing.engines.rows import place_rows
 from ikplan.timing.grid import Grid
 
 __all__ = ["GridConstraints"]
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,13 +48,13 @@ class GridConstraints:
         """
         h = np.diff(self.grid.s)
         n = len(h)
-        used = np.zeros(n, dtype=np.int64)
+        occupied = np.zeros(n, dtype=np.int64)
         places = []
         for points in self.points:
-            first = int(used[points.inside].max())
-            used[points.inside] = first + 2 * points.rows.columns
+            first = int(occupied[points.inside].max())
+            occupied[points.inside] = first + 2 * points.rows.columns
             places.append(first)
-        a, b = np.zeros((2, n, int(used.max(initial=0))))
+        a, b = np.zeros((2, n, int(occupied.max(initial=0))))
         x_max = np.full((n, 2), np.inf)
         for first, points in zip(places, self.points, strict=True):
             inside, rows, start, end = points.inside, points.rows, points.where[0], points.where[-1]
@@ -67,15 +65,15 @@ class GridConstraints:
             x_max[inside, 1] = np.minimum(x_max[inside, 1], rows.x_max[end])
         return a, b, x_max
 
-    def demands(self, x: Array) -> list[tuple[IntervalPoints, Array]]:
-        """Return how far the constraints are used at the points of intervals.
+    def ratios(self, x: Array) -> list[tuple[IntervalPoints, Array]]:
+        """Return the limit ratios of the constraints at the points of intervals.
 
         Args:
             x: Squared path velocities at the nodes, shape (n + 1,).
 
         Returns:
-            For each constraint its points and the demands there, shape (p, r, labels); see
-            ConstraintRows.demand.
+            For each constraint its points and the ratios there, shape (p, r, labels); see
+            ConstraintRows.ratios.
         """
         if not self.constraints:
             return []
@@ -83,9 +81,9 @@ class GridConstraints:
         here = x[:-1] + share * (x[1:] - x[:-1])
         here[-1] = x[1:]
         u = np.broadcast_to(np.diff(x) / (2.0 * np.diff(self.grid.s)), here.shape)
-        return [(points, points.demand(u, here)) for points in self.points]
+        return [(points, points.ratios(u, here)) for points in self.points]
 
-    def asked(self, u: Array, x: Array) -> Array:
+    def slowdown_factors(self, u: Array, x: Array) -> Array:
         """Return by how much a motion would have to be slowed to keep the constraints.
 
         Args:
@@ -95,11 +93,11 @@ class GridConstraints:
         Returns:
             The greatest factor of time in each interval, 1 where a limit is just kept, shape (n,).
         """
-        top = np.zeros(len(self.grid.pieces))
+        largest = np.zeros(len(self.grid.pieces))
         for points in self.points:
-            demand = points.thrice.demand(u, x).max(axis=(0, 2))
-            top[points.inside] = np.maximum(top[points.inside], demand)
-        return np.asarray(np.sqrt(top))
+            ratio = points.thrice.ratios(u, x).max(axis=(0, 2))
+            largest[points.inside] = np.maximum(largest[points.inside], ratio)
+        return np.asarray(np.sqrt(largest))
 
     def parts(self, x: Array, steady: bool) -> Array:
         """Return into how many each interval should be divided to see constraints between points.
@@ -111,8 +109,8 @@ class GridConstraints:
         Returns:
             Numbers, >= 1, shape (n,).
         """
-        wanted = np.ones(len(self.grid.pieces))
-        for points, demand in self.demands(x):
-            number = parts_of(points, demand, steady)
-            wanted[points.inside] = np.maximum(wanted[points.inside], number)
-        return wanted
+        parts = np.ones(len(self.grid.pieces))
+        for points, ratios in self.ratios(x):
+            number = parts_of(points, ratios, steady)
+            parts[points.inside] = np.maximum(parts[points.inside], number)
+        return parts

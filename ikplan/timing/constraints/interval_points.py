@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ikplan.arrays import Array, Indices
 from ikplan.joint_path.joint_path import JointPath
 from ikplan.timing.constraints.constraints import (
     BEND,
@@ -20,14 +20,12 @@ from ikplan.timing.grid import Grid
 
 __all__ = ["COARSE", "FINE", "IntervalPoints", "bend", "highest", "parts_of"]
 
-Array = NDArray[np.float64]
-Indices = NDArray[np.int64]
 
 # Where in an interval limits are looked at, as shares of its length. From three points a limit
 # is taken to be a parabola; a curve like an S looks like a line to them, to five it does not.
 COARSE = (0.0, 0.5, 1.0)
 FINE = (0.0, 0.25, 0.5, 0.75, 1.0)
-# A limit used by less than this, the bend included, does not bind anywhere in the interval.
+# A limit whose ratio is less than this, the bend included, does not bind anywhere in the interval.
 _NEAR = 0.98
 
 
@@ -83,72 +81,72 @@ class IntervalPoints:
         """The same at the starts, middles and ends of the intervals only."""
         return replace(self, where=self.where[:: (len(self.where) - 1) // 2])
 
-    def demand(self, u: Array, x: Array) -> Array:
-        """Return how far the limits are used at the points.
+    def ratios(self, u: Array, x: Array) -> Array:
+        """Return the limit ratios at the points.
 
         Args:
             u: Path accelerations at the points of all intervals, shape (p, n).
             x: Squared path velocities there, shape (p, n).
 
         Returns:
-            See ConstraintRows.demand; shape (p, r, labels).
+            See ConstraintRows.ratios; shape (p, r, labels).
         """
         motions = zip(self.where, u[:, self.inside], x[:, self.inside], strict=True)
-        return np.array([self.rows.demand(*motion) for motion in motions])
+        return np.array([self.rows.ratios(*motion) for motion in motions])
 
 
-def bend(demand: Array) -> Array:
+def bend(ratios: Array) -> Array:
     """Return how far a limit's use is from straight over intervals.
 
     Args:
-        demand: At equally spaced points, three or five, shape (p, ...).
+        ratios: At equally spaced points, three or five, shape (p, ...).
 
     Returns:
         The second difference over the interval, or four times that over either half of it,
         whichever is greatest: the same number for a parabola. Shape (...).
     """
-    p = len(demand)
-    first, middle, last = demand[0], demand[p // 2], demand[-1]
+    p = len(ratios)
+    first, middle, last = ratios[0], ratios[p // 2], ratios[-1]
     whole = np.abs(first - 2.0 * middle + last)
     if p == len(COARSE):
         return np.asarray(whole)
-    halves = (np.abs(first - 2.0 * demand[1] + middle), np.abs(middle - 2.0 * demand[3] + last))
+    halves = (np.abs(first - 2.0 * ratios[1] + middle), np.abs(middle - 2.0 * ratios[3] + last))
     return np.asarray(np.maximum(whole, 4.0 * np.maximum(*halves)))
 
 
-def highest(demand: Array) -> Array:
+def highest(ratios: Array) -> Array:
     """Return the greatest use of a limit over intervals, between points too.
 
     Args:
-        demand: At equally spaced points, shape (p, ...).
+        ratios: At equally spaced points, shape (p, ...).
 
     Returns:
         The greatest value at the points and of the parabolas through three neighbours each,
         shape (...).
     """
-    before, at, after = demand[:-2], demand[1:-1], demand[2:]
+    before, at, after = ratios[:-2], ratios[1:-1], ratios[2:]
     curvature = before - 2.0 * at + after
     slope = 0.5 * (after - before)
     # The vertex is between the outer ones of the three, or there is no maximum to be found.
     inner = -curvature > np.abs(slope)
     rise = np.zeros_like(at)
     np.divide(np.square(slope), -2.0 * curvature, out=rise, where=inner)
-    return np.asarray(np.maximum(demand.max(axis=0), (at + rise).max(axis=0)))
+    return np.asarray(np.maximum(ratios.max(axis=0), (at + rise).max(axis=0)))
 
 
-def parts_of(points: IntervalPoints, demand: Array, steady: bool) -> Array:
+def parts_of(points: IntervalPoints, ratios: Array, steady: bool) -> Array:
     """Return into how many each interval should be divided to see its limits between points.
 
     Args:
         points: A constraint at points of intervals.
-        demand: How far it is used there, shape (p, r, labels).
+        ratios: Its ratios there, shape (p, r, labels).
         steady: Whether speeds that bind shall hardly vary between points.
 
     Returns:
         Numbers, >= 1, shape (r,).
     """
-    bent = bend(demand)
-    near = demand.max(axis=0) + bent > _NEAR
+    bent = bend(ratios)
+    near = ratios.max(axis=0) + bent > _NEAR
     most = [
         SPEED_BEND if steady and kind.endswith("speed") else BEND
         for kind, _ in points.constraint.labels

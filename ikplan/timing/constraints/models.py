@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 
+from ikplan.arrays import Array
 from ikplan.errors import InvalidRequest
 from ikplan.kinematics.arm import arm_of
 from ikplan.timing.constraints.tool_kernels import tool_rates
@@ -19,8 +19,6 @@ if TYPE_CHECKING:
     from ikplan.robots import Robot
 
 __all__ = ["inverse_dynamics", "tool_motion"]
-
-Array = NDArray[np.float64]
 
 
 def tool_motion(robot: Robot) -> ToolMotion:

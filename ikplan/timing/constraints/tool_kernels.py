@@ -3,16 +3,13 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ikplan._jit import kernel, leaf_kernel
+from ikplan.arrays import Array, Indices
 from ikplan.kinematics.chain import Chain
 from ikplan.kinematics.forward import moved, placed
 
-__all__ = ["disc_rows", "tool_demand", "tool_rates"]
-
-Array = NDArray[np.float64]
-Indices = NDArray[np.int64]
+__all__ = ["disc_rows", "tool_rates", "tool_ratios"]
 
 
 @leaf_kernel
@@ -114,7 +111,7 @@ def disc_rows(P: Array, R: Array, directions: int, limit: float) -> tuple[Array,
 
 
 @kernel
-def tool_demand(V: Array, A: Array, index: Indices, u: Array, x: Array, limits: Array) -> Array:
+def tool_ratios(V: Array, A: Array, index: Indices, u: Array, x: Array, limits: Array) -> Array:
     """Return by how much u and x would have to be divided to keep limits of the tool.
 
     Args:

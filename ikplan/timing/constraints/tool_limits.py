@@ -6,8 +6,8 @@ from collections.abc import Callable
 from dataclasses import dataclass, fields, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ikplan.arrays import Array, Indices
 from ikplan.errors import InvalidRequest
 from ikplan.timing.constraints.constraints import (
     MARGIN,
@@ -16,12 +16,10 @@ from ikplan.timing.constraints.constraints import (
     Label,
     PathPoints,
 )
-from ikplan.timing.constraints.tool_kernels import disc_rows, tool_demand
+from ikplan.timing.constraints.tool_kernels import disc_rows, tool_ratios
 
 __all__ = ["ToolLimits", "ToolMotion"]
 
-Array = NDArray[np.float64]
-Indices = NDArray[np.int64]
 # (q, dq, ddq), each (m, dof), to the twists of the tool and their time derivatives, (m, 6) each:
 # linear first [m/s, m/s^2], then angular [rad/s, rad/s^2], in axes that do not turn with the tool.
 ToolMotion = Callable[[Array, Array, Array], tuple[Array, Array]]
@@ -102,9 +100,9 @@ class ToolLimits:
             for kind in ("linear_acceleration", "angular_acceleration")
             if (limit := self._limit(kind)) is not None
         }
-        # Unset limits are infinite, and their shares zero.
+        # Unset limits are infinite, and their ratios zero.
         limits = np.array([self._limit(kind) or np.inf for kind in _KINDS])
-        asked = np.isfinite(limits)
+        bounded_kinds = np.isfinite(limits)
 
         def coefficients(index: Indices) -> tuple[Array, Array]:
             a, b = np.zeros((2, len(index), _DIRECTIONS * len(bounded)))
@@ -114,22 +112,22 @@ class ToolLimits:
                 a[:, place], b[:, place] = disc_rows(P, R, _DIRECTIONS, limit)
             return a, b
 
-        def demand(index: Indices, u: Array, x: Array) -> Array:
-            found: Array = tool_demand(V, A, index, u, x, limits)[:, asked]
+        def ratios(index: Indices, u: Array, x: Array) -> Array:
+            found: Array = tool_ratios(V, A, index, u, x, limits)[:, bounded_kinds]
             return found
 
-        return ConstraintRows(_DIRECTIONS * len(bounded), coefficients, x_max, demand)
+        return ConstraintRows(_DIRECTIONS * len(bounded), coefficients, x_max, ratios)
 
-    def used(self, q: Array, dq: Array, ddq: Array) -> Array:
+    def ratio(self, q: Array, dq: Array, ddq: Array) -> Array:
         """Return how far joint motions use the limits; see PathConstraint."""
         rates = dict(zip(("speed", "acceleration"), self.motion(q, dq, ddq), strict=True))
-        top = np.zeros(len(q))
+        ratio = np.zeros(len(q))
         for kind in _KINDS:
             limit, rate = getattr(self, kind), kind.split("_")[1]
             if limit is not None:
-                share = np.linalg.norm(rates[rate][:, _part(kind)], axis=1) / limit
-                top = np.maximum(top, np.square(share) if rate == "speed" else share)
-        return top
+                rate_ratio = np.linalg.norm(rates[rate][:, _part(kind)], axis=1) / limit
+                ratio = np.maximum(ratio, np.square(rate_ratio) if rate == "speed" else rate_ratio)
+        return ratio
 
     def scaled(self, label: Label, factor: float) -> ToolLimits:
         """Return the limits with one multiplied; see PathConstraint."""

@@ -5,15 +5,13 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ikplan._jit import kernel, leaf_kernel
+from ikplan.arrays import Array
 from ikplan.kinematics.chain import Chain
 from ikplan.kinematics.forward import moved, placed
 
 __all__ = ["Bodies", "joint_torques"]
-
-Array = NDArray[np.float64]
 
 
 class Bodies(NamedTuple):

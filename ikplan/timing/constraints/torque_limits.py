@@ -6,15 +6,14 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from ikplan.arrays import Array, Indices
 from ikplan.errors import InvalidRequest, TimingFailed
 from ikplan.timing.constraints.constraints import MARGIN, ConstraintRows, Label, PathPoints
 
 __all__ = ["InverseDynamics", "TorqueLimits"]
 
-Array = NDArray[np.float64]
-Indices = NDArray[np.int64]
 # (q, dq, ddq) to joint torques or forces, all of shape (m, dof): gravity and payload included.
 InverseDynamics = Callable[[Array, Array, Array], Array]
 
@@ -73,7 +72,7 @@ class TorqueLimits:
 
         Args:
             q: Joint positions, shape (m, dof).
-            margin: Share of the limits that is not to be used.
+            margin: Fraction of the limits that is kept as a margin.
             places: Where on the path they are, as shares of its length, shape (m,); None: unknown.
         """
         zero = np.zeros_like(q)
@@ -101,7 +100,7 @@ class TorqueLimits:
         of_u = self.inverse_dynamics(points.q, zero, points.qs) - gravity
         of_x = self.inverse_dynamics(points.q, points.qs, points.qss) - gravity
 
-        def demand(index: Indices, u: Array, x: Array) -> Array:
+        def ratios(index: Indices, u: Array, x: Array) -> Array:
             motion = of_u[index] * u[:, None] + of_x[index] * x[:, None]
             needed: Array = np.maximum(motion / up[index], -motion / down[index])
             return needed
@@ -112,18 +111,18 @@ class TorqueLimits:
             return np.hstack([u / above, -u / below]), np.hstack([x / above, -x / below])
 
         columns = 2 * len(self.joint_names)
-        return ConstraintRows(columns, coefficients, np.full(len(points.s), np.inf), demand)
+        return ConstraintRows(columns, coefficients, np.full(len(points.s), np.inf), ratios)
 
-    def used(self, q: Array, dq: Array, ddq: Array) -> Array:
+    def ratio(self, q: Array, dq: Array, ddq: Array) -> Array:
         """Return how far joint motions use the limits; see PathConstraint."""
         torques = self.inverse_dynamics(q, dq, ddq)
-        top = np.asarray((np.abs(torques) / np.asarray(self.effort)).max(axis=1))
-        over = top > 1.0
+        ratio = np.asarray((np.abs(torques) / np.asarray(self.effort)).max(axis=1))
+        over = ratio > 1.0
         if over.any():
             gravity, up, down = self._room(q[over], 0.0, None)
             motion = torques[over] - gravity
-            top[over] = np.maximum(motion / up, -motion / down).max(axis=1)
-        return top
+            ratio[over] = np.maximum(motion / up, -motion / down).max(axis=1)
+        return ratio
 
     def scaled(self, label: Label, factor: float) -> TorqueLimits:
         """Return the limits with one multiplied; see PathConstraint."""

@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ikplan._jit import kernel
+from ikplan.arrays import Array
 from ikplan.timing.engines.engine import checked
 from ikplan.timing.engines.rows import StageRows
 
 __all__ = ["CompiledEngine"]
 
-Array = NDArray[np.float64]
 
 # A row whose coefficient of u is this much smaller than that of another bounds x alone: where it
 # binds, (1 - b x) / a would be rounding over nothing.

@@ -6,8 +6,8 @@ from collections.abc import Callable
 from typing import Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ikplan.arrays import Array
 from ikplan.timing.engines.rows import StageRows
 
 __all__ = ["Check", "Engine", "EngineFailed", "checked", "unlimited"]
@@ -35,7 +35,7 @@ class EngineFailed(Exception):
 class Engine(Protocol):
     """Chooses the fastest path speed, from rest to rest."""
 
-    def solve(self, rows: StageRows) -> NDArray[np.float64]:
+    def solve(self, rows: StageRows) -> Array:
         """Return the squared path velocity at every node, shape (n + 1,).
 
         Args:
@@ -50,7 +50,7 @@ class Engine(Protocol):
         ...
 
 
-def checked(x: NDArray[np.float64]) -> NDArray[np.float64]:
+def checked(x: Array) -> Array:
     """Refuse speeds that are not finite, or that stand still over an interval.
 
     Args:

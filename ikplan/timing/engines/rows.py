@@ -5,15 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ikplan._jit import kernel
-from ikplan.timing.limit_ratios import velocity_share
+from ikplan.arrays import Array, Indices
+from ikplan.timing.limit_ratios import velocity_ratio
 
 __all__ = ["StageRows", "acceleration_rows", "natural_units", "place_rows", "velocity_bounds"]
-
-Array = NDArray[np.float64]
-Indices = NDArray[np.int64]
 
 
 @dataclass(frozen=True, eq=False)
@@ -125,7 +122,7 @@ def velocity_bounds(
                     root = limit / slope
                     for node in (i, i + 1):
                         x_max[node] = min(x_max[node], 4.0 * root * root)
-    share = np.ones(n + 1)
+    ratio = np.ones(n + 1)
     for i in range(n):
         highest = max(x_max[i], x_max[i + 1])
         if not np.isfinite(highest):
@@ -136,10 +133,12 @@ def velocity_bounds(
             rise, fall = _largest_slopes(h[i], qs0[i, j], qss0[i, j], qss1[i, j])
             # Most joints are far from their limits, and need no closer look.
             if max(rise / up, fall / down) ** 2 * highest > 1.0:
-                top = velocity_share(h[i], x_max[i], u, qs0[i, j], qss0[i, j], qss1[i, j], up, down)
-                share[i], share[i + 1] = max(share[i], top), max(share[i + 1], top)
+                largest = velocity_ratio(
+                    h[i], x_max[i], u, qs0[i, j], qss0[i, j], qss1[i, j], up, down
+                )
+                ratio[i], ratio[i + 1] = max(ratio[i], largest), max(ratio[i + 1], largest)
     for i in range(n + 1):
-        x_max[i] /= share[i] * share[i]
+        x_max[i] /= ratio[i] * ratio[i]
     return x_max
 
 

@@ -8,14 +8,13 @@ import math
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ikplan.arrays import Array
 from ikplan.timing.engines.engine import EngineFailed, checked
 from ikplan.timing.engines.rows import StageRows
 
 __all__ = ["ToppraEngine"]
 
-Array = NDArray[np.float64]
 
 # As in toppra's forward pass: where rounding makes a program infeasible, the speed is lowered a
 # little and the program solved again. Lowering it at every stage, as toppra does, would cost more

@@ -5,15 +5,12 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ikplan._jit import kernel
+from ikplan.arrays import Array
 from ikplan.joint_path.evaluation import _piece, interval_of
 
 __all__ = ["evaluate_cubic", "moving_average", "path_position", "times_of"]
-
-Array = NDArray[np.float64]
-Indices = NDArray[np.int64]
 
 
 @kernel

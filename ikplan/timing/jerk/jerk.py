@@ -6,7 +6,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ikplan.joint_path.joint_path import JointPath
 from ikplan.timing.constraints.constraints import PathConstraint, PathPoints
@@ -14,19 +13,18 @@ from ikplan.timing.constraints.interval_points import FINE, highest
 from ikplan.timing.engines.engine import Check, EngineFailed, unlimited
 from ikplan.timing.jerk.cubic_kernels import times_of
 from ikplan.timing.jerk.cubic_motion import CubicMotion
-from ikplan.timing.jerk.smoothing import JointDemand, Smoothing
+from ikplan.timing.jerk.smoothing import JointSlowdown, Smoothing
 from ikplan.timing.problem import SpanProblem
 
 __all__ = ["Smoothed", "smooth_span", "smooth_span_alike"]
 
-Array = NDArray[np.float64]
 
 # Windows tried, as multiples of the time in which the jerk limit builds up the acceleration limit
 # of the slowest joint, at most the duration: with that, a short move has four equal phases.
 _WINDOWS = (0.3, 0.5, 0.8, 1.2, 2.0)
-# Shares of the acceleration that the jerk limit lets a swing reach, where that is less than the
+# Fractions of the acceleration that the jerk limit lets a swing reach, where that is less than the
 # acceleration limit: the time-optimal speed to be smoothed is then found for these.
-_SOFTNESS = (1.0, 0.5)
+_ACCELERATION_FRACTIONS = (1.0, 0.5)
 # The window where no jerk is limited, as a share of the duration.
 _SHORT = 0.01
 # All windows are tried for some rounds, those that lead then for the rest.
@@ -45,14 +43,14 @@ class Smoothed:
 
     Attributes:
         motion: The motion.
-        softness: Share of the acceleration that a swing over the duration would build up, to
-            which accelerations were limited; None: they were not.
+        acceleration_fraction: Fraction of the acceleration that a swing over the duration would
+            build up, to which accelerations were limited; None: they were not.
         window: The window, as a multiple of the time in which the jerk limits build up the
             acceleration limits where it is longest; inf: the duration.
     """
 
     motion: CubicMotion
-    softness: float | None
+    acceleration_fraction: float | None
     window: float
 
     @property
@@ -80,18 +78,18 @@ def smooth_span(problem: SpanProblem, check: Check = unlimited) -> Smoothed:
     Raises:
         EngineFailed: There is no timing even without jerk limits.
     """
-    demand = _demand(problem)
-    best = _best_window(problem, demand, None, None, check)
-    for share in _SOFTNESS:
-        soft = _softer(problem, share, best.duration)
-        if soft is None:
+    slowdown = _slowdown(problem)
+    best = _best_window(problem, slowdown, None, None, check)
+    for fraction in _ACCELERATION_FRACTIONS:
+        weaker = _with_less_acceleration(problem, fraction, best.duration)
+        if weaker is None:
             continue
         try:
-            found = _best_window(soft, demand, share, None, check)
+            found = _best_window(weaker, slowdown, fraction, None, check)
         except EngineFailed:
             continue
         best = min(best, found, key=lambda smoothed: smoothed.duration)
-    return replace(best, motion=_within_limits(problem, best.motion, demand))
+    return replace(best, motion=_within_limits(problem, best.motion, slowdown))
 
 
 def smooth_span_alike(problem: SpanProblem, known: Smoothed, check: Check = unlimited) -> Smoothed:
@@ -108,28 +106,32 @@ def smooth_span_alike(problem: SpanProblem, known: Smoothed, check: Check = unli
     Raises:
         EngineFailed: There is no timing even without jerk limits.
     """
-    demand, best = _demand(problem), None
+    slowdown, best = _slowdown(problem), None
     duration = known.duration
     # The swing goes with the duration, which is known after the first time only.
-    for _ in range(1 if known.softness is None else 2):
-        soft = None
-        if known.softness is not None:
-            soft = _softer(problem, known.softness, duration)
-        found = _best_window(soft or problem, demand, known.softness, known.window, check)
+    for _ in range(1 if known.acceleration_fraction is None else 2):
+        weaker = None
+        if known.acceleration_fraction is not None:
+            weaker = _with_less_acceleration(problem, known.acceleration_fraction, duration)
+        found = _best_window(
+            weaker or problem, slowdown, known.acceleration_fraction, known.window, check
+        )
         best = found if best is None else min(best, found, key=lambda s: s.duration)
         duration = best.duration
     assert best is not None  # the loop has made one
-    return replace(best, motion=_within_limits(problem, best.motion, demand))
+    return replace(best, motion=_within_limits(problem, best.motion, slowdown))
 
 
-def _demand(problem: SpanProblem) -> JointDemand:
-    return JointDemand(problem.path, problem.profile, problem.path.third_derivatives())
+def _slowdown(problem: SpanProblem) -> JointSlowdown:
+    return JointSlowdown(problem.path, problem.profile, problem.path.third_derivatives())
 
 
-def _softer(problem: SpanProblem, share: float, duration: float) -> SpanProblem | None:
+def _with_less_acceleration(
+    problem: SpanProblem, fraction: float, duration: float
+) -> SpanProblem | None:
     """Return the problem with less acceleration; None: it would be the same."""
     profile = problem.profile
-    reached = 0.25 * share * profile.jerk * duration
+    reached = 0.25 * fraction * profile.jerk * duration
     weaker = replace(
         profile,
         acceleration=np.minimum(profile.acceleration, reached),
@@ -159,16 +161,16 @@ def _windows(problem: SpanProblem, duration: float, only: float | None) -> dict[
 
 def _best_window(
     problem: SpanProblem,
-    demand: JointDemand,
-    softness: float | None,
+    slowdown: JointSlowdown,
+    acceleration_fraction: float | None,
     only: float | None,
     check: Check,
 ) -> Smoothed:
     """Return the shortest motion found with any window; ``only``: with that one."""
     check()
-    x = problem.twin / max(problem.slowdown(problem.twin), 1e-300)
+    x = problem.compiled_solution / max(problem.largest_ratio(problem.compiled_solution), 1e-300)
     windows = _windows(problem, float(problem.times(x).sum()), only)
-    searches = {m: Smoothing(problem, x, window, demand) for window, m in windows.items()}
+    searches = {m: Smoothing(problem, x, window, slowdown) for window, m in windows.items()}
     rounds = min(max(_EFFORT // len(problem.h), 6), _ROUNDS)
     for search in searches.values():
         search.run(_FIRST_ROUNDS, check)
@@ -178,16 +180,18 @@ def _best_window(
     best = min(leading, key=lambda m: searches[m].duration)
     motion = searches[best].best
     assert motion is not None  # the first round has made one
-    return Smoothed(motion, softness, best)
+    return Smoothed(motion, acceleration_fraction, best)
 
 
-def _within_limits(problem: SpanProblem, motion: CubicMotion, demand: JointDemand) -> CubicMotion:
+def _within_limits(
+    problem: SpanProblem, motion: CubicMotion, slowdown: JointSlowdown
+) -> CubicMotion:
     """Slow a motion by what it exceeds its limits, looked at in finer steps."""
     path = problem.path
     times = times_of(motion.time, motion.s, motion.v, motion.a, path.s_knots)
     motion = motion.divided(times)
-    top = demand(motion, _FINE_POINTS, motion.s[[0, -1]])
-    motion = motion.slowed(float(top[0]) * (1.0 + _MARGIN))
+    factor = slowdown(motion, _FINE_POINTS, motion.s[[0, -1]])
+    motion = motion.slowed(float(factor[0]) * (1.0 + _MARGIN))
     return _within_constraints(path, motion, problem.constraints)
 
 
@@ -204,14 +208,14 @@ def _within_constraints(
     s = s0 + r * (v0 + r * (0.5 * a0 + r * j / 6.0))
     x = np.square(v0 + r * (a0 + 0.5 * r * j))
     u = a0 + r * j
-    top = 1.0
+    largest = 1.0
     for constraint in constraints:
         inside = np.flatnonzero((s[2] > constraint.start) & (s[2] < constraint.end))
         if len(inside):
             at = s[:, inside].ravel()
             points = PathPoints(at, *path.derivatives(at), path.length)
             index = np.arange(len(at))
-            demand = constraint.at(points).demand(index, u[:, inside].ravel(), x[:, inside].ravel())
-            most = highest(demand.reshape(len(FINE), len(inside), -1))
-            top = max(top, float(most.max()) * (1.0 + _MARGIN))
-    return motion.slowed(float(np.sqrt(top)))
+            ratios = constraint.at(points).ratios(index, u[:, inside].ravel(), x[:, inside].ravel())
+            most = highest(ratios.reshape(len(FINE), len(inside), -1))
+            largest = max(largest, float(most.max()) * (1.0 + _MARGIN))
+    return motion.slowed(float(np.sqrt(largest)))

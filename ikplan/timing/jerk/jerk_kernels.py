@@ -3,22 +3,21 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ikplan._jit import kernel
+from ikplan.arrays import Array
 from ikplan.joint_path.evaluation import _piece, interval_of
 from ikplan.timing.jerk.cubic_kernels import path_position
 
-__all__ = ["cubic_demand", "path_rates", "spread"]
+__all__ = ["path_rates", "slowdown_factors", "spread"]
 
-Array = NDArray[np.float64]
 
 # How far inside an interval its ends are looked at, as a share of its duration.
 _INSIDE = 1e-7
 
 
 @kernel
-def cubic_demand(
+def slowdown_factors(
     s_knots: Array,
     q: Array,
     m0: Array,

@@ -5,30 +5,29 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ikplan.arrays import Array
 from ikplan.joint_path.joint_path import JointPath
 from ikplan.timing.engines.compiled_engine import CompiledEngine
 from ikplan.timing.engines.engine import Check, EngineFailed
 from ikplan.timing.engines.rows import StageRows, natural_units
 from ikplan.timing.jerk.cubic_kernels import moving_average
 from ikplan.timing.jerk.cubic_motion import CubicMotion
-from ikplan.timing.jerk.jerk_kernels import cubic_demand, path_rates, spread
+from ikplan.timing.jerk.jerk_kernels import path_rates, slowdown_factors, spread
 from ikplan.timing.problem import SpanProblem
 from ikplan.timing.profile import LimitProfile
 
-__all__ = ["JointDemand", "Smoothing"]
+__all__ = ["JointSlowdown", "Smoothing"]
 
-Array = NDArray[np.float64]
 
-# How much of a local excess is answered by slowing there at once, and when it is small enough.
+# How much of a local factor above 1 is taken at once, and when it is small enough.
 _STEP = 0.5
 _ENOUGH = 1.002
 _POINTS = 3
 
 
 @dataclass(frozen=True, eq=False)
-class JointDemand:
+class JointSlowdown:
     """By what factor of time a motion would keep the limits of its joints, place by place.
 
     Attributes:
@@ -42,9 +41,9 @@ class JointDemand:
     third: Array
 
     def __call__(self, motion: CubicMotion, points: int, places: Array) -> Array:
-        """Return the factors; see cubic_demand."""
+        """Return the factors; see slowdown_factors."""
         path, profile = self.path, self.profile
-        return cubic_demand(
+        return slowdown_factors(
             path.s_knots,
             path.q_knots,
             path.tangents_start,
@@ -74,14 +73,16 @@ class Smoothing:
         problem: The path and its limits, those of the jerk apart.
         x: Squared path velocities within them, shape (n + 1,).
         window: Length of the window [s].
-        demand: What judges the motions.
+        slowdown: What judges the motions.
 
     Attributes:
         best: The shortest motion so far, None before the first round.
     """
 
-    def __init__(self, problem: SpanProblem, x: Array, window: float, demand: JointDemand) -> None:
-        self._problem, self._window, self._demand = problem, window, demand
+    def __init__(
+        self, problem: SpanProblem, x: Array, window: float, slowdown: JointSlowdown
+    ) -> None:
+        self._problem, self._window, self._slowdown = problem, window, slowdown
         self._rows, self._unit = natural_units(problem.rows())
         self._free, self._x = x, x
         self._slower = np.ones(len(problem.h))
@@ -107,14 +108,14 @@ class Smoothing:
             check()
             time = np.concatenate([[0.0], np.cumsum(problem.times(self._x))])
             motion = CubicMotion(*moving_average(time, s, np.sqrt(self._x), self._window))
-            demand = self._demand(motion, _POINTS, s)
+            slowdown = self._slowdown(motion, _POINTS, s)
             if problem.constraints:
-                demand = np.maximum(demand, _constraint_demand(problem, motion))
-            top = float(demand.max())
-            if top * motion.time[-1] < self.duration:
-                self.best = motion.slowed(top)
-            self._slower *= np.maximum(spread(demand, time, 0.5 * self._window), 1.0) ** _STEP
-            self._done = top <= _ENOUGH or not self._slow()
+                slowdown = np.maximum(slowdown, _constraint_slowdown(problem, motion))
+            largest = float(slowdown.max())
+            if largest * motion.time[-1] < self.duration:
+                self.best = motion.slowed(largest)
+            self._slower *= np.maximum(spread(slowdown, time, 0.5 * self._window), 1.0) ** _STEP
+            self._done = largest <= _ENOUGH or not self._slow()
 
     def _slow(self) -> bool:
         """Find the path speed with every interval passed slower by its own factor, if there is."""
@@ -130,9 +131,11 @@ class Smoothing:
         return True
 
 
-def _constraint_demand(problem: SpanProblem, motion: CubicMotion) -> Array:
+def _constraint_slowdown(problem: SpanProblem, motion: CubicMotion) -> Array:
     """Return by what factor of time a motion would keep the constraints, shape (n,)."""
     s = problem.grid.s
     places = np.array([s[:-1], 0.5 * (s[:-1] + s[1:]), s[1:]])
     v, u = path_rates(motion.time, motion.s, motion.v, motion.a, places.ravel())
-    return problem.others.asked(u.reshape(places.shape), np.square(v).reshape(places.shape))
+    return problem.others.slowdown_factors(
+        u.reshape(places.shape), np.square(v).reshape(places.shape)
+    )

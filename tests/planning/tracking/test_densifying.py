@@ -1,4 +1,4 @@
-"""Stations are added where the joint spline between them leaves the path, and nowhere else."""
+"""Points are added where the joint spline between them leaves the path, and nowhere else."""
 
 from __future__ import annotations
 
@@ -18,30 +18,30 @@ from ikplan.limits import JointLimits
 from ikplan.path import Pose
 from ikplan.planning.tracking.densify import densify
 from ikplan.planning.tracking.path_deviation import deviation_ratios
-from ikplan.planning.tracking.reference_path import first_stations, rest_stations
+from ikplan.planning.tracking.reference_path import initial_points, rest_points
 from ikplan.planning.tracking.tracked_arm import TrackedArm
 from ikplan.planning.tracking.tracked_path import TrackingFailed
 from ikplan.robots import load_robot
 from ikplan.time_budget import TimeBudget
 from tests.measured import off_polyline
 from tests.path.requests import pose, through
-from tests.planning.planar import Polyline, joints, led, line, tool, two_links
+from tests.planning.planar import Polyline, joints, line, tool, tracker_of, two_links
 
 ROBOT = two_links()
 GUIDE = line((0.3, 0.4), (0.7, 0.1), (0.5, -0.3))
 
 
 def spline(guide, s, q) -> JointPath:
-    return JointPath.through(q, JointLimits.from_robot(ROBOT), rest_at=rest_stations(guide, s))
+    return JointPath.through(q, JointLimits.from_robot(ROBOT), rest_at=rest_points(guide, s))
 
 
-def stations(guide: Polyline, step: float, elbow: float = 1.0) -> tuple[np.ndarray, np.ndarray]:
-    s = first_stations(guide, step)
+def points(guide: Polyline, step: float, elbow: float = 1.0) -> tuple[np.ndarray, np.ndarray]:
+    s = initial_points(guide, step)
     return s, joints(guide.poses(s)[1], elbow)
 
 
 def off_between(guide: Polyline, s: np.ndarray, path: JointPath, each: int = 201) -> np.ndarray:
-    """Largest distance from the path between each two stations, in closed form, densely [m]."""
+    """Largest distance from the path between each two points, in closed form, densely [m]."""
     off = []
     for k, (a, b) in enumerate(zip(path.s_waypoints[:-1], path.s_waypoints[1:], strict=True)):
         p = tool(path(np.linspace(a, b, each)))
@@ -53,82 +53,82 @@ def off_between(guide: Polyline, s: np.ndarray, path: JointPath, each: int = 201
 @pytest.mark.parametrize("elbow", [1.0, -1.0])
 @pytest.mark.parametrize("tolerance", [1e-3, 1e-4, 1e-5, 1e-6])
 def test_the_joint_spline_keeps_to_the_path(tolerance: float, elbow: float) -> None:
-    s, q = stations(GUIDE, 0.2, elbow)
-    dense, q_dense, rest, evaluations = densify(led(ROBOT, tolerance), GUIDE, s, q)
+    s, q = points(GUIDE, 0.2, elbow)
+    dense, q_dense, rest, evaluations = densify(tracker_of(ROBOT, tolerance), GUIDE, s, q)
     assert np.isin(s, dense).all()
     assert (np.diff(dense) > 0.0).all()
     np.testing.assert_allclose(q_dense, joints(GUIDE.poses(dense)[1], elbow), atol=1e-7)
     np.testing.assert_array_equal(dense[rest], GUIDE.corners)
     path = spline(GUIDE, dense, q_dense)
-    # Half of the tolerance is for the path between stations, the other half in reserve.
+    # Half of the tolerance is for the path between points, the other half in reserve.
     assert off_between(GUIDE, dense, path).max() <= 0.51 * tolerance
     assert evaluations > len(dense)
 
 
-def test_stations_are_added_where_they_are_needed_only() -> None:
-    s, q = stations(GUIDE, 0.2)
+def test_points_are_added_where_they_are_needed_only() -> None:
+    s, q = points(GUIDE, 0.2)
     off = off_between(GUIDE, s, spline(GUIDE, s, q))
     tolerance = 2.0 * float(np.sort(off)[-2]) / 0.99
     assert off.max() > 0.5 * tolerance
-    dense, *_ = densify(led(ROBOT, tolerance), GUIDE, s, q)
+    dense, *_ = densify(tracker_of(ROBOT, tolerance), GUIDE, s, q)
     added = np.setdiff1d(dense, s)
     worst = int(np.argmax(off))
     assert len(added) >= 1
-    # The spline changes beside a new station too, but not at the other end of the path.
+    # The spline changes beside a new point too, but not at the other end of the path.
     assert (np.abs(added - 0.5 * (s[worst] + s[worst + 1])) <= np.ptp(s[worst : worst + 2])).all()
 
 
-def test_no_station_is_added_to_a_path_that_is_kept_to() -> None:
-    s, q = stations(GUIDE, 0.2)
+def test_no_point_is_added_to_a_path_that_is_kept_to() -> None:
+    s, q = points(GUIDE, 0.2)
     off = off_between(GUIDE, s, spline(GUIDE, s, q)).max()
-    dense, q_dense, rest, _ = densify(led(ROBOT, 2.2 * float(off)), GUIDE, s, q)
+    dense, q_dense, rest, _ = densify(tracker_of(ROBOT, 2.2 * float(off)), GUIDE, s, q)
     np.testing.assert_array_equal(dense, s)
     np.testing.assert_array_equal(q_dense, q)
-    assert rest == rest_stations(GUIDE, s)
+    assert rest == rest_points(GUIDE, s)
 
 
-def test_more_exact_means_more_stations_by_the_fourth_root() -> None:
+def test_more_exact_means_more_points_by_the_fourth_root() -> None:
     """A cubic spline's error goes with the fourth power of the spacing."""
     counts = []
     for tolerance in (1e-3, 1e-5, 1e-7):
-        s, q = stations(GUIDE, 0.2)
-        counts.append(len(densify(led(ROBOT, tolerance), GUIDE, s, q)[0]))
+        s, q = points(GUIDE, 0.2)
+        counts.append(len(densify(tracker_of(ROBOT, tolerance), GUIDE, s, q)[0]))
     for few, many in itertools.pairwise(counts):
         assert 2.0 < many / few < 6.0
 
 
-def test_a_jump_between_two_stations_is_lost_with_both_its_sides() -> None:
-    s, q = stations(GUIDE, 0.05)
+def test_a_jump_between_two_points_is_lost_with_both_its_sides() -> None:
+    s, q = points(GUIDE, 0.05)
     k = len(s) // 3
     q[k + 1 :] = joints(GUIDE.poses(s[k + 1 :])[1], -1.0)
     with pytest.raises(TrackingFailed) as caught:
-        densify(led(ROBOT), GUIDE, s, q)
-    lost = caught.value
-    assert s[k] <= lost.s <= s[k + 1]
-    assert lost.beyond is not None
-    here = GUIDE.poses(np.array([lost.s]))[1][0]
-    np.testing.assert_allclose(tool(lost.q), here, atol=1e-8)
-    np.testing.assert_allclose(tool(lost.beyond), here, atol=2e-6)
-    assert np.sign([lost.q[1], lost.beyond[1]]).tolist() == [1.0, -1.0]
-    np.testing.assert_allclose(lost.beyond, joints(here, -1.0), atol=1e-4)
+        densify(tracker_of(ROBOT), GUIDE, s, q)
+    failure = caught.value
+    assert s[k] <= failure.s <= s[k + 1]
+    assert failure.beyond is not None
+    here = GUIDE.poses(np.array([failure.s]))[1][0]
+    np.testing.assert_allclose(tool(failure.q), here, atol=1e-8)
+    np.testing.assert_allclose(tool(failure.beyond), here, atol=2e-6)
+    assert np.sign([failure.q[1], failure.beyond[1]]).tolist() == [1.0, -1.0]
+    np.testing.assert_allclose(failure.beyond, joints(here, -1.0), atol=1e-4)
 
 
 @settings(deadline=None, max_examples=25)
 @given(st.integers(0, 2**32 - 1), st.sampled_from([1e-5, 1e-4, 1e-3]))
-def test_what_strays_between_stations_is_what_strays_densely(seed: int, tolerance: float) -> None:
+def test_what_strays_between_points_is_what_strays_densely(seed: int, tolerance: float) -> None:
     rng = np.random.default_rng(seed)
     angles, radii = rng.uniform(-1.2, 1.2, 3), rng.uniform(0.35, 0.8, 3)
-    points = zip(radii * np.cos(angles), radii * np.sin(angles), strict=True)
-    guide = line(*((float(x), float(y)) for x, y in points))
+    corners = zip(radii * np.cos(angles), radii * np.sin(angles), strict=True)
+    guide = line(*((float(x), float(y)) for x, y in corners))
     _, dense = guide.poses(np.linspace(0.0, guide.length, 200))
     assume(np.linalg.norm(dense, axis=1).min() > 0.2)
     assume(np.diff([0.0, *guide.waypoint_s]).min() > 0.05)
-    s, q = stations(guide, 0.05)
+    s, q = points(guide, 0.05)
     path = spline(guide, s, q)
-    follower = led(ROBOT, tolerance)
+    tracker = tracker_of(ROBOT, tolerance)
     chain = arm_of(ROBOT).chain
     shares, _ = deviation_ratios(
-        chain, guide, lambda at: follower.targets_at(guide, at), s, path, follower.tolerance, 0.5
+        chain, guide, lambda at: tracker.targets_at(guide, at), s, path, tracker.tolerance, 0.5
     )
     want = off_between(guide, s, path) / tolerance
     assert shares.shape == want.shape
@@ -139,7 +139,7 @@ def test_what_strays_between_stations_is_what_strays_densely(seed: int, toleranc
 
 
 @pytest.mark.parametrize("angle", [2e-4, 2e-3])
-def test_a_tool_that_turns_aside_between_stations_uses_up_its_orientation_tolerance(angle) -> None:
+def test_a_tool_that_turns_aside_between_points_uses_up_its_orientation_tolerance(angle) -> None:
     """The joint path bulges by an angle of the last joint, which turns the tool on the spot."""
     robot = load_robot("ur5")
     q0 = np.array([0.4, -1.2, 1.5, -0.8, -1.2, 0.3])

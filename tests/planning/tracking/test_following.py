@@ -1,4 +1,4 @@
-"""Led along a whole path from several starts: the way that moves least, or where it was lost."""
+"""Led along a whole path from several starts: the way that moves least, or where it was failure."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from ikplan.robots import load_robot
 from ikplan.time_budget import TimeBudget
 from tests.measured import off_polyline
 from tests.path.requests import pose, through
-from tests.planning.planar import L1, L2, REACH, joints, led, line, tool, two_links
+from tests.planning.planar import L1, L2, REACH, joints, line, tool, tracker_of, two_links
 
 
 def starts(guide) -> np.ndarray:
@@ -44,34 +44,34 @@ def test_the_follower_takes_the_way_that_moves_the_joints_least() -> None:
     short = int(np.argmin(lengths))
     assert abs(lengths[0] - lengths[1]) > 0.05
     for costs, chosen in (((0.0, 0.0), short), ((0.5, 0.5), short)):
-        followed = led(two_links()).follow(GUIDE, starts(GUIDE), np.array(costs))
-        assert np.sign(followed.q[:, 1]).tolist() == [1.0 - 2.0 * chosen] * len(followed.s)
-        assert followed.length == pytest.approx(costs[0] + lengths[chosen], rel=1e-3)
+        tracked = tracker_of(two_links()).track(GUIDE, starts(GUIDE), np.array(costs))
+        assert np.sign(tracked.q[:, 1]).tolist() == [1.0 - 2.0 * chosen] * len(tracked.s)
+        assert tracked.length == pytest.approx(costs[0] + lengths[chosen], rel=1e-3)
     # What it costs to get to the begin of the shorter way may be more than it saves.
     costs = np.zeros(2)
     costs[short] = 1.1 * abs(lengths[0] - lengths[1])
-    followed = led(two_links()).follow(GUIDE, starts(GUIDE), costs)
-    assert followed.length == pytest.approx(lengths[1 - short], rel=1e-3)
-    np.testing.assert_allclose(followed.q[0], starts(GUIDE)[1 - short])
+    tracked = tracker_of(two_links()).track(GUIDE, starts(GUIDE), costs)
+    assert tracked.length == pytest.approx(lengths[1 - short], rel=1e-3)
+    np.testing.assert_allclose(tracked.q[0], starts(GUIDE)[1 - short])
 
 
-def test_the_stations_are_on_the_path_and_name_its_waypoints_and_rests() -> None:
-    followed = led(two_links()).follow(GUIDE, starts(GUIDE), np.zeros(2))
-    _, p = GUIDE.poses(followed.s)
-    np.testing.assert_allclose(tool(followed.q), p, atol=1e-9)
-    assert followed.s[0] == 0.0
-    assert followed.s[-1] == GUIDE.length
-    assert (np.diff(followed.s) > 0.0).all()
-    np.testing.assert_allclose(followed.s[followed.waypoint], GUIDE.waypoint_s, atol=1e-12)
-    np.testing.assert_allclose(followed.s[followed.rest], GUIDE.corners, atol=1e-12)
-    assert followed.evaluations > len(followed.s)
+def test_the_points_are_on_the_path_and_name_its_waypoints_and_rests() -> None:
+    tracked = tracker_of(two_links()).track(GUIDE, starts(GUIDE), np.zeros(2))
+    _, p = GUIDE.poses(tracked.s)
+    np.testing.assert_allclose(tool(tracked.q), p, atol=1e-9)
+    assert tracked.s[0] == 0.0
+    assert tracked.s[-1] == GUIDE.length
+    assert (np.diff(tracked.s) > 0.0).all()
+    np.testing.assert_allclose(tracked.s[tracked.waypoint], GUIDE.waypoint_s, atol=1e-12)
+    np.testing.assert_allclose(tracked.s[tracked.rest], GUIDE.corners, atol=1e-12)
+    assert tracked.evaluations > len(tracked.s)
 
 
 @pytest.mark.parametrize("tolerance", [1e-3, 1e-4, 1e-5])
-def test_the_joint_spline_through_the_stations_is_on_the_path(tolerance: float) -> None:
+def test_the_joint_spline_through_the_points_is_on_the_path(tolerance: float) -> None:
     robot = two_links()
-    followed = led(robot, tolerance).follow(GUIDE, starts(GUIDE), np.zeros(2))
-    path = JointPath.through(followed.q, JointLimits.from_robot(robot), rest_at=followed.rest)
+    tracked = tracker_of(robot, tolerance).track(GUIDE, starts(GUIDE), np.zeros(2))
+    path = JointPath.through(tracked.q, JointLimits.from_robot(robot), rest_at=tracked.rest)
     p = tool(path(np.linspace(0.0, path.length, 5001)))
     assert off_polyline(p, GUIDE.points).max() <= tolerance
 
@@ -80,12 +80,12 @@ def test_where_the_reach_ends_the_arm_is_lost_stretched() -> None:
     guide = line((0.5, 0.2), (1.1, 0.2))
     end = math.sqrt(REACH**2 - 0.2**2) - 0.5
     with pytest.raises(TrackingFailed) as caught:
-        led(two_links()).follow(guide, starts(guide), np.zeros(2))
-    lost = caught.value
-    assert end - 2e-4 <= lost.s <= end
-    np.testing.assert_allclose(tool(lost.q), guide.poses(np.array([lost.s]))[1][0], atol=1e-9)
-    assert abs(lost.q[1]) < 0.05
-    assert lost.beyond is None
+        tracker_of(two_links()).track(guide, starts(guide), np.zeros(2))
+    failure = caught.value
+    assert end - 2e-4 <= failure.s <= end
+    np.testing.assert_allclose(tool(failure.q), guide.poses(np.array([failure.s]))[1][0], atol=1e-9)
+    assert abs(failure.q[1]) < 0.05
+    assert failure.beyond is None
 
 
 def test_lost_names_the_start_that_gets_farthest() -> None:
@@ -102,12 +102,12 @@ def test_lost_names_the_start_that_gets_farthest() -> None:
     assert abs(ends[0] - ends[1]) > 0.05
     for order in (slice(None), slice(None, None, -1)):
         with pytest.raises(TrackingFailed) as caught:
-            led(robot).follow(guide, starts(guide)[order], np.zeros(2))
-        lost = caught.value
-        assert lost.s == pytest.approx(max(ends), abs=2e-3)
-        assert lost.s <= max(ends) + 1e-9
-        assert lost.q[0] == pytest.approx(limit, abs=0.01)
-    assert lost.evaluations > 0
+            tracker_of(robot).track(guide, starts(guide)[order], np.zeros(2))
+        failure = caught.value
+        assert failure.s == pytest.approx(max(ends), abs=2e-3)
+        assert failure.s <= max(ends) + 1e-9
+        assert failure.q[0] == pytest.approx(limit, abs=0.01)
+    assert failure.evaluations > 0
 
 
 @pytest.mark.parametrize("elbow", [2.9, 2.5])
@@ -116,14 +116,14 @@ def test_past_the_base_the_arm_is_lost_where_its_elbow_is_at_its_limit(elbow: fl
     nearest = math.sqrt(L1**2 + L2**2 + 2.0 * L1 * L2 * math.cos(elbow))
     end = 0.4 - math.sqrt(nearest**2 - 0.05**2)
     with pytest.raises(TrackingFailed) as caught:
-        led(two_links(elbow=(-elbow, elbow))).follow(guide, starts(guide), np.zeros(2))
+        tracker_of(two_links(elbow=(-elbow, elbow))).track(guide, starts(guide), np.zeros(2))
     assert end - 2e-3 <= caught.value.s <= end + 1e-9
     assert abs(caught.value.q[1]) == pytest.approx(elbow, abs=0.01)
 
 
 def test_an_arm_without_self_motion_has_no_way_to_choose() -> None:
     with pytest.raises(TrackingFailed) as caught:
-        led(two_links()).track_global(GUIDE, starts(GUIDE), np.zeros(2))
+        tracker_of(two_links()).track_global(GUIDE, starts(GUIDE), np.zeros(2))
     assert caught.value.s == 0.0
     np.testing.assert_array_equal(caught.value.q, starts(GUIDE)[0])
 
@@ -132,37 +132,37 @@ def seven_joints(step: list[float]) -> tuple[PathTracker, ToolPath, np.ndarray]:
     """A redundant arm, a line by a step [m], and its begin."""
     robot = load_robot("iiwa14")
     arm, limits = arm_of(robot), JointLimits.from_robot(robot)
-    follower = PathTracker(arm, limits, no_freedom(), True, Tolerance(), TimeBudget(1e6))
+    tracker = PathTracker(arm, limits, no_freedom(), True, Tolerance(), TimeBudget(1e6))
     q0 = np.array([0.3, 0.7, 0.2, -1.4, 0.2, 0.9, 0.4])
     T = robot.fk(q0)
     goal = pose(T.translation + np.array(step), pin.log3(T.rotation))
-    return follower, through([goal], "line", Pose(T.rotation, T.translation)), q0
+    return tracker, through([goal], "line", Pose(T.rotation, T.translation)), q0
 
 
-def test_a_way_chosen_over_all_stations_is_on_the_path_and_within_the_limits() -> None:
+def test_a_way_chosen_over_all_points_is_on_the_path_and_within_the_limits() -> None:
     robot = load_robot("iiwa14")
-    follower, path, q0 = seven_joints([0.1, -0.1, 0.05])
-    followed = follower.track_global(path, q0[None], np.zeros(1))
-    assert followed.evaluations > len(followed.s)
-    np.testing.assert_array_equal(followed.q[0], q0)
-    R, p = path.poses(followed.s)
-    R_have, p_have = robot.poses(followed.q)
+    tracker, path, q0 = seven_joints([0.1, -0.1, 0.05])
+    tracked = tracker.track_global(path, q0[None], np.zeros(1))
+    assert tracked.evaluations > len(tracked.s)
+    np.testing.assert_array_equal(tracked.q[0], q0)
+    R, p = path.poses(tracked.s)
+    R_have, p_have = robot.poses(tracked.q)
     np.testing.assert_allclose(p_have, p, atol=1e-8)
     np.testing.assert_allclose(R_have, R, atol=1e-8)
-    assert ((robot.lower <= followed.q) & (followed.q <= robot.upper)).all()
+    assert ((robot.lower <= tracked.q) & (tracked.q <= robot.upper)).all()
 
 
 def test_there_is_no_way_to_choose_on_a_path_out_of_reach() -> None:
-    follower, path, q0 = seven_joints([3.0, 0.0, 0.0])
+    tracker, path, q0 = seven_joints([3.0, 0.0, 0.0])
     with pytest.raises(TrackingFailed) as caught:
-        follower.track_global(path, q0[None], np.zeros(1))
+        tracker.track_global(path, q0[None], np.zeros(1))
     assert caught.value.s == 0.0
     assert caught.value.evaluations > 0
 
 
 def test_what_ways_that_were_lost_took_counts_too(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Both ways of the first steps are lost between their stations: smaller steps are tried."""
-    plain = led(two_links()).follow(GUIDE, starts(GUIDE), np.zeros(2))
+    """Both ways of the first steps are failure between their points: smaller steps are tried."""
+    plain = tracker_of(two_links()).track(GUIDE, starts(GUIDE), np.zeros(2))
     left, densify = [10**6, 10**6], path_tracker.densify
 
     def losing(arm: Any, guide: Any, s: np.ndarray, q: np.ndarray) -> Any:
@@ -171,17 +171,17 @@ def test_what_ways_that_were_lost_took_counts_too(monkeypatch: pytest.MonkeyPatc
         return densify(arm, guide, s, q)
 
     monkeypatch.setattr(path_tracker, "densify", losing)
-    followed = led(two_links()).follow(GUIDE, starts(GUIDE), np.zeros(2))
-    assert followed.evaluations > 2 * 10**6 + plain.evaluations
-    assert followed.length == pytest.approx(plain.length, rel=1e-3)
+    tracked = tracker_of(two_links()).track(GUIDE, starts(GUIDE), np.zeros(2))
+    assert tracked.evaluations > 2 * 10**6 + plain.evaluations
+    assert tracked.length == pytest.approx(plain.length, rel=1e-3)
 
 
 @pytest.mark.parametrize("target", [[0.1, -0.1, 0.05], [-0.3, 0.3, -0.3]])
 def test_a_shortened_way_is_as_long_as_it_says(target: list[float]) -> None:
     """Ways compete by their lengths once they are shortened, not by those before."""
-    follower, path, q0 = seven_joints(target)
-    tracked = follower.follow(path, q0[None], np.zeros(1))
+    tracker, path, q0 = seven_joints(target)
+    tracked = tracker.track(path, q0[None], np.zeros(1))
     length = float(np.linalg.norm(np.diff(tracked.q, axis=0), axis=1).sum())
     assert tracked.length == pytest.approx(length, rel=1e-3)
-    before = follower._lead(path, q0, 0.04)[1]
+    before = tracker._track_from(path, q0, 0.04)[1]
     assert tracked.length < float(np.linalg.norm(np.diff(before, axis=0), axis=1).sum())

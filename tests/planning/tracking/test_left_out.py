@@ -38,12 +38,12 @@ def share_used(height: float, box: float | None = None, along: float = 1.0) -> f
         half = np.array([0.0, 0.6 * box, 0.8 * box, 0.0, 0.0, 0.0])
         freedom = freedom._replace(boxed=True, box=half)
     arm, tolerance = arm_of(GANTRY), Tolerance(position=TOLERANCE)
-    follower = PathTracker(arm, LIMITS, freedom, False, tolerance, TimeBudget(1e6))
+    tracker = PathTracker(arm, LIMITS, freedom, False, tolerance, TimeBudget(1e6))
     q = np.array([[0.0, 0.0], [along * TEETH * WIDTH, 0.0]])
     s = np.array([0.0, guide.length])
     shares, _ = deviation_ratios(
-        arm.chain, guide, lambda at: follower.targets_at(guide, at), s,
-        JointPath.through(q, LIMITS), follower.tolerance, 0.5,
+        arm.chain, guide, lambda at: tracker.targets_at(guide, at), s,
+        JointPath.through(q, LIMITS), tracker.tolerance, 0.5,
     )  # fmt: skip
     assert shares.shape == (1,)
     return float(shares[0])

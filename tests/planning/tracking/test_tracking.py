@@ -1,4 +1,4 @@
-"""Stations of a path are followed on one branch, as far as there is one: a planar arm tells."""
+"""Points of a path are tracked on one branch, as far as there is one: a planar arm tells."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from ikplan.planning.tracking.tracking_kernels import (
     errors_at,
     first_discontinuity,
     project_onto_targets,
-    track,
+    track_points,
 )
 from ikplan.robots import Robot, load_robot
 from tests.planning.planar import L1, L2, REACH, joints, positions, tool, two_links
@@ -25,15 +25,19 @@ from tests.planning.planar import L1, L2, REACH, joints, positions, tool, two_li
 EXACT = 1e-9
 
 
-def followed(
-    robot: Robot, p: np.ndarray, q_first: np.ndarray, first: int = 0, slack: float = NO_EXTRA_OFFSET
+def tracked(
+    robot: Robot,
+    p: np.ndarray,
+    q_first: np.ndarray,
+    first: int = 0,
+    extra_offset: float = NO_EXTRA_OFFSET,
 ) -> tuple[int, np.ndarray]:
-    """The last station reached, and the configurations up to it."""
+    """The last point reached, and the configurations up to it."""
     arm, q = arm_of(robot), np.full((len(p), robot.dof), np.nan)
     q[first] = q_first
     s = np.linspace(0.0, 1.0, len(p))
-    reached, evaluations = track(
-        arm.chain, positions(p), s, q, first, arm.lower, arm.upper, EXACT, False, slack
+    reached, evaluations = track_points(
+        arm.chain, positions(p), s, q, first, arm.lower, arm.upper, EXACT, False, extra_offset
     )
     assert evaluations > 0
     return reached, q
@@ -53,17 +57,17 @@ def test_a_line_within_reach_is_followed_on_its_branch(elbow: float, ends) -> No
     p = straight(a, b, 401)
     assume(np.linalg.norm(p, axis=1).min() > 0.15)
     want = joints(p, elbow)
-    reached, q = followed(two_links(), p, want[0])
+    reached, q = tracked(two_links(), p, want[0])
     assert reached == len(p) - 1
     np.testing.assert_allclose(q, want, atol=1e-7)
 
 
-def test_a_line_out_of_reach_is_followed_to_the_last_station_within() -> None:
+def test_a_line_out_of_reach_is_followed_to_the_last_point_within() -> None:
     p = straight((0.5, 0.2), (1.1, 0.2), 121)
     within = np.linalg.norm(p, axis=1) <= REACH
     last = int(np.flatnonzero(within)[-1])
-    reached, q = followed(two_links(), p, joints(p[0], 1.0))
-    # Steps of two stations, and no half-way that moves far, as it does by the stretched arm.
+    reached, q = tracked(two_links(), p, joints(p[0], 1.0))
+    # Steps of two points, and no half-way that moves far, as it does by the stretched arm.
     assert reached % 2 == 0
     assert last - 4 <= reached <= last
     np.testing.assert_allclose(tool(q[: reached + 1]), p[: reached + 1], atol=EXACT)
@@ -76,35 +80,35 @@ def test_a_turn_about_the_base_ends_at_the_limit_of_the_shoulder(limit: float) -
     p = 0.6 * np.stack([np.cos(angles), np.sin(angles), np.zeros(151)], axis=1)
     shift = joints(p[0], 1.0)[0]
     robot = two_links(shoulder=(-2.9, shift + limit))
-    reached, q = followed(robot, p, joints(p[0], 1.0))
+    reached, q = tracked(robot, p, joints(p[0], 1.0))
     assert angles[reached] <= limit + 1e-9 < angles[reached + 2]
     np.testing.assert_allclose(np.diff(q[: reached + 1, 1]), 0.0, atol=1e-8)
     np.testing.assert_allclose(q[: reached + 1, 0], shift + angles[: reached + 1], atol=1e-8)
 
 
-def test_a_station_far_aside_is_not_stepped_to() -> None:
+def test_a_point_far_aside_is_not_stepped_to() -> None:
     """What the tool jumps, the arm does not: there is no threshold, the half-way tells."""
     p = straight((0.4, -0.3), (0.5, 0.3), 41)
     p[21:] += [0.0, 0.25, 0.0]
-    reached, _ = followed(two_links(), p, joints(p[0], 1.0))
+    reached, _ = tracked(two_links(), p, joints(p[0], 1.0))
     assert reached == 20
 
 
-def test_a_bend_sharper_than_the_stations_takes_slack() -> None:
+def test_a_bend_sharper_than_the_points_takes_slack() -> None:
     """Out and back within one step: half-way is off the middle by the whole of the step out."""
     out = 0.02
     p = np.tile([0.6, 0.1, 0.0], (3, 1))
     p[1, 1] += out
     q0 = joints(p[0], 1.0)
     off = float(np.linalg.norm(joints(p[1], 1.0) - q0))
-    assert followed(two_links(), p, q0, slack=0.9 * off)[0] == 0
-    assert followed(two_links(), p, q0, slack=1.1 * off)[0] == 2
+    assert tracked(two_links(), p, q0, extra_offset=0.9 * off)[0] == 0
+    assert tracked(two_links(), p, q0, extra_offset=1.1 * off)[0] == 2
 
 
-def test_following_goes_on_from_a_later_station() -> None:
+def test_following_goes_on_from_a_later_point() -> None:
     p = straight((0.4, -0.3), (0.5, 0.3), 41)
     want = joints(p, -1.0)
-    reached, q = followed(two_links(), p, want[10], first=10)
+    reached, q = tracked(two_links(), p, want[10], first=10)
     assert reached == 40
     assert np.isnan(q[:10]).all()
     np.testing.assert_allclose(q[10:], want[10:], atol=1e-8)
@@ -170,7 +174,7 @@ def test_a_redundant_arm_leans_away_from_its_limits_and_stays_on_the_path() -> N
     for leaning in (False, True):
         q = np.full((m, 7), np.nan)
         q[0] = q0
-        reached, _ = track(
+        reached, _ = track_points(
             arm.chain, targets, np.linspace(0.0, 0.2, m), q, 0, arm.lower, arm.upper, EXACT,
             leaning, NO_EXTRA_OFFSET,
         )  # fmt: skip

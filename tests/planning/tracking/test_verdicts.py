@@ -12,7 +12,7 @@ import pytest
 from ikplan import Disconnected, Robot, Unreachable, load_robot
 from ikplan.documents.plan_request import IkOptions, Tolerance
 from ikplan.path import Pose, ToolPath
-from ikplan.planning import choose
+from ikplan.planning import select_configurations
 from ikplan.planning.tracking.tracked_path import TrackingFailed
 from ikplan.planning.tracking.tracking_failure import explain_tracking_failure
 from tests.path.requests import pose, through
@@ -22,10 +22,10 @@ from tests.planning.planar import (
     REACH,
     WAYPOINTS,
     joints,
-    led,
     problem_of,
     solver_of,
     tool,
+    tracker_of,
     two_links,
 )
 
@@ -36,15 +36,15 @@ def path_of(*points: tuple[float, float]) -> ToolPath:
     return through([pose(p) for p in rest], "line", Pose(np.eye(3), np.array(first)))
 
 
-def verdict(robot: Robot, path: ToolPath, lost: TrackingFailed) -> Unreachable | Disconnected:
-    return explain_tracking_failure(robot, solver_of(robot), led(robot), path, lost)
+def verdict(robot: Robot, path: ToolPath, failure: TrackingFailed) -> Unreachable | Disconnected:
+    return explain_tracking_failure(robot, solver_of(robot), tracker_of(robot), path, failure)
 
 
 def lost_on(robot: Robot, path: ToolPath, elbow: float) -> TrackingFailed:
-    """Where the arm is lost, led from the begin of a path on one branch."""
+    """Where the arm is failure, tracker_of from the begin of a path on one branch."""
     start = joints(path.pose(0.0)[1], elbow)
     with pytest.raises(TrackingFailed) as caught:
-        led(robot).follow(path, start[None], np.zeros(1))
+        tracker_of(robot).track(path, start[None], np.zeros(1))
     return caught.value
 
 
@@ -80,26 +80,26 @@ def test_the_limit_that_the_next_bit_of_the_path_runs_into_is_named(
     short: float, back: bool, named: bool, direction: float
 ) -> None:
     """At its limit, to 0.1 mrad, or brought there by the next 0.2 mm; not on the way back."""
-    robot, path, lost = at_shoulder_limit(short, direction)
+    robot, path, failure = at_shoulder_limit(short, direction)
     if back:
         ends = [path.pose(0.0)[1], *(w.p for w in path.waypoints)]
         path = path_of(*(tuple((2.0 * ends[0] - p)[:2]) for p in ends))
     assert path.length == pytest.approx(1.0)
-    error = verdict(robot, path, lost)
+    error = verdict(robot, path, failure)
     assert isinstance(error, Disconnected)
     assert error.reason in error.detail
     if named:
         assert error.reason.startswith("j1 is at its limit (")
     else:
         assert error.reason.startswith("its branch ends (")
-    least = np.linalg.svd(robot.jacobian(lost.q))[1][-1]
+    least = np.linalg.svd(robot.jacobian(failure.q))[1][-1]
     assert f"the smallest singular value is {least:.2g}" in error.reason
 
 
 def test_an_end_out_of_reach_is_missed_by_what_the_arm_lacks() -> None:
     robot, path = two_links(), path_of((0.5, 0.2), (0.6, 0.2), (1.1, 0.3))
-    lost = lost_on(robot, path, 1.0)
-    error = verdict(robot, path, lost)
+    failure = lost_on(robot, path, 1.0)
+    error = verdict(robot, path, failure)
     assert isinstance(error, Unreachable)
     assert error.waypoint == 1
     beyond = math.hypot(1.1, 0.3) - REACH
@@ -108,7 +108,7 @@ def test_an_end_out_of_reach_is_missed_by_what_the_arm_lacks() -> None:
         error.position_error, rel=1e-9
     )
     assert f"{1e3 * beyond:.1f} mm" in error.detail
-    assert f"{1e3 * lost.s:.1f} mm of {1e3 * path.length:.1f} mm along the path" in error.detail
+    assert f"{1e3 * failure.s:.1f} mm of {1e3 * path.length:.1f} mm along the path" in error.detail
     assert error.limits == []
 
 
@@ -162,9 +162,9 @@ def test_by_a_singular_configuration_only_a_limit_that_is_reached_is_named(short
     assert next_motion[5] > 2e-3
     goal = pose(T.act(0.1 * lost_direction), pin.log3(T.rotation))
     path = through([goal], "line", Pose(T.rotation, T.translation))
-    follower = replace(led(robot), oriented=True)
+    tracker = replace(tracker_of(robot), oriented=True)
     error = explain_tracking_failure(
-        robot, solver_of(robot), follower, path, TrackingFailed(0.0, q, 1)
+        robot, solver_of(robot), tracker, path, TrackingFailed(0.0, q, 1)
     )
     assert isinstance(error, Disconnected)
     near = f"the smallest singular value is {values[-1]:.2g}"
@@ -181,9 +181,9 @@ def test_the_limit_where_the_led_arm_is_lost_is_the_one_that_binds(limit: float)
     assert joints(path.poses(s)[1], 1.0)[:, 0].max() < limit < shoulder.max()
     end = float(s[int(np.argmax(shoulder > limit))])
     robot = two_links(shoulder=(-3.1, limit))
-    lost = lost_on(robot, path, -1.0)
-    assert lost.s == pytest.approx(end, abs=1e-3)
-    error = verdict(robot, path, lost)
+    failure = lost_on(robot, path, -1.0)
+    assert failure.s == pytest.approx(end, abs=1e-3)
+    error = verdict(robot, path, failure)
     assert isinstance(error, Disconnected)
     assert error.reason.startswith("j1 is at its limit (")
 
@@ -212,11 +212,11 @@ def test_a_waypoint_out_of_reach_by_less_than_the_tolerance_is_met_as_well_as_ca
 ) -> None:
     problem = problem_of(two_links())
     near = replace(problem, targets=[problem.targets[k] for k in (0, 3, 5)])
-    q = choose(near, IkOptions(method="lm", elongation=elongation)).q
+    q = select_configurations(near, IkOptions(method="lm", elongation=elongation)).q
     missed = np.linalg.norm(tool(q)[:, :2] - [WAYPOINTS[k] for k in (0, 3, 5)], axis=1)
     np.testing.assert_allclose(missed, [0.0, 5e-5, 0.0], atol=1e-8)
     with pytest.raises(Unreachable) as caught:
-        choose(
+        select_configurations(
             replace(near, tolerance=Tolerance(position=4e-5)),
             IkOptions(method="lm", elongation=elongation),
         )
@@ -230,7 +230,7 @@ def test_the_verdict_lists_every_waypoint_out_of_reach_with_its_distance(
 ) -> None:
     problem = problem_of(two_links(), brief=brief, first_row=first_row)
     with pytest.raises(Unreachable) as caught:
-        choose(problem, IkOptions(method="lm", elongation=elongation))
+        select_configurations(problem, IkOptions(method="lm", elongation=elongation))
     error = caught.value
     out = dict(list(OUT.items())[:1] if brief else OUT)
     assert [row["waypoint"] for row in error.waypoints] == [first_row + k for k in out]

@@ -1,4 +1,4 @@
-"""Retiming of joint waypoints, and how bad input is told."""
+"""Samples of a timed joint path, and how bad input is told."""
 
 from __future__ import annotations
 
@@ -7,9 +7,13 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+import ikplan
 from ikplan.errors import InvalidRequest
+from ikplan.joint_path import JointPath
 from ikplan.limits import JointLimits
-from ikplan.timing import knots, retime
+from ikplan.timing import sample_at_nodes
+
+from .cases import time_and_sample
 
 ROBOT = SimpleNamespace(
     lower=np.array([-1.0, -2.0]),
@@ -22,18 +26,18 @@ LIMITS = JointLimits.from_robot(ROBOT)
 WAYPOINTS = np.array([[0.0, 0.0], [0.9, 1.0], [-0.5, 1.9], [0.0, 0.0]])
 
 
-def test_a_retimed_path_visits_its_waypoints_within_limits() -> None:
-    result = retime(WAYPOINTS, LIMITS, rate_hz=500.0)
+def test_a_timed_path_visits_its_waypoints_within_limits() -> None:
+    timed, result = time_and_sample(WAYPOINTS, LIMITS, 500.0)
     assert (np.diff(result.time) > 0.0).all()
     assert np.array_equal(result.q[[0, -1]], WAYPOINTS[[0, -1]])
     assert (np.abs(result.dq) <= LIMITS.velocity).all()
     assert (np.abs(result.ddq) <= LIMITS.acceleration).all()
-    at_waypoints, _, _ = result.timed.evaluate(result.timed.times)
+    at_waypoints, _, _ = timed.evaluate(timed.times)
     assert np.abs(at_waypoints - WAYPOINTS).max() < 1e-12
 
 
 def test_samples_are_consistent_with_their_derivatives() -> None:
-    result = retime(WAYPOINTS, LIMITS, rate_hz=10_000.0)
+    _, result = time_and_sample(WAYPOINTS, LIMITS, 10_000.0)
     h = 1e-4
     # Simpson's rule over velocities gives positions, over accelerations bounded differences.
     moved = np.cumsum(0.5 * h * (result.dq[1:-1] + result.dq[:-2]), axis=0)
@@ -50,7 +54,7 @@ def test_samples_are_consistent_with_their_derivatives() -> None:
 @pytest.mark.parametrize("scale", [1.0, 0.5, 0.1])
 def test_scales_slow_the_motion(scale: float) -> None:
     slow = JointLimits.from_robot(ROBOT, velocity_scale=scale, acceleration_scale=scale**2)
-    full, scaled = retime(WAYPOINTS, LIMITS), retime(WAYPOINTS, slow)
+    (_, full), (_, scaled) = (time_and_sample(WAYPOINTS, each) for each in (LIMITS, slow))
     # Velocities by c and accelerations by c^2 is the same motion, slower by 1 / c.
     assert scaled.time[-1] == pytest.approx(full.time[-1] / scale, rel=1e-6)
 
@@ -58,31 +62,39 @@ def test_scales_slow_the_motion(scale: float) -> None:
 @pytest.mark.parametrize(
     ("waypoints", "field", "word"),
     [
-        pytest.param([[0.0, 0.0], [0.0, 2.5]], "joint_waypoints[1][1]", "elbow", id="outside"),
-        pytest.param([[-1.1, 0.0]], "joint_waypoints[0][0]", "shoulder", id="start-outside"),
-        pytest.param([[0.0, 0.0], [np.nan, 0.0]], "joint_waypoints[1][0]", "nan", id="nan"),
-        pytest.param([[0.0, np.inf]], "joint_waypoints[0][1]", "inf", id="infinite"),
-        pytest.param([[0.0, 0.0, 0.0]], "joint_waypoints", "(n, 2)", id="three-joints"),
-        pytest.param([], "joint_waypoints", "(n, 2)", id="empty"),
-        pytest.param([[]], "joint_waypoints", "(n, 2)", id="empty-row"),
-        pytest.param([0.0, 0.0], "joint_waypoints", "(n, 2)", id="flat"),
-        pytest.param([[0.0, 0.0], [0.0]], "joint_waypoints", "2 numbers", id="ragged"),
-        pytest.param([["a", "b"]], "joint_waypoints", "2 numbers", id="words"),
+        pytest.param([[0.0, 0.0], [0.0, 2.5]], "waypoints[1][1]", "elbow", id="outside"),
+        pytest.param([[-1.1, 0.0]], "waypoints[0][0]", "shoulder", id="start-outside"),
+        pytest.param([[0.0, 0.0], [np.nan, 0.0]], "waypoints[1][0]", "nan", id="nan"),
+        pytest.param([[0.0, np.inf]], "waypoints[0][1]", "inf", id="infinite"),
+        pytest.param([[0.0, 0.0, 0.0]], "waypoints", "(n, 2)", id="three-joints"),
+        pytest.param([], "waypoints", "(n, dof)", id="empty"),
+        pytest.param([[]], "waypoints", "(n, dof)", id="empty-row"),
+        pytest.param([0.0, 0.0], "waypoints", "(n, dof)", id="flat"),
     ],
 )
 def test_bad_waypoints_are_refused_by_row_and_joint(
     waypoints: object, field: str, word: str
 ) -> None:
     with pytest.raises(InvalidRequest) as error:
-        retime(waypoints, LIMITS)  # type: ignore[arg-type]
+        JointPath.through(waypoints, LIMITS)  # type: ignore[arg-type]
     assert error.value.field == field
     assert word in error.value.detail
 
 
+@pytest.mark.parametrize(
+    ("waypoints", "field"),
+    [([[0.0] * 6, [0.0]], "waypoints[1]"), ([["a"] * 6], "waypoints[0][0]")],
+)
+def test_rows_that_are_no_joint_values_are_refused_by_row(waypoints: list, field: str) -> None:
+    with pytest.raises(InvalidRequest) as error:
+        ikplan.time_path(ikplan.load_robot("ur5"), waypoints)
+    assert error.value.field == field
+
+
 @pytest.mark.parametrize("rate_hz", [0.0, -5.0, 1e6, float("nan")])
-def test_a_rate_out_of_range_is_refused_before_any_work(rate_hz: float) -> None:
+def test_a_rate_out_of_range_is_refused(rate_hz: float) -> None:
     with pytest.raises(InvalidRequest, match="rate_hz"):
-        retime(WAYPOINTS, LIMITS, rate_hz=rate_hz)
+        time_and_sample(WAYPOINTS, LIMITS, rate_hz)
 
 
 @pytest.mark.parametrize(
@@ -120,8 +132,8 @@ def test_a_scale_outside_its_range_is_refused(name: str, scale: float) -> None:
 
 
 def test_knots_alone_are_the_motion_at_its_nodes() -> None:
-    timed = retime(WAYPOINTS, LIMITS).timed
-    nodes = knots(timed)
+    timed, _ = time_and_sample(WAYPOINTS, LIMITS)
+    nodes = sample_at_nodes(timed)
     assert np.array_equal(nodes.time, timed.node_times)
     assert np.isin(timed.times, nodes.time).all()
     assert np.array_equal(nodes.q[-1], WAYPOINTS[-1])

@@ -1,4 +1,4 @@
-"""Stations along a path: every place that matters has one, whatever the gaps between them."""
+"""Points along a path: every place that matters has one, whatever the gaps between them."""
 
 from __future__ import annotations
 
@@ -11,10 +11,10 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 from ikplan.planning.tracking.reference_path import (
-    first_stations,
-    nearest_stations,
-    rest_stations,
-    stations_around,
+    initial_points,
+    nearest_points,
+    points_around,
+    rest_points,
 )
 
 Array = NDArray[np.float64]
@@ -39,26 +39,26 @@ class Straight:
 
 @settings(max_examples=200, deadline=None)
 @given(steps=st.lists(gaps, min_size=1, max_size=8), every=st.integers(1, 3))
-def test_every_corner_and_waypoint_has_a_station(steps: list[float], every: int) -> None:
+def test_every_corner_and_waypoint_has_a_point(steps: list[float], every: int) -> None:
     places = np.cumsum([0.0, *steps])
     path = Straight(float(places[-1]), places[1:-1:every], places)
     slack = 1.01e-12 * max(path.length, 1.0)
-    s = first_stations(path, 0.04)
+    s = initial_points(path, 0.04)
     assert s[0] == 0.0
     assert s[-1] == path.length
     assert (np.diff(s) > 0.0).all()
     assert len(s) % 2 == 1
-    stations = nearest_stations(s, places)
-    assert np.abs(s[stations] - places).max() <= slack
-    assert (np.diff(stations) >= 0).all()
-    assert stations[-1] == len(s) - 1 or path.length <= slack
-    assert rest_stations(path, s) == nearest_stations(s, path.corners).tolist()
+    points = nearest_points(s, places)
+    assert np.abs(s[points] - places).max() <= slack
+    assert (np.diff(points) >= 0).all()
+    assert points[-1] == len(s) - 1 or path.length <= slack
+    assert rest_points(path, s) == nearest_points(s, path.corners).tolist()
     for begin, end in itertools.pairwise(places.tolist()):
-        first, last = stations_around(path, s, begin, end)
+        first, last = points_around(path, s, begin, end)
         assert 0 <= first <= last < len(s)
         assert s[first] <= begin + slack
         assert s[last] >= end - slack
-        # No farther out than the stations next to it, and nowhere where there is nothing between.
+        # No farther out than the points next to it, and nowhere where there is nothing between.
         assert first + 1 == len(s) or s[first + 1] > begin - slack
         assert last == 0 or s[last - 1] < end + slack
         if begin == end:
@@ -70,11 +70,11 @@ def test_every_corner_and_waypoint_has_a_station(steps: list[float], every: int)
     seed=st.integers(0, 2**32 - 1),
     count=st.integers(1, 30),
 )
-def test_a_stretch_between_stations_is_within_those_around_it(seed: int, count: int) -> None:
+def test_a_segment_between_points_is_within_those_around_it(seed: int, count: int) -> None:
     rng = np.random.default_rng(seed)
     path = Straight(1.0, np.zeros(0), np.zeros(0))
     s = np.unique([0.0, *rng.uniform(0.0, 1.0, count), 1.0])
     begin, end = np.sort(rng.uniform(0.0, 1.0, 2)).tolist()
-    first, last = stations_around(path, s, begin, end)
+    first, last = points_around(path, s, begin, end)
     assert s[first] <= begin < s[first + 1]
     assert s[last - 1] < end <= s[last]

@@ -1,0 +1,100 @@
+"""The last stage of a plan and of a timing: certify the trajectory and put the plan together."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ikplan._version import __version__
+from ikplan.certificate import Claim, RequestedSegment, certify
+from ikplan.documents.path import PathRequest
+from ikplan.documents.plan_request import PlanRequest
+from ikplan.documents.timing_request import TimingRequest
+from ikplan.documents.trajectory import Stats, WaypointResults
+from ikplan.limits.motion_limits import MotionLimits
+from ikplan.pipeline.identity import plan_id
+from ikplan.pipeline.timing_stage import Timing
+from ikplan.plans.plan import Plan
+from ikplan.robots import Robot
+from ikplan.time_budget import TimeBudget
+
+__all__ = ["assemble_plan", "joint_steps"]
+
+Array = NDArray[np.float64]
+
+
+def joint_steps(q_before: Array, q: Array) -> Array:
+    """Return the joint motion to each configuration from the one before, shape (n,) [rad or m].
+
+    Args:
+        q_before: The configuration before the first, shape (dof,) [rad or m].
+        q: Configurations, shape (n, dof) [rad or m].
+    """
+    steps = np.diff(np.vstack([q_before[None], q]), axis=0)
+    return np.asarray(np.linalg.norm(steps, axis=1))
+
+
+def assemble_plan(
+    request: PlanRequest | TimingRequest,
+    robot: Robot,
+    limits: MotionLimits,
+    waypoints: WaypointResults,
+    timing: Timing,
+    clock: TimeBudget,
+    *,
+    q_start: Array | None,
+    path: PathRequest | None = None,
+    segments: tuple[RequestedSegment, ...] = (),
+    evaluations: int = 0,
+    known_id: str | None = None,
+) -> Plan:
+    """Certify a timed trajectory and return it as the plan of its request.
+
+    Args:
+        request: The request.
+        robot: The robot, with the request's tool.
+        limits: The limits of the whole motion.
+        waypoints: The rows of the waypoints: where and when each is passed.
+        timing: The timed trajectory.
+        clock: The time budget.
+        q_start: Start that was asked for, shape (dof,) [rad or m]; None: any.
+        path: The path asked for; None: the waypoints are joint values.
+        segments: Parts of a joint path with limits of their own.
+        evaluations: Forward-kinematics evaluations spent.
+        known_id: The id of the plan, where it is known already.
+
+    Raises:
+        BudgetExceeded: The time budget ran out.
+        CertificateViolated: The trajectory broke a promise: a bug.
+    """
+    samples = timing.samples
+    with clock.stage("certificate"):
+        certificate = certify(
+            Claim(
+                robot=robot,
+                path=path,
+                q_start=q_start,
+                waypoint_q=waypoints.q,
+                waypoint_time=waypoints.time,
+                time=samples.time,
+                q=samples.q,
+                dq=samples.dq,
+                ddq=samples.ddq,
+                limits=limits,
+                segments=segments,
+            )
+        )
+    return Plan(
+        id=known_id or plan_id(request, robot),
+        version=__version__,
+        robot=request.robot,
+        joint_names=list(robot.joint_names),
+        joint_units=["m" if slides else "rad" for slides in robot.prismatic],
+        waypoints=waypoints,
+        trajectory=timing.trajectory,
+        certificate=certificate,
+        timing=timing.report,
+        motion=timing.motion,
+        controller=None if robot.controller is None else robot.controller.info(),
+        stats=Stats(ik_evaluations=evaluations, seconds=clock.seconds),
+    )

@@ -25,6 +25,7 @@ from ikplan_api.store.plan_store import PlanStore
 from ikplan_api.store.robot_store import MemoryRobotStore, RobotStore
 from ikplan_api.store.sqlite_plans import SqlitePlanStore
 from ikplan_api.store.sqlite_robots import SqliteRobotStore
+from ikplan_api.telemetry.loop_lag import watch_loop
 from ikplan_api.telemetry.metrics import Metrics
 from ikplan_api.workers.instrumented_planner import InstrumentedPlanner
 from ikplan_api.workers.planner import Planner
@@ -139,12 +140,14 @@ async def _lifespan(app: FastAPI) -> AsyncIterator[dict[str, Any]]:
     await app.state.plan_jobs.resume()
     warming = asyncio.create_task(planner.warm_up())
     warming.add_done_callback(_report)
+    watching = asyncio.create_task(watch_loop(app.state.metrics))
     try:
         # The server calls the first as soon as a shutdown is requested; its protocol keeps to the
         # bounds of the second.
         yield {"stop": shutdown.begin, "connections": app.state.connections}
     finally:
         warming.cancel()
+        watching.cancel()
         await shutdown.drain()
         await planner.close()
         await app.state.plan_jobs.close()

@@ -36,7 +36,7 @@ def split_lines(body: bytes, max_lines: int) -> list[bytes]:
         InvalidRequest: The batch is empty.
         Refusal: 413, it has too many lines.
     """
-    lines = [line for line in body.split(b"\n") if line.strip()]
+    lines = [line for line in body.split(b"\n") if line and not line.isspace()]
     if not lines:
         raise InvalidRequest(
             "a batch needs at least one line with a request in JSON", allowed="JSON lines"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import re
 
 import pydantic_core
 from fastapi import Request
@@ -23,6 +24,7 @@ XML = ("application/xml", "text/xml", "application/urdf+xml")
 QUERY = ("base", "tip", "title")
 """Query parameters of an upload in XML."""
 
+_NAMED = re.compile(rb'"robot"\s*:\s*"(urdf-[0-9a-f]{1,64})"')
 _ENVELOPE = 64 * 2**10
 """Bytes of an upload in JSON besides its URDF and SRDF."""
 
@@ -98,6 +100,11 @@ async def robot_document(request: Request, body: bytes) -> bytes | None:
     """
     if b"urdf-" not in body:
         return None
+    if len(body) > SHORT:
+        # Parsing would block the event loop. Where the text is of another field, the worker does
+        # not use the robot.
+        found = _NAMED.search(body)
+        return None if found is None else (await stored_robot(request, found[1].decode())).document
     try:
         content = pydantic_core.from_json(body)
     except ValueError:

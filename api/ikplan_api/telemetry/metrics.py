@@ -72,6 +72,12 @@ class Metrics:
         self.in_flight = Gauge(
             "ikplan_http_requests_in_flight", "Requests in progress", registry=registry
         )
+        self.loop_lag = Histogram(
+            "ikplan_event_loop_lag_seconds",
+            "Time that the event loop keeps a ready task waiting",
+            buckets=_SECONDS,
+            registry=registry,
+        )
         self.tasks = Histogram(
             "ikplan_task_seconds",
             "Time to run a task, including the wait for a worker",

@@ -21,6 +21,9 @@ from ikplan.pipeline.plan import solve_ik_request
 from ikplan.pipeline.resolve import resolve_robot
 from ikplan.pipeline.retime import make_timing as timed
 from ikplan.planning import Progress
+from ikplan.plans.export import FORMATS
+from ikplan.plans.export.formats import Format
+from ikplan.plans.plan import Plan
 from ikplan.robots import Robot, RobotUpload, catalogue_robot, robot_names
 from ikplan_api.telemetry.plan_figures import PlanFigures, figures_of
 
@@ -201,6 +204,12 @@ def _identify(kind: str, task: TaskInput) -> TaskResult:
     return TaskResult(json.dumps(identify(kind, task)).encode())
 
 
+def _export(form: Format, task: TaskInput) -> TaskResult:
+    """Write a plan in a format."""
+    task.begin("export")
+    return TaskResult(form.encode(Plan.load(task.document)))
+
+
 TASKS: dict[str, Callable[[TaskInput], TaskResult]] = {
     "plan": make_plan,
     "time": make_timing,
@@ -208,6 +217,7 @@ TASKS: dict[str, Callable[[TaskInput], TaskResult]] = {
     "fk": answer_fk,
     "identify-plan": functools.partial(_identify, "plan"),
     "identify-time": functools.partial(_identify, "time"),
+    **{f"export-{form.name}": functools.partial(_export, form) for form in FORMATS},
 }
 
 

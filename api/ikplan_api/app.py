@@ -9,9 +9,12 @@ import os
 from collections.abc import AsyncIterator
 from typing import Any
 
-from fastapi import FastAPI
+from fastapi import FastAPI, Request, Response
 
 import ikplan
+from ikplan.errors import InvalidRequest, InvalidRobot, ServiceUnavailable
+from ikplan.robots import robot_names
+from ikplan.robots.folders import PATH_VARIABLE
 from ikplan_api.connections.registry import ConnectionLimits, Connections, most_open
 from ikplan_api.http import openapi, problems
 from ikplan_api.jobs.plan_jobs import PlanJobs
@@ -21,7 +24,7 @@ from ikplan_api.middleware.install import install_middleware
 from ikplan_api.robots.robot_builder import RobotBuilder
 from ikplan_api.routes import ROUTERS
 from ikplan_api.settings import Settings, load_settings, unknown_variables
-from ikplan_api.store.plan_store import PlanStore
+from ikplan_api.store.plan_store import PlanStore, StoreFault
 from ikplan_api.store.robot_store import MemoryRobotStore, RobotStore
 from ikplan_api.store.sqlite_plans import SqlitePlanStore
 from ikplan_api.store.sqlite_robots import SqliteRobotStore
@@ -59,6 +62,7 @@ def create_app(
         InvalidRequest: An environment variable has an invalid value, or the store cannot be used.
     """
     settings = settings if settings is not None else load_settings()
+    _check_robot_folders()
     app = FastAPI(
         title="ikplan",
         version=ikplan.__version__,
@@ -93,9 +97,35 @@ def create_app(
     for router in ROUTERS:
         app.include_router(router)
     problems.install(app, ROUTERS)
+    app.add_exception_handler(StoreFault, _on_store_fault)
     openapi.install(app)
     install_middleware(app, settings, app.state.metrics)
     return app
+
+
+async def _on_store_fault(request: Request, error: Exception) -> Response:
+    """Answer a read or a deletion that the disk does not allow now."""
+    _log.error("the store failed: %s", error)
+    return problems.error_response(
+        request,
+        ServiceUnavailable(
+            "the store of the service fails now; try again later",
+            status_code=ServiceUnavailable.status,
+            retry_after_s=60.0,
+        ),
+    )
+
+
+def _check_robot_folders() -> None:
+    """Read the names of the catalogue now: a folder that is missing is an invalid setting.
+
+    Raises:
+        InvalidRequest: ``IKPLAN_ROBOTS_PATH`` names something that is not a folder.
+    """
+    try:
+        robot_names()
+    except (InvalidRobot, OSError) as error:
+        raise InvalidRequest(str(error), field=PATH_VARIABLE, allowed="folders") from error
 
 
 def _connection_limits(settings: Settings) -> ConnectionLimits:
@@ -116,6 +146,7 @@ def _store(settings: Settings) -> SqlitePlanStore:
         settings.store_plans,
         settings.store_bytes,
         max_age_s=settings.store_days * 86400.0,
+        replace_damaged=settings.store_damaged == "set-aside",
     )
     store.check()  # now, so that an invalid setting is reported in one line
     return store

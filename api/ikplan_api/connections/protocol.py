@@ -45,6 +45,7 @@ class BoundedProtocol(H11Protocol):
         self._timer: asyncio.TimerHandle | None = None
         self._send_timer: asyncio.TimerHandle | None = None
         self._any_request = False
+        self.last_heard = 0.0
 
     @property
     def address(self) -> str:
@@ -59,6 +60,7 @@ class BoundedProtocol(H11Protocol):
     def connection_made(self, transport: asyncio.Transport) -> None:  # type: ignore[override]
         """Start the time limit of the first header."""
         super().connection_made(transport)
+        self.last_heard = self.loop.time()
         self._enter(Phase.HEADER)
         self._registry.admit(self)
 
@@ -73,6 +75,7 @@ class BoundedProtocol(H11Protocol):
 
     def data_received(self, data: bytes) -> None:
         """Read data, and see what is missing still."""
+        self.last_heard = self.loop.time()
         super().data_received(data)
         self._body_bytes += len(data)
         self._see()

@@ -29,10 +29,6 @@ class Phase(Enum):
     IDLE = "idle"
 
 
-_ORDER = (Phase.IDLE, Phase.HEADER, Phase.BODY)
-"""Phases in which a connection may be closed for another one; those that cost least come first."""
-
-
 class ConnectionLimits(NamedTuple):
     """Bounds of connections.
 
@@ -62,6 +58,10 @@ class Connection(Protocol):
     def phase(self) -> Phase:
         """What it waits for."""
 
+    @property
+    def last_heard(self) -> float:
+        """When its client last sent something, or connected [s]."""
+
     def evict(self) -> None:
         """Close it in favour of a newer one."""
 
@@ -72,9 +72,10 @@ class Connection(Protocol):
 class Connections:
     """Keeps the open connections and closes surplus ones.
 
-    A new connection is accepted if there is room. Else the oldest one that only waits for its
-    client, idle or in the middle of a request, is closed for it: clients that send slowly cannot
-    keep others out. If every connection waits for the service, the new one is refused.
+    A new connection is accepted if there is room. Else one that only waits for its client, idle or
+    in the middle of a request, is closed for it, namely the one not heard of for longest: clients
+    that send slowly cannot keep others out, and are no match for one that sends. If every
+    connection waits for the service, the new one is refused.
 
     Args:
         limits: The bounds.
@@ -113,15 +114,19 @@ class Connections:
             del self._by_address[address]
 
     def _make_room(self, new: Connection, address: str | None) -> None:
-        for phase in _ORDER:
-            for known in self._open:
-                if known is new or known.phase is not phase:
-                    continue
-                if address is None or known.address == address:
-                    self.discard(known)
-                    self.closed["evicted"] += 1
-                    known.evict()
-                    return
+        waiting = [
+            known
+            for known in self._open
+            if known is not new
+            and known.phase is not Phase.ANSWER
+            and (address is None or known.address == address)
+        ]
+        if waiting:
+            chosen = min(waiting, key=lambda known: known.last_heard)
+            self.discard(chosen)
+            self.closed["evicted"] += 1
+            chosen.evict()
+            return
         self.discard(new)
         self.closed["refused"] += 1
         new.refuse()

@@ -10,7 +10,7 @@ __all__ = ["Job", "PlanStore", "StoreFault"]
 
 
 class StoreFault(Exception):
-    """The store cannot write now: the disk is full or broken."""
+    """The store cannot write or read now: the disk is full or broken."""
 
 
 class Job(NamedTuple):

@@ -56,6 +56,7 @@ SERVICE_RANK = {
     "http": 1,
     "store": 1,
     "workers": 1,
+    "connections": 2,
     "jobs": 2,
     "middleware": 2,
     "robots": 2,
@@ -63,8 +64,9 @@ SERVICE_RANK = {
     "routes": 4,
     "app": 5,
 }
-"""app -> routes -> handlers -> jobs, middleware, robots -> http, store, workers -> settings,
-telemetry: a room of the service imports rooms of a lower rank only, never one beside it."""
+"""app -> routes -> handlers -> connections, jobs, middleware, robots -> http, store, workers ->
+settings, telemetry: a room of the service imports rooms of a lower rank only, never one beside
+it."""
 MOST_FILES = 15
 """Most modules in a folder of the service."""
 

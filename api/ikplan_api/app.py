@@ -9,9 +9,13 @@ import os
 from collections.abc import AsyncIterator
 from typing import Any
 
-from fastapi import FastAPI
+from fastapi import FastAPI, Request, Response
 
 import ikplan
+from ikplan.errors import InvalidRequest, InvalidRobot, ServiceUnavailable
+from ikplan.robots import robot_names
+from ikplan.robots.folders import PATH_VARIABLE
+from ikplan_api.connections.registry import ConnectionLimits, Connections, most_open
 from ikplan_api.http import openapi, problems
 from ikplan_api.jobs.plan_jobs import PlanJobs
 from ikplan_api.jobs.shutdown import Shutdown
@@ -20,10 +24,11 @@ from ikplan_api.middleware.install import install_middleware
 from ikplan_api.robots.robot_builder import RobotBuilder
 from ikplan_api.routes import ROUTERS
 from ikplan_api.settings import Settings, load_settings, unknown_variables
-from ikplan_api.store.plan_store import PlanStore
+from ikplan_api.store.plan_store import PlanStore, StoreFault
 from ikplan_api.store.robot_store import MemoryRobotStore, RobotStore
 from ikplan_api.store.sqlite_plans import SqlitePlanStore
 from ikplan_api.store.sqlite_robots import SqliteRobotStore
+from ikplan_api.telemetry.loop_lag import watch_loop
 from ikplan_api.telemetry.metrics import Metrics
 from ikplan_api.workers.instrumented_planner import InstrumentedPlanner
 from ikplan_api.workers.planner import Planner
@@ -57,6 +62,7 @@ def create_app(
         InvalidRequest: An environment variable has an invalid value, or the store cannot be used.
     """
     settings = settings if settings is not None else load_settings()
+    _check_robot_folders()
     app = FastAPI(
         title="ikplan",
         version=ikplan.__version__,
@@ -80,7 +86,8 @@ def create_app(
         memory_bytes=settings.worker_memory_bytes,
         grace_s=settings.grace_s,
     )
-    app.state.metrics = Metrics(planner)
+    app.state.connections = Connections(_connection_limits(settings))
+    app.state.metrics = Metrics(planner, app.state.connections)
     app.state.planner = InstrumentedPlanner(planner, app.state.metrics)
     app.state.store = store or _store(settings)
     app.state.plan_jobs = PlanJobs(app.state.planner, app.state.store, settings.max_budget_s)
@@ -90,9 +97,47 @@ def create_app(
     for router in ROUTERS:
         app.include_router(router)
     problems.install(app, ROUTERS)
+    app.add_exception_handler(StoreFault, _on_store_fault)
     openapi.install(app)
     install_middleware(app, settings, app.state.metrics)
     return app
+
+
+async def _on_store_fault(request: Request, error: Exception) -> Response:
+    """Answer a read or a deletion that the disk does not allow now."""
+    _log.error("the store failed: %s", error)
+    return problems.error_response(
+        request,
+        ServiceUnavailable(
+            "the store of the service fails now; try again later",
+            status_code=ServiceUnavailable.status,
+            retry_after_s=60.0,
+        ),
+    )
+
+
+def _check_robot_folders() -> None:
+    """Read the names of the catalogue now: a folder that is missing is an invalid setting.
+
+    Raises:
+        InvalidRequest: ``IKPLAN_ROBOTS_PATH`` names something that is not a folder.
+    """
+    try:
+        robot_names()
+    except (InvalidRobot, OSError) as error:
+        raise InvalidRequest(str(error), field=PATH_VARIABLE, allowed="folders") from error
+
+
+def _connection_limits(settings: Settings) -> ConnectionLimits:
+    most = most_open(settings.max_connections, settings.worker_count)
+    # One address leaves a quarter to the others.
+    by_address = min(settings.max_connections_per_address, most - most // 4)
+    return ConnectionLimits(
+        settings.header_s,
+        settings.body_s,
+        most=most,
+        most_per_address=by_address,
+    )
 
 
 def _store(settings: Settings) -> SqlitePlanStore:
@@ -101,6 +146,7 @@ def _store(settings: Settings) -> SqlitePlanStore:
         settings.store_plans,
         settings.store_bytes,
         max_age_s=settings.store_days * 86400.0,
+        replace_damaged=settings.store_damaged == "set-aside",
     )
     store.check()  # now, so that an invalid setting is reported in one line
     return store
@@ -125,11 +171,14 @@ async def _lifespan(app: FastAPI) -> AsyncIterator[dict[str, Any]]:
     await app.state.plan_jobs.resume()
     warming = asyncio.create_task(planner.warm_up())
     warming.add_done_callback(_report)
+    watching = asyncio.create_task(watch_loop(app.state.metrics))
     try:
-        # The server calls it as soon as a shutdown is requested.
-        yield {"stop": shutdown.begin}
+        # The server calls the first as soon as a shutdown is requested; its protocol keeps to the
+        # bounds of the second.
+        yield {"stop": shutdown.begin, "connections": app.state.connections}
     finally:
         warming.cancel()
+        watching.cancel()
         await shutdown.drain()
         await planner.close()
         await app.state.plan_jobs.close()

@@ -12,6 +12,8 @@ import uvicorn
 
 __all__ = ["Server"]
 
+_QUEUE = 1024
+"""Connections that wait to be accepted; the server's ``backlog`` is what it accepts at once."""
 _LAST_BYTES_S = 1
 """Time for answers to get out, beyond that for their work [s]."""
 _CLOSING_S = 5
@@ -26,6 +28,12 @@ class Server(uvicorn.Server):
     uvicorn tells an application that it is to stop when all connections are closed; an event
     stream would keep one open for as long as uvicorn waits at all.
     """
+
+    async def startup(self, sockets: list[socket.socket] | None = None) -> None:
+        """Start to listen, with a queue of its own length for connections to be accepted."""
+        await super().startup(sockets)
+        for listening in sockets or ():
+            listening.listen(_QUEUE)
 
     async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
         """Tell the service to stop, and give requests under way the time that it says."""

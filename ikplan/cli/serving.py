@@ -6,6 +6,7 @@ import argparse
 import contextlib
 import logging.config
 import os
+import resource
 import socket
 import sys
 from typing import Any
@@ -15,6 +16,9 @@ from ikplan.errors import InvalidRequest
 __all__ = ["serve"]
 
 APP = "ikplan_api.app:create_app"
+PROTOCOL = "ikplan_api.connections.protocol:BoundedProtocol"
+_ACCEPTED_AT_ONCE = 32
+_DESCRIPTORS = 65536
 _KEEP_ALIVE_S = 75
 """Time that idle connections are kept [s]: longer than clients keep them, so that none asks on one
 that is just being closed."""
@@ -40,8 +44,13 @@ def serve(options: argparse.Namespace) -> None:
         port=options.port,
         log_config=None,
         timeout_keep_alive=_KEEP_ALIVE_S,
+        http=PROTOCOL,
+        ws="none",
+        # Also the number of connections accepted before those that wait are looked at.
+        backlog=_ACCEPTED_AT_ONCE,
         access_log=False,  # the service tells more of each request itself
     )
+    _raise_descriptor_limit()
     with _listen(options.host, options.port) as listening:
         # The service reads its settings from the environment, however it is started.
         os.environ["IKPLAN_HOST"], os.environ["IKPLAN_PORT"] = options.host, str(options.port)
@@ -78,6 +87,15 @@ def _logging() -> dict[str, Any]:
             "uvicorn.access": {"level": "WARNING"},
         },
     }
+
+
+def _raise_descriptor_limit() -> None:
+    """Let the process open as many files as it may: connections and workers need them."""
+    soft, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
+    wanted = _DESCRIPTORS if hard == resource.RLIM_INFINITY else min(hard, _DESCRIPTORS)
+    if soft != resource.RLIM_INFINITY and soft < wanted:
+        with contextlib.suppress(OSError, ValueError):  # then fewer connections
+            resource.setrlimit(resource.RLIMIT_NOFILE, (wanted, hard))
 
 
 def _address(listening: socket.socket) -> str:

@@ -7,10 +7,7 @@ Every model refuses unknown fields, NaN and infinities. A fault becomes an
 
 from __future__ import annotations
 
-import contextlib
 import hashlib
-import json
-import re
 from collections.abc import Mapping, Sequence
 from typing import Annotated, Any, NoReturn, TypeVar, get_args
 
@@ -28,6 +25,7 @@ from pydantic import (
 )
 
 from ikplan.arrays import Array
+from ikplan.documents.json_text import load_json, shortened
 from ikplan.errors import InvalidRequest, near_names
 
 __all__ = [
@@ -160,7 +158,7 @@ def _resolve(model: type[BaseModel], loc: Sequence[int | str]) -> tuple[str, lis
         elif len(current) > 1 and any(part in _tags(m) for m in current):
             current = [m for m in current if part in _tags(m)]
         elif not any(c in part for c in "[(-"):
-            text += f".{part}" if text else part
+            text += f".{shortened(part)}" if text else shortened(part)
             fields = [m.model_fields[part] for m in current if part in m.model_fields]
             current = [m for field in fields for m in _models_in(field.annotation)]
     return text, current
@@ -179,6 +177,9 @@ def _models_in(annotation: Any) -> list[Any]:
     return [m for argument in get_args(annotation) for m in _models_in(argument)]
 
 
+MAX_FAULTS = 100
+"""Most faults of one document that are described."""
+
 _LENGTHS = {
     "too_short": "item(s)",
     "too_long": "item(s)",
@@ -195,7 +196,7 @@ def _describe(model: type[BaseModel], error: Mapping[str, Any]) -> tuple[str, st
     if kind == "extra_forbidden":
         _, models = _resolve(model, loc[:-1])
         fields = sorted({name for m in models for name in m.model_fields})
-        near = near_names(str(loc[-1]), fields)
+        near = near_names(shortened(str(loc[-1])), fields)
         hint = f"; did you mean {near[0]!r}?" if near else f"; known fields: {', '.join(fields)}"
         return field, f"unknown field{hint}", fields
     if kind == "missing":
@@ -206,9 +207,10 @@ def _describe(model: type[BaseModel], error: Mapping[str, Any]) -> tuple[str, st
         return field, f"must be {context['expected']}", context["expected"]
     if kind == "union_tag_invalid":
         tags = [tag.strip("' ") for tag in context["expected_tags"].split(",")]
-        near = near_names(str(context["tag"]), tags)
+        tag = shortened(str(context["tag"]))
+        near = near_names(tag, tags)
         hint = f"; did you mean {near[0]!r}?" if near else f"; known: {', '.join(tags)}"
-        return f"{field}.type", f"unknown type {context['tag']!r}{hint}", tags
+        return f"{field}.type", f"unknown type {tag!r}{hint}", tags
     if kind == "union_tag_not_found":
         return f"{field}.type", "this field is required", None
     if kind == "value_error":
@@ -228,14 +230,14 @@ def raise_invalid(
     model: type[BaseModel], errors: Sequence[Mapping[str, Any]], cause: Exception | None = None
 ) -> NoReturn:
     """Raise InvalidRequest for pydantic's list of errors on a document of ``model``."""
-    described = [_describe(model, e) for e in errors]
+    described = [_describe(model, e) for e in errors[:MAX_FAULTS]]
     field, sentence, allowed = described[0]
-    more = f" (and {len(described) - 1} more)" if len(described) > 1 else ""
+    more = f" (and {len(errors) - 1} more)" if len(errors) > 1 else ""
     raise InvalidRequest(
         f"{field}: {sentence}{more}" if field else sentence + more,
         field=field,
         allowed=allowed,
-        errors=[{"field": f, "detail": s} for f, s, _ in described[:100]],
+        errors=[{"field": f, "detail": s} for f, s, _ in described],
     ) from cause
 
 
@@ -271,46 +273,3 @@ def parse_json(model: type[M], text: str | bytes) -> M:
         InvalidRequest: The text is not JSON (with line and column), or a field is wrong.
     """
     return parse(model, load_json(text))
-
-
-_MANY_DIGITS = re.compile("[0-9]{19}")
-_MANY_DIGITS_BYTES = re.compile(rb"[0-9]{19}")
-
-
-def load_json(text: str | bytes) -> Any:
-    """Read JSON, refusing the NaN and Infinity that Python's parser lets through.
-
-    Raises:
-        InvalidRequest: With the line and column of the fault.
-    """
-    long = _MANY_DIGITS.search(text) if isinstance(text, str) else _MANY_DIGITS_BYTES.search(text)
-    if not long:  # which might be a whole number that orjson would round
-        with contextlib.suppress(orjson.JSONDecodeError):
-            return orjson.loads(text)
-    # What is wrong is told by the parser that says where; a few things are right for it alone.
-    try:
-        return json.loads(text, parse_constant=_refuse_constant)
-    except json.JSONDecodeError as error:
-        raise InvalidRequest(
-            f"malformed JSON at line {error.lineno}, column {error.colno}: {error.msg}",
-            allowed="a JSON object",
-        ) from error
-    except UnicodeDecodeError as error:
-        raise InvalidRequest(
-            f"the document is not UTF-8 text: {error.reason} at byte {error.start}",
-            allowed="UTF-8 text",
-        ) from error
-    except RecursionError as error:
-        raise InvalidRequest(
-            "the document is nested too deeply", allowed="a JSON object"
-        ) from error
-    except ValueError as error:  # Python converts only so many digits to an int
-        raise InvalidRequest(
-            "a number of the document has too many digits", allowed="finite numbers"
-        ) from error
-
-
-def _refuse_constant(name: str) -> NoReturn:
-    raise InvalidRequest(
-        f"{name} is not JSON and no number a robot can follow", allowed="finite numbers"
-    )

@@ -52,6 +52,7 @@ def assemble_plan(
     evaluations: int = 0,
     model: CollisionModel | None = None,
     segment_times: Sequence[tuple[float, float]] | None = None,
+    known_id: str | None = None,
 ) -> Plan:
     """Certify a timed trajectory and return it as the plan of its request.
 
@@ -68,6 +69,7 @@ def assemble_plan(
         evaluations: Forward-kinematics evaluations spent.
         model: Bodies that must not touch; None: nothing is checked.
         segment_times: When each segment begins and ends [s], for attached bodies.
+        known_id: The id of the plan, where it is known already.
 
     Raises:
         BudgetExceeded: The time budget ran out.
@@ -95,7 +97,7 @@ def assemble_plan(
             clearance = prove_motion(robot, model, timing, segment_times)
             certificate = certificate.model_copy(update={"clearance": clearance})
     return Plan(
-        id=plan_id(request, robot),
+        id=known_id or plan_id(request, robot),
         version=__version__,
         robot=request.robot,
         joint_names=list(robot.joint_names),

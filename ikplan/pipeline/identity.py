@@ -2,12 +2,30 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 from ikplan._version import __version__
 from ikplan.documents.plan_request import PlanRequest
 from ikplan.documents.timing_request import TimingRequest
 from ikplan.robots import Robot
 
-__all__ = ["plan_id"]
+__all__ = ["UNKNOWN", "KnownRequest", "plan_id"]
+
+
+class KnownRequest(NamedTuple):
+    """What is known of a request before it is planned: none of it is found out twice.
+
+    Attributes:
+        request: The request; None: its document is not parsed here.
+        plan_id: The id of its plan, under this version; None: not known yet.
+    """
+
+    request: PlanRequest | TimingRequest | None = None
+    plan_id: str | None = None
+
+
+UNKNOWN = KnownRequest()
+"""Nothing is known of the request."""
 
 
 def plan_id(request: PlanRequest | TimingRequest, robot: Robot) -> str:

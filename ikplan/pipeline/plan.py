@@ -38,7 +38,7 @@ from ikplan.planning.segment_number import segment_number
 from ikplan.plans.plan import Plan
 from ikplan.robots import Robot
 
-__all__ = ["plan", "solve_ik_request"]
+__all__ = ["make_plan", "plan", "solve_ik_request"]
 
 CONTACT_MARGIN = 1e-4
 """Gap that the planner keeps on top of the clearance [m]: the spline through its configurations
@@ -76,7 +76,24 @@ def plan(
         BudgetExceeded: ``budget_s`` ran out.
         CertificateViolated: The finished plan broke a promise: a bug.
     """
-    request = parse(PlanRequest, request)
+    return make_plan(parse(PlanRequest, request), robot, progress)
+
+
+def make_plan(
+    request: PlanRequest,
+    robot: Robot | None = None,
+    progress: Progress | None = None,
+    *,
+    known_id: str | None = None,
+) -> Plan:
+    """Plan a request that is parsed already, see :func:`plan`.
+
+    Args:
+        request: The request.
+        robot: As in :func:`plan`.
+        progress: As in :func:`plan`.
+        known_id: The id of the plan, where it is known already: it is not computed again.
+    """
     robot = resolve_robot(request, robot)
     limits = MotionLimits.of(robot, request.limits)
     limits_of = _segment_limits(robot, request, limits)
@@ -134,6 +151,7 @@ def plan(
         evaluations=route.evaluations,
         model=model,
         segment_times=_segment_times(route, timing.timed.times),
+        known_id=known_id,
     )
 
 

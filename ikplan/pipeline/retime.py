@@ -24,7 +24,7 @@ from ikplan.planning import Progress, TimeBudget
 from ikplan.plans.plan import Plan
 from ikplan.robots import Robot
 
-__all__ = ["time_path", "time_request"]
+__all__ = ["make_timing", "time_path", "time_request"]
 
 Array = NDArray[np.float64]
 
@@ -104,7 +104,24 @@ def time_request(
         BudgetExceeded: ``budget_s`` ran out.
         CertificateViolated: The finished trajectory broke a promise: a bug.
     """
-    request = parse(TimingRequest, request)
+    return make_timing(parse(TimingRequest, request), robot, progress)
+
+
+def make_timing(
+    request: TimingRequest,
+    robot: Robot | None = None,
+    progress: Progress | None = None,
+    *,
+    known_id: str | None = None,
+) -> Plan:
+    """Time a request that is parsed already, see :func:`time_request`.
+
+    Args:
+        request: The request.
+        robot: As in :func:`time_request`.
+        progress: As in :func:`time_request`.
+        known_id: The id of the plan, where it is known already: it is not computed again.
+    """
     robot = resolve_robot(request, robot)
     limits = MotionLimits.of(robot, request.limits)
     asked = _rows(request.waypoints, robot)
@@ -145,6 +162,7 @@ def time_request(
         model=requested_model(
             robot, request.scene, request.fixed_joints, request.tool, always=False
         ),
+        known_id=known_id,
     )
 
 

@@ -148,6 +148,7 @@ NOT_FINITE = [
 ]  # fmt: skip
 
 NOT_JSON = [
+    ("a key given twice", b'{"robot": "ur5", "robot": "iiwa14"}'),
     ("empty", b""),
     ("cut", b'{"robot": "iiwa14", "path": {'),
     ("single quotes", b"{'robot': 'iiwa14'}"),

@@ -18,7 +18,7 @@ from ikplan import Client
 from ikplan_api.app import create_app
 from ikplan_api.settings import Settings
 
-ADDRESS = "http://ikplan.test"
+ADDRESS = "http://localhost"
 
 
 class PortalTransport(httpx.BaseTransport):

@@ -141,7 +141,8 @@ def test_a_batch_is_answered_as_it_goes_and_stopped_when_nobody_reads_on():
 
         scope = {
             "type": "http", "method": "POST", "path": "/v1/batches", "raw_path": b"/v1/batches",
-            "query_string": b"", "headers": [(b"content-type", NDJSON.encode())],
+            "query_string": b"",
+            "headers": [(b"host", b"localhost"), (b"content-type", NDJSON.encode())],
             "http_version": "1.1", "scheme": "http", "server": ("127.0.0.1", 80),
             "client": ("127.0.0.1", 1), "root_path": "",
         }  # fmt: skip

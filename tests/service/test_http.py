@@ -16,6 +16,7 @@ from ikplan_api.settings import Settings, load_settings
 from .bad_requests import GOOD
 
 JSON = {"content-type": "application/json"}
+TYPE = [(b"content-type", b"application/json")]
 
 
 def post(http: httpx.Client, path: str, document: object) -> httpx.Response:
@@ -136,6 +137,29 @@ def test_a_content_type_may_be_spelt_in_many_ways(content_type, http):
     assert answer.status_code == 422
 
 
+@pytest.mark.parametrize("coding", ["gzip", "br", "identity, zstd", "x"])
+def test_a_body_in_a_content_encoding_is_refused_and_never_read_as_text(coding, http):
+    answer = http.post("/v1/plans", json=GOOD, headers={"content-encoding": coding})
+    assert answer.status_code == 415
+    assert answer.headers["accept-encoding"] == "identity"
+    assert coding.split(", ")[-1] in answer.json()["detail"]
+    assert http.post("/v1/fk", json={}, headers={"content-encoding": "identity"}).json()["field"]
+
+
+def test_a_body_in_another_charset_is_refused(http):
+    for charset, status in (("utf-16", 415), ("latin-1", 415), ("UTF-8", 422)):
+        headers = {"content-type": f"application/json; charset={charset}"}
+        assert http.post("/v1/fk", content=b"{}", headers=headers).status_code == status
+
+
+def test_what_a_client_sent_does_not_come_back_as_a_whole(http):
+    long = "x" * 2_000_000
+    for document in ({long: 1}, {**GOOD, "robot": long}, {**GOOD, "path": {"waypoints": long}}):
+        answer = http.post("/v1/plans", json=document)
+        assert answer.status_code in (404, 422)
+        assert len(answer.content) < 10_000
+
+
 def test_a_body_that_is_too_long_is_refused_by_its_announced_length(http):
     answer = http.post("/v1/plans", content=b" " * (2**22 + 1), headers=JSON)
     assert answer.status_code == 413
@@ -157,7 +181,7 @@ def raw_exchange(headers: list[tuple[bytes, bytes]], chunk: bytes) -> tuple[int,
 
     scope = {
         "type": "http", "method": "POST", "path": "/v1/plans", "raw_path": b"/v1/plans",
-        "query_string": b"", "headers": [(b"content-type", b"application/json"), *headers],
+        "query_string": b"", "headers": [(b"host", b"localhost"), *TYPE, *headers],
         "http_version": "1.1", "scheme": "http", "server": ("test", 80), "client": ("test", 1),
         "root_path": "",
     }  # fmt: skip

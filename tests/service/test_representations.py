@@ -139,7 +139,8 @@ def served(app, portal) -> Callable[[str, str], Served]:
 
         scope = {
             "type": "http", "method": "GET", "path": path, "raw_path": path.encode(),
-            "query_string": b"", "headers": [(b"accept-encoding", coding.encode())],
+            "query_string": b"",
+            "headers": [(b"host", b"localhost"), (b"accept-encoding", coding.encode())],
             "http_version": "1.1", "scheme": "http", "server": ("127.0.0.1", 80),
             "client": ("127.0.0.1", 1), "root_path": "",
         }  # fmt: skip

@@ -15,7 +15,7 @@ from ikplan.documents.json_ready import json_ready
 from ikplan.errors import IkplanError, InvalidRequest
 from ikplan_api.http.problems import Refusal, http_problem, request_id_of
 from ikplan_api.jobs.plan_jobs import PlanJobs
-from ikplan_api.robots.uploads import robot_document
+from ikplan_api.robots.uploads import named_robot
 
 __all__ = ["NDJSON", "plan_lines", "split_lines"]
 
@@ -36,7 +36,7 @@ def split_lines(body: bytes, max_lines: int) -> list[bytes]:
         InvalidRequest: The batch is empty.
         Refusal: 413, it has too many lines.
     """
-    lines = [line for line in body.split(b"\n") if line.strip()]
+    lines = [line for line in body.split(b"\n") if line and not line.isspace()]
     if not lines:
         raise InvalidRequest(
             "a batch needs at least one line with a request in JSON", allowed="JSON lines"
@@ -80,8 +80,8 @@ async def plan_lines(
 async def _plan_line(request: Request, index: int, line: bytes) -> bytes:
     jobs: PlanJobs = request.app.state.plan_jobs
     try:
-        robot = await robot_document(request, line)
-        job = await jobs.identify("plan", line, robot, wait_if_full=True)
+        robot, known = await named_robot(request, "plan", line)
+        job = await jobs.identify("plan", line, robot, known, wait_if_full=True)
         plan = await jobs.run(job, wait_if_full=True)
     except IkplanError as error:
         return _failed(request, index, json_ready(error.to_problem()))

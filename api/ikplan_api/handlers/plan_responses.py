@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import json
 from collections.abc import Mapping
 from typing import Any
@@ -9,21 +10,29 @@ from typing import Any
 from fastapi import Request, Response
 
 from ikplan.documents.status import PlanStatus
-from ikplan.errors import PlanNotFound
+from ikplan.errors import InvalidRequest, PlanNotFound
 from ikplan.plans.export.formats import Format
+from ikplan.plans.plan import Plan
 from ikplan_api.handlers.point_files import CSV, NOTES, is_csv, read_points_request, remember_notes
 from ikplan_api.http.body import read_body, read_json_body
 from ikplan_api.http.disconnect import while_connected
 from ikplan_api.http.problems import problem_response, request_id_of
-from ikplan_api.http.representations import accepted_format, plan_response
+from ikplan_api.http.representations import (
+    accepted_format,
+    document_response,
+    not_acceptable,
+)
 from ikplan_api.jobs.plan_jobs import PlanJobs
-from ikplan_api.robots.uploads import robot_document
+from ikplan_api.robots.uploads import named_robot
+from ikplan_api.workers.planner import Planner
 
 __all__ = ["ACCEPTED", "PLANS", "PREFER", "create_plan_response", "get_plan_response"]
 
 PLANS = "/v1/plans"
 
 _JSON = "application/json"
+_SHORT = 128 * 1024
+"""Longest plan that this process writes in another format, within some milliseconds [bytes]."""
 _ASYNC = "respond-async"
 PREFER: dict[str, Any] = {
     "parameters": [
@@ -65,8 +74,8 @@ async def create_plan_response(request: Request, kind: str) -> Response:
     jobs: PlanJobs = request.app.state.plan_jobs
     form = accepted_format(request)
     document = await (_plan_request(request) if kind == "plan" else read_json_body(request))
-    robot = await robot_document(request, document)
-    job = await jobs.identify(kind, document, robot)
+    robot, known = await named_robot(request, kind, document)
+    job = await jobs.identify(kind, document, robot, known)
     if not _prefers_async(request):
         plan = await while_connected(request, jobs.run(job))
     elif (stored := await jobs.find(job.plan_id)) is not None:
@@ -116,7 +125,30 @@ async def get_plan_response(request: Request, plan_id: str) -> Response:
 async def _finished(request: Request, plan_id: str, document: bytes, form: Format) -> Response:
     headers = {"content-location": f"{PLANS}/{plan_id}", "etag": _etag(plan_id, form)}
     headers |= _notes(request)
-    return await plan_response(request, document, form, headers)
+    if form.name != "json":
+        document = await _exported(request, document, form)
+    return document_response(request, document, form.media_type, {**headers, "vary": "Accept"})
+
+
+async def _exported(request: Request, document: bytes, form: Format) -> bytes:
+    """Return a plan in a format; long ones are written by a worker.
+
+    Reading and writing hold the interpreter, 0.1 s for each megabyte.
+
+    Raises:
+        Refusal: 406, the format cannot represent this plan.
+        ServiceUnavailable: The queue is full.
+    """
+    try:
+        if len(document) <= _SHORT:
+            return await asyncio.to_thread(lambda: form.encode(Plan.load(document)))
+        planner: Planner = request.app.state.planner
+        # A plan that was just made is not thrown away for a full queue.
+        waits = request.method == "POST"
+        exporting = planner.run(f"export-{form.name}", document, wait_if_full=waits)
+        return (await while_connected(request, exporting)).document
+    except InvalidRequest as error:
+        raise not_acceptable(error.detail) from error
 
 
 def _notes(request: Request) -> dict[str, str]:

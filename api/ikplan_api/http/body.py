@@ -3,10 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from email.message import Message
 
 from fastapi import Request
+from starlette.requests import ClientDisconnect
 
+from ikplan.documents.json_text import shortened
 from ikplan.errors import InvalidRequest
+from ikplan_api.http.disconnect import ClientGone
 from ikplan_api.http.problems import Refusal
 
 __all__ = ["media_type_of", "read_body", "read_json_body"]
@@ -37,13 +41,16 @@ async def read_body(request: Request, accepted: Sequence[str], limit: int) -> by
         limit: Longest body [bytes].
 
     Raises:
-        Refusal: 415, another media type; 413, the body is too long. It is raised as soon as the
-            limit is exceeded, not after the whole body.
+        ClientGone: The client disconnected, or sent too slowly.
+        Refusal: 415, another media type, a content encoding or a charset other than UTF-8; 413,
+            the body is too long. It is raised as soon as the limit is exceeded, not after the
+            whole body.
     """
+    _refuse_encodings(request)
     media_type = media_type_of(request)
     if media_type not in accepted:
         # This also forces browsers to send a preflight request for posts from other origins.
-        got = f"not {media_type!r}" if media_type else "but it is missing"
+        got = f"not {shortened(media_type)!r}" if media_type else "but it is missing"
         raise Refusal(
             InvalidRequest(
                 f"the header Content-Type must be {' or '.join(accepted)}, {got}",
@@ -56,11 +63,50 @@ async def read_body(request: Request, accepted: Sequence[str], limit: int) -> by
     if announced.isdecimal() and int(announced[:20]) > limit:
         raise _too_long(limit)
     body = bytearray()
-    async for chunk in request.stream():
-        body += chunk
-        if len(body) > limit:
-            raise _too_long(limit)
+    try:
+        async for chunk in request.stream():
+            body += chunk
+            if len(body) > limit:
+                raise _too_long(limit)
+    except ClientDisconnect as error:
+        raise ClientGone from error
     return bytes(body)
+
+
+def _refuse_encodings(request: Request) -> None:
+    """Refuse a body that is compressed or in another charset: read as text, it is another one.
+
+    Raises:
+        Refusal: 415, with the field of the header.
+    """
+    codings = [
+        coding.strip().lower()
+        for value in request.headers.getlist("content-encoding")
+        for coding in value.split(",")
+    ]
+    if any(coding not in ("", "identity") for coding in codings):
+        got = ", ".join(codings)
+        raise Refusal(
+            InvalidRequest(
+                f"the header Content-Encoding is {shortened(got)!r}; send the body uncompressed",
+                field="",
+                allowed="identity",
+            ),
+            status=415,
+            headers={"accept-encoding": "identity"},
+        )
+    charset = Message()
+    charset["content-type"] = request.headers.get("content-type", "")
+    named = charset.get_content_charset("utf-8")
+    if named not in ("utf-8", "utf8", "us-ascii"):
+        raise Refusal(
+            InvalidRequest(
+                f"the charset of the header Content-Type is {shortened(named)!r}; send UTF-8",
+                field="",
+                allowed="utf-8",
+            ),
+            status=415,
+        )
 
 
 def _too_long(limit: int) -> Refusal:

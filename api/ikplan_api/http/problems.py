@@ -16,6 +16,7 @@ from starlette.exceptions import HTTPException
 from starlette.routing import Match
 
 from ikplan.documents.json_ready import json_ready
+from ikplan.documents.json_text import shortened
 from ikplan.errors import (
     AccessDenied,
     IkplanError,
@@ -36,6 +37,8 @@ __all__ = [
 ]
 
 PROBLEM = "application/problem+json"
+_LONGEST_TEXT = 4000
+"""Longest text in a problem document."""
 
 
 class Refusal(Exception):
@@ -44,12 +47,16 @@ class Refusal(Exception):
     Args:
         error: The error.
         status: The HTTP status.
+        headers: Headers of the response.
     """
 
-    def __init__(self, error: IkplanError, status: int) -> None:
+    def __init__(
+        self, error: IkplanError, status: int, headers: Mapping[str, str] | None = None
+    ) -> None:
         super().__init__(error.detail)
         self.error = error
         self.status = status
+        self.headers = dict(headers or {})
 
 
 def problem_response(
@@ -58,18 +65,32 @@ def problem_response(
     """Return a response with a problem document; its ``instance`` is the request's id."""
     body = {**document, "instance": f"urn:ikplan:request:{request_id}"}
     return Response(
-        json.dumps(json_ready(body), allow_nan=False),
+        json.dumps(_brief(json_ready(body)), allow_nan=False),
         status_code=int(document["status"]),
         media_type=PROBLEM,
         headers=dict(headers or {}),
     )
 
 
-def error_response(request: Request, error: IkplanError, status: int | None = None) -> Response:
+def _brief(value: Any) -> Any:
+    """Shorten every text: what a client sent does not come back as a whole."""
+    if isinstance(value, dict):
+        return {shortened(key): _brief(item) for key, item in value.items()}
+    if isinstance(value, list):
+        return [_brief(item) for item in value]
+    return shortened(value, _LONGEST_TEXT) if isinstance(value, str) else value
+
+
+def error_response(
+    request: Request,
+    error: IkplanError,
+    status: int | None = None,
+    more_headers: Mapping[str, str] | None = None,
+) -> Response:
     """Return the response for an error."""
     request.scope.setdefault("state", {})["problem"] = error.slug  # for the log
     document = error.to_problem()
-    headers = {}
+    headers = dict(more_headers or {})
     if notes := request.scope["state"].get("notes"):
         headers["ikplan-notes"] = str(notes)  # how its file was read
     if status is not None:
@@ -101,12 +122,13 @@ async def _on_ikplan_error(request: Request, error: Exception) -> Response:
 
 async def _on_refusal(request: Request, error: Exception) -> Response:
     assert isinstance(error, Refusal)
-    return error_response(request, error.error, error.status)
+    return error_response(request, error.error, error.status, error.headers)
 
 
-async def _on_client_gone(_: Request, error: Exception) -> Response:
+async def _on_client_gone(request: Request, error: Exception) -> Response:
     assert isinstance(error, ClientGone)
-    return Response(status_code=499)  # for the log only: the client is gone
+    # For the log only: the client is gone, or the server gave it up with a status of its own.
+    return Response(status_code=request.scope.get("state", {}).get("given_up", 499))
 
 
 async def _on_validation_error(request: Request, error: Exception) -> Response:

@@ -14,10 +14,9 @@ from werkzeug.http import parse_accept_header
 from ikplan.errors import InvalidRequest
 from ikplan.plans.export import FORMATS
 from ikplan.plans.export.formats import Format
-from ikplan.plans.plan import Plan
 from ikplan_api.http.problems import Refusal
 
-__all__ = ["accepted_format", "document_response", "plan_contents", "plan_response"]
+__all__ = ["accepted_format", "document_response", "not_acceptable", "plan_contents"]
 
 _JSON = FORMATS[0]
 _PIECE = 256 * 2**10
@@ -39,11 +38,12 @@ def accepted_format(request: Request) -> Format:
     plain = MIMEAccept([(name.partition(";")[0].strip(), quality) for name, quality in asked])
     best = plain.best_match(known)
     if best is None:
-        raise _not_acceptable(f"plans are not available as {header[:200]!r}")
+        raise not_acceptable(f"plans are not available as {header[:200]!r}")
     return known[best]
 
 
-def _not_acceptable(why: str) -> Refusal:
+def not_acceptable(why: str) -> Refusal:
+    """Return the refusal 406 with the available formats."""
     names = [known.media_type for known in FORMATS]
     return Refusal(
         InvalidRequest(
@@ -53,29 +53,6 @@ def _not_acceptable(why: str) -> Refusal:
         ),
         status=406,
     )
-
-
-async def plan_response(
-    request: Request, document: bytes, form: Format, headers: Mapping[str, str] | None = None
-) -> Response:
-    """Return a response with a plan.
-
-    Args:
-        request: The request.
-        document: The plan as JSON.
-        form: The format of the response.
-        headers: Headers of the response.
-
-    Raises:
-        Refusal: 406, the format cannot represent this plan.
-    """
-    made = dict(headers or {}, vary="Accept")
-    if form is not _JSON:
-        try:
-            document = await asyncio.to_thread(lambda: form.encode(Plan.load(document)))
-        except InvalidRequest as error:
-            raise _not_acceptable(error.detail) from error
-    return document_response(request, document, form.media_type, made)
 
 
 def document_response(

@@ -18,6 +18,7 @@ from ikplan.errors import (
     PlanNotFound,
     ServiceUnavailable,
 )
+from ikplan.pipeline.identity import UNKNOWN, KnownRequest
 from ikplan_api.http.problems import http_problem
 from ikplan_api.jobs.plan_in_progress import PlanInProgress
 from ikplan_api.jobs.request_identity import identify
@@ -63,7 +64,13 @@ class PlanJobs:
                 self._start(job, wait_if_full=True).accepted = True
 
     async def identify(
-        self, kind: str, document: bytes, robot: bytes | None, *, wait_if_full: bool = False
+        self,
+        kind: str,
+        document: bytes,
+        robot: bytes | None,
+        known: KnownRequest = UNKNOWN,
+        *,
+        wait_if_full: bool = False,
     ) -> Job:
         """Identify a request: its plan id and its time budget.
 
@@ -71,6 +78,7 @@ class PlanJobs:
             kind: ``"plan"`` or ``"time"``.
             document: The request document.
             robot: The uploaded robot that it names; None: a robot of the catalogue.
+            known: What is known of it already.
             wait_if_full: If the queue is full, wait instead of raising.
 
         Raises:
@@ -81,12 +89,14 @@ class PlanJobs:
         if digest not in self._seen and not wait_if_full:
             # A busy service reads a request only if its plan may be stored or in progress.
             self._planner.check_capacity()
-        identity = await identify(self._planner, kind, document, robot, wait_if_full=wait_if_full)
+        identity, known = await identify(
+            self._planner, kind, document, robot, known, wait_if_full=wait_if_full
+        )
         budget_s = min(identity.budget_s, self._max_budget_s)
         self._seen[digest] = None
         while len(self._seen) > _MAX_SEEN:
             self._seen.popitem(last=False)
-        return Job(identity.plan_id, kind, document, robot, budget_s)
+        return Job(identity.plan_id, kind, document, robot, budget_s, known)
 
     async def find(self, plan_id: str) -> bytes | None:
         """Return a finished plan, or None if it is not stored."""
@@ -222,6 +232,7 @@ class PlanJobs:
                 job.kind,
                 job.document,
                 robot=job.robot,
+                known=job.known,
                 limit_s=job.budget_s,
                 progress=in_progress.progress,
                 wait_if_full=wait_if_full,

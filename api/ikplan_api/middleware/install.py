@@ -8,6 +8,7 @@ from starlette_compress import CompressMiddleware
 
 from ikplan_api.middleware.access import AccessMiddleware
 from ikplan_api.middleware.access_log import AccessLogMiddleware
+from ikplan_api.middleware.hosts import HostsMiddleware
 from ikplan_api.middleware.request_id import RequestIdMiddleware
 from ikplan_api.middleware.security_headers import SecurityHeadersMiddleware
 from ikplan_api.settings import Settings
@@ -40,6 +41,8 @@ def install_middleware(app: FastAPI, settings: Settings, metrics: Metrics) -> No
             allow_headers=["accept", "authorization", "content-type", "prefer", "if-none-match"],
             expose_headers=["content-location", "etag", "location", "retry-after", "x-request-id"],
         )
-    app.add_middleware(SecurityHeadersMiddleware)
+    if settings.hosts or not settings.api_keys:
+        app.add_middleware(HostsMiddleware, hosts=settings.hosts, origins=settings.cors_origins)
     app.add_middleware(AccessLogMiddleware, metrics=metrics)
     app.add_middleware(RequestIdMiddleware)
+    app.add_middleware(SecurityHeadersMiddleware)  # outermost: on unexpected failures too

@@ -3,24 +3,28 @@
 from __future__ import annotations
 
 import asyncio
+import re
 
 import pydantic_core
 from fastapi import Request
 
 from ikplan.documents import parse, parse_json
-from ikplan.errors import InvalidRequest, InvalidRobot, RobotNotFound
+from ikplan.errors import IkplanError, InvalidRequest, InvalidRobot, RobotNotFound
+from ikplan.pipeline.identity import UNKNOWN, KnownRequest
 from ikplan.robots import RobotUpload, is_upload_id, robot_names
 from ikplan_api.http.body import media_type_of, read_body
 from ikplan_api.http.problems import Refusal
 from ikplan_api.store.robot_store import RobotStore, StoredRobot
+from ikplan_api.workers.tasks import SHORT, parse_request
 
-__all__ = ["JSON", "QUERY", "XML", "read_upload", "robot_document", "stored_robot"]
+__all__ = ["JSON", "QUERY", "XML", "named_robot", "read_upload", "robot_document", "stored_robot"]
 
 JSON = "application/json"
 XML = ("application/xml", "text/xml", "application/urdf+xml")
 QUERY = ("base", "tip", "title")
 """Query parameters of an upload in XML."""
 
+_NAMED = re.compile(rb'"robot"\s*:\s*"(urdf-[0-9a-f]{1,64})"')
 _ENVELOPE = 64 * 2**10
 """Bytes of an upload in JSON besides its URDF and SRDF."""
 
@@ -96,6 +100,11 @@ async def robot_document(request: Request, body: bytes) -> bytes | None:
     """
     if b"urdf-" not in body:
         return None
+    if len(body) > SHORT:
+        # Parsing would block the event loop. Where the text is of another field, the worker does
+        # not use the robot.
+        found = _NAMED.search(body)
+        return None if found is None else (await stored_robot(request, found[1].decode())).document
     try:
         content = pydantic_core.from_json(body)
     except ValueError:
@@ -104,3 +113,29 @@ async def robot_document(request: Request, body: bytes) -> bytes | None:
     if not isinstance(name, str) or not is_upload_id(name):
         return None
     return (await stored_robot(request, name)).document
+
+
+async def named_robot(
+    request: Request, kind: str, document: bytes
+) -> tuple[bytes | None, KnownRequest]:
+    """Return the uploaded robot that a request for a plan names, and what is known of it then.
+
+    Args:
+        request: The HTTP request.
+        kind: ``"plan"`` or ``"time"``.
+        document: The request for a plan, which may be invalid: who identifies it reports that.
+
+    Raises:
+        RobotNotFound: The named robot is not stored here.
+    """
+    if b"urdf-" not in document:
+        return None, UNKNOWN
+    if len(document) > SHORT:
+        return await robot_document(request, document), UNKNOWN
+    try:
+        parsed = parse_request(kind, document)
+    except IkplanError:
+        return None, UNKNOWN
+    name = parsed.robot
+    robot = (await stored_robot(request, name)).document if is_upload_id(name) else None
+    return robot, KnownRequest(parsed)

@@ -26,7 +26,7 @@ router = APIRouter(prefix="/v1/robots", tags=["robots and solvers"])
 
 _URDF = {"application/xml": {"schema": {"type": "string"}}}
 _MEDIA = {".dae": "model/vnd.collada+xml", ".obj": "model/obj", ".stl": "model/stl"}
-_A_WEEK = "max-age=604800"
+_A_WEEK = "private, max-age=604800"
 for _media_type in _MEDIA.values():
     add_compress_type(_media_type)  # text or plain numbers: a fraction of the bytes
 
@@ -48,7 +48,7 @@ async def get_robot_visual(request: Request, name: str) -> Response:
     visual = await _visual(request, name)
     document = visual.urdf.encode()
     tag = f'"{hashlib.sha256(document).hexdigest()[:32]}"'
-    headers = {"etag": tag, "cache-control": "no-cache"}
+    headers = {"etag": tag, "cache-control": "private, no-cache"}
     if tag in request.headers.get("if-none-match", ""):
         return Response(status_code=304, headers=headers)
     return Response(document, media_type="application/xml", headers=headers)

@@ -13,6 +13,7 @@ from pydantic_settings import BaseSettings, NoDecode, SettingsConfigDict
 __all__ = ["AccessSettings", "ApiKey", "is_loopback"]
 
 _KEY = re.compile(r"(?:(?P<name>[A-Za-z0-9_.-]{1,64}):)?(?P<hash>[0-9a-fA-F]{64})")
+_HOST = re.compile(r"[A-Za-z0-9_]([A-Za-z0-9_.-]*[A-Za-z0-9_])?")
 _ORIGIN = re.compile(r"https?://(?:[A-Za-z0-9.-]+|\[[0-9A-Fa-f:.]+\])(?::[0-9]{1,5})?")
 
 
@@ -26,6 +27,14 @@ class ApiKey(NamedTuple):
 
     name: str
     hash: str
+
+
+def _is_address(host: str) -> bool:
+    try:
+        ipaddress.ip_address(host)
+    except ValueError:
+        return False
+    return True
 
 
 def is_loopback(host: str) -> bool:
@@ -85,6 +94,23 @@ class AccessSettings(BaseSettings):
         description="Origins whose web pages may use the service, such as `https://cell.example`, "
         "separated by commas; `*` is not allowed.",
     )
+
+    hosts: Annotated[tuple[str, ...], NoDecode, BeforeValidator(_parts)] = Field(
+        (),
+        description="Names or addresses under which clients ask for the service, separated by "
+        "commas; others are refused with 403. None: with API keys any, else loopback names only.",
+    )
+
+    @field_validator("hosts")
+    @classmethod
+    def _names_of_hosts(cls, value: tuple[str, ...]) -> tuple[str, ...]:
+        for host in value:
+            if not _HOST.fullmatch(host) and not _is_address(host.strip("[]")):
+                raise ValueError(
+                    f"{host[:200]!r} is not a host name or address such as cell.example; leave out "
+                    "the scheme and the port, and name each host"
+                )
+        return tuple(host.lower().strip("[]") for host in value)
 
     @field_validator("rate_limit")
     @classmethod

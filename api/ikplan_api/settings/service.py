@@ -6,7 +6,7 @@ import os
 from collections.abc import Mapping
 from typing import Literal
 
-from pydantic import Field, ValidationError
+from pydantic import Field, ValidationError, field_validator
 from pydantic_settings import SettingsConfigDict
 
 from ikplan.errors import InvalidRequest, near_names
@@ -17,6 +17,7 @@ from ikplan_api.settings.access import AccessSettings
 __all__ = ["Settings", "load_settings", "unknown_variables"]
 
 _PREFIX = "IKPLAN_"
+_LEAST_WORKER_BYTES = 768 * 2**20
 _OTHERS = ("CACHE_DIR", "KEY", "ROBOTS_PATH")
 """Variables of the library and of the client."""
 
@@ -48,8 +49,8 @@ class Settings(AccessSettings):
     worker_memory_bytes: int = Field(
         2 * 2**30,
         ge=0,
-        description="Private memory that a worker may allocate [bytes]; 0: no limit. A new worker "
-        "uses 0.4 GB.",
+        description="Private memory that a worker may allocate [bytes]; 0: no limit, else at least "
+        "768 MiB. A new worker uses 0.4 GB.",
     )
     grace_s: float = Field(
         2.0,
@@ -62,6 +63,24 @@ class Settings(AccessSettings):
         ge=0,
         le=3600,
         description="Time for plans in progress to finish during a shutdown [s].",
+    )
+    header_s: float = Field(
+        10.0, gt=0, le=600, description="Time for a client to send the header of a request [s]."
+    )
+    body_s: float = Field(
+        30.0,
+        gt=0,
+        le=3600,
+        description="Time for a client to send a body [s]; longer at 16 KiB/s or more.",
+    )
+    max_connections: int = Field(
+        1000,
+        ge=8,
+        description="Largest number of connections; fewer if the process may not open as many "
+        "files.",
+    )
+    max_connections_per_address: int = Field(
+        500, ge=4, description="Largest number of connections of one address."
     )
     max_body_bytes: int = Field(
         8 * 2**20,
@@ -81,6 +100,11 @@ class Settings(AccessSettings):
         min_length=1,
         description="File that stores plans, jobs and robots; `:memory:`: no file, a restart loses "
         "them.",
+    )
+    store_damaged: Literal["refuse", "set-aside"] = Field(
+        "refuse",
+        description="What to do if the file of the store is damaged: `refuse` to start, or "
+        "`set-aside`: rename it and start a new one.",
     )
     store_plans: int = Field(10_000, ge=0, description="Largest number of stored plans.")
     store_bytes: int = Field(
@@ -111,6 +135,16 @@ class Settings(AccessSettings):
         "info",
         description="Log level: `debug` (includes probes), `info`, `warning` or `error`.",
     )
+
+    @field_validator("worker_memory_bytes")
+    @classmethod
+    def _enough_for_a_worker(cls, value: int) -> int:
+        if 0 < value < _LEAST_WORKER_BYTES:
+            raise ValueError(
+                f"a worker needs {_LEAST_WORKER_BYTES} bytes for its kernels and robots before it "
+                "takes a request; give more, or 0 for no limit"
+            )
+        return value
 
     @property
     def worker_count(self) -> int:

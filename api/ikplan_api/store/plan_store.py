@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from typing import NamedTuple, Protocol
 
+from ikplan.pipeline.identity import UNKNOWN, KnownRequest
+
 __all__ = ["Job", "PlanStore", "StoreFault"]
 
 
 class StoreFault(Exception):
-    """The store cannot write now: the disk is full or broken."""
+    """The store cannot write or read now: the disk is full or broken."""
 
 
 class Job(NamedTuple):
@@ -20,6 +22,7 @@ class Job(NamedTuple):
         document: The request document.
         robot: The uploaded robot that the document names; None: a robot of the catalogue.
         budget_s: Its time budget [s].
+        known: What is known of the request already; not stored.
     """
 
     plan_id: str
@@ -27,6 +30,7 @@ class Job(NamedTuple):
     document: bytes
     robot: bytes | None
     budget_s: float
+    known: KnownRequest = UNKNOWN
 
 
 class PlanStore(Protocol):

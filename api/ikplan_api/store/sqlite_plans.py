@@ -4,17 +4,18 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
+import logging
 import math
 import sqlite3
 import time
 from collections.abc import AsyncIterator, Sequence
-from contextlib import asynccontextmanager, closing
-from pathlib import Path
+from contextlib import asynccontextmanager
 from typing import Any
 
 import aiosqlite
 
 from ikplan.errors import InvalidRequest
+from ikplan_api.store.inspection import DamagedStore, NewerStore, inspect, set_aside
 from ikplan_api.store.lock_holder import lock_holder
 from ikplan_api.store.plan_store import Job, StoreFault
 
@@ -22,6 +23,8 @@ __all__ = ["IN_MEMORY", "SqlitePlanStore"]
 
 IN_MEMORY = ":memory:"
 """The path that means: in memory, without a file."""
+
+_log = logging.getLogger("ikplan.service")
 
 _SETTING = "IKPLAN_STORE_PATH"
 _VERSION = 1
@@ -91,10 +94,20 @@ class SqlitePlanStore:
         max_plans: Largest number of plans.
         max_bytes: Largest total size of the plans [bytes]; a larger plan is not stored.
         max_age_s: Longest time that plans and failures are stored [s].
+        replace_damaged: Whether a damaged file is set aside and a new one started.
     """
 
-    def __init__(self, path: str, max_plans: int, max_bytes: int, max_age_s: float) -> None:
+    def __init__(
+        self,
+        path: str,
+        max_plans: int,
+        max_bytes: int,
+        max_age_s: float,
+        *,
+        replace_damaged: bool = False,
+    ) -> None:
         self._path = path
+        self._replace_damaged = replace_damaged
         self._max_plans = max_plans
         self._max_bytes = max_bytes
         self._max_age_s = max_age_s
@@ -116,10 +129,22 @@ class SqlitePlanStore:
         if self._path == IN_MEMORY:
             return
         try:
-            Path(self._path).parent.mkdir(parents=True, exist_ok=True)
-            with closing(sqlite3.connect(self._path, isolation_level=None, timeout=1.0)) as file:
-                file.execute("BEGIN IMMEDIATE")
-                file.execute("ROLLBACK")
+            try:
+                inspect(self._path, _VERSION)
+            except DamagedStore:
+                if not self._replace_damaged:
+                    raise
+                set_aside(self._path)
+                inspect(self._path, _VERSION)
+        except DamagedStore as error:
+            raise self._unusable(
+                f"is damaged ({error}); set IKPLAN_STORE_DAMAGED=set-aside to rename it and start "
+                "a new one, restore it from a copy, or name another file"
+            ) from error
+        except NewerStore as error:
+            raise self._unusable(
+                "was written by a newer version of this service; name another file"
+            ) from error
         except (OSError, sqlite3.Error) as error:
             reason = getattr(error, "strerror", None) or str(error)
             if "locked" in reason:
@@ -132,6 +157,9 @@ class SqlitePlanStore:
                 allowed=f"a file that can be written, or {IN_MEMORY}",
             ) from error
 
+    def _unusable(self, why: str) -> InvalidRequest:
+        return InvalidRequest(f"{_SETTING}: {self._path} {why}", field=_SETTING)
+
     async def open(self) -> None:
         """Open the file.
 
@@ -143,12 +171,6 @@ class SqlitePlanStore:
         try:
             await self._connection.executescript(_OPEN)
             (version,) = await self.row("PRAGMA user_version", ())
-            if version > _VERSION:
-                raise InvalidRequest(
-                    f"{_SETTING}: {self._path} was written by a newer version of this service; "
-                    "name another file",
-                    field=_SETTING,
-                )
             if version < _VERSION:
                 # Plans of an older version are planned again on request.
                 await self._connection.executescript(_SCHEMA)
@@ -210,8 +232,15 @@ class SqlitePlanStore:
         return self._connection
 
     async def row(self, query: str, values: Sequence[Any]) -> Any:
-        """Return the first row of a query's result, or None."""
-        rows = await self._open_connection().execute_fetchall(query, values)
+        """Return the first row of a query's result, or None.
+
+        Raises:
+            StoreFault: The read fails.
+        """
+        try:
+            rows = await self._open_connection().execute_fetchall(query, values)
+        except sqlite3.Error as error:
+            raise StoreFault(str(error)) from error
         return next(iter(rows), None)
 
     async def put(self, plan_id: str, document: bytes) -> None:
@@ -222,21 +251,30 @@ class SqlitePlanStore:
         trim = new_plans > _SLACK * self._max_plans or new_bytes > _SLACK * self._max_bytes
         await self.change("INSERT INTO kept VALUES (?, ?, ?)", (plan_id, now, document))
         self._ids.add(plan_id)
+        self._new_plans, self._new_bytes = new_plans, new_bytes
         if trim:
-            await self.change(_OLD_PLANS, (now - self._max_age_s,))
-            await self.change(_SURPLUS, (self._max_bytes, self._max_plans))
-            await self._learn_ids()
-        self._new_plans, self._new_bytes = (0, 0) if trim else (new_plans, new_bytes)
+            try:
+                await self.change(_OLD_PLANS, (now - self._max_age_s,))
+                await self.change(_SURPLUS, (self._max_bytes, self._max_plans))
+                await self._learn_ids()
+            except (StoreFault, sqlite3.Error) as error:  # the next plan tries it again
+                _log.error("failed to delete surplus plans: %s", error)
+            else:
+                self._new_plans, self._new_bytes = 0, 0
 
     async def get(self, plan_id: str) -> bytes | None:
         """Return a plan, or None if it is not stored."""
         if plan_id not in self._ids:
             return None
         now = time.time()
-        row = await self.row(
-            "SELECT document FROM kept WHERE id = ? AND made >= ?",
-            (plan_id, now - self._max_age_s),
-        )
+        try:
+            row = await self.row(
+                "SELECT document FROM kept WHERE id = ? AND made >= ?",
+                (plan_id, now - self._max_age_s),
+            )
+        except StoreFault as error:  # then it is planned again
+            _log.error("failed to read plan %s: %s", plan_id, error)
+            return None
         if row is None:
             return None
         with contextlib.suppress(StoreFault):  # reading still works
@@ -248,7 +286,7 @@ class SqlitePlanStore:
         await self.change(
             "INSERT OR REPLACE INTO jobs (id, kind, document, robot, budget_s, accepted) "
             "VALUES (?, ?, ?, ?, ?, ?)",
-            (*job, time.time()),
+            (job.plan_id, job.kind, job.document, job.robot, job.budget_s, time.time()),
         )
 
     async def fail(self, plan_id: str, problem: bytes) -> None:

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import NamedTuple, Protocol
 
-__all__ = ["Load", "LoadSource"]
+__all__ = ["ConnectionSource", "Load", "LoadSource"]
 
 
 class Load(NamedTuple):
@@ -31,3 +32,14 @@ class LoadSource(Protocol):
     @property
     def load(self) -> Load:
         """Current load of the workers."""
+
+
+class ConnectionSource(Protocol):
+    """Anything that knows the open connections."""
+
+    @property
+    def closed(self) -> Mapping[str, int]:
+        """Number of connections closed by the service, by reason."""
+
+    def __len__(self) -> int:
+        """Return the number of open connections."""

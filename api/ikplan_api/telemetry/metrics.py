@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 
 from prometheus_client import (
     CollectorRegistry,
@@ -14,10 +14,12 @@ from prometheus_client import (
     PlatformCollector,
     ProcessCollector,
 )
+from prometheus_client.core import CounterMetricFamily
 from prometheus_client.exposition import CONTENT_TYPE_LATEST, generate_latest
+from prometheus_client.registry import Collector
 
 import ikplan
-from ikplan_api.telemetry.load import LoadSource
+from ikplan_api.telemetry.load import ConnectionSource, LoadSource
 from ikplan_api.telemetry.plan_figures import PlanFigures
 
 __all__ = ["MEDIA_TYPE", "Metrics"]
@@ -28,15 +30,34 @@ _MARGINS = (0.0, 1e-9, 1e-6, 1e-4, 1e-3, 0.01, 0.05, 0.1, 0.25, 0.5, 0.75, 1.0)
 _COUNTS = (1, 2, 5, 10, 20, 50, 100, 200, 500, 1000, 10_000, 100_000)
 
 
+class _ClosedConnections(Collector):
+    """Connections that the service closed, by reason."""
+
+    def __init__(self, connections: ConnectionSource) -> None:
+        self._connections = connections
+
+    def collect(self) -> Iterator[CounterMetricFamily]:
+        family = CounterMetricFamily(
+            "ikplan_connections_closed",
+            "Connections closed by the service: slow clients, or too many connections",
+            labels=["reason"],
+        )
+        for reason, count in sorted(self._connections.closed.items()):
+            family.add_metric([reason], count)
+        yield family
+
+
 class Metrics:
     """Every metric of the service, in a registry of its own.
 
     Args:
         planner: The source of readiness and load.
+        connections: The source of the number of connections.
     """
 
-    def __init__(self, planner: LoadSource) -> None:
+    def __init__(self, planner: LoadSource, connections: ConnectionSource) -> None:
         registry = self._registry = CollectorRegistry()
+        registry.register(_ClosedConnections(connections))
         for collector in (ProcessCollector, PlatformCollector, GCCollector):
             collector(registry=registry)
         version = Info("ikplan", "Version of the running service", registry=registry)
@@ -50,6 +71,12 @@ class Metrics:
         )
         self.in_flight = Gauge(
             "ikplan_http_requests_in_flight", "Requests in progress", registry=registry
+        )
+        self.loop_lag = Histogram(
+            "ikplan_event_loop_lag_seconds",
+            "Time that the event loop keeps a ready task waiting",
+            buckets=_SECONDS,
+            registry=registry,
         )
         self.tasks = Histogram(
             "ikplan_task_seconds",
@@ -85,6 +112,7 @@ class Metrics:
             "ikplan_plan_samples", "Timed samples of a plan", buckets=_COUNTS, registry=registry
         )
         gauges: dict[str, tuple[str, Callable[[], float]]] = {
+            "ikplan_connections": ("Open connections", lambda: len(connections)),
             "ikplan_ready": ("1 if the workers are warm, else 0", lambda: planner.ready),
             "ikplan_workers": ("Worker processes", lambda: planner.load.workers),
             "ikplan_tasks_running": ("Tasks that a worker runs now", lambda: planner.load.running),

@@ -9,6 +9,7 @@ from opentelemetry import trace
 
 import ikplan
 from ikplan.errors import IkplanError
+from ikplan.pipeline.identity import UNKNOWN, KnownRequest
 from ikplan.planning import Progress
 from ikplan_api.telemetry.load import Load
 from ikplan_api.telemetry.metrics import Metrics
@@ -50,6 +51,7 @@ class InstrumentedPlanner:
         document: bytes,
         *,
         robot: bytes | None = None,
+        known: KnownRequest = UNKNOWN,
         limit_s: float = LIMIT_S,
         progress: Progress | None = None,
         wait_if_full: bool = False,
@@ -62,6 +64,7 @@ class InstrumentedPlanner:
                     kind,
                     document,
                     robot=robot,
+                    known=known,
                     limit_s=limit_s,
                     progress=progress,
                     wait_if_full=wait_if_full,

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Protocol
 
+from ikplan.pipeline.identity import UNKNOWN, KnownRequest
 from ikplan.planning import Progress
 from ikplan_api.telemetry.load import LoadSource
 from ikplan_api.workers.tasks import TaskResult
@@ -27,6 +28,7 @@ class Planner(LoadSource, Protocol):
         document: bytes,
         *,
         robot: bytes | None = None,
+        known: KnownRequest = UNKNOWN,
         limit_s: float = ...,
         progress: Progress | None = None,
         wait_if_full: bool = False,
@@ -37,6 +39,7 @@ class Planner(LoadSource, Protocol):
             kind: Name of the task.
             document: The request document.
             robot: The uploaded robot that the request names; None: a robot of the catalogue.
+            known: What is known of the request already.
             limit_s: Time limit from the start of the task [s].
             progress: Receives the progress of the task.
             wait_if_full: If the queue is full, wait instead of raising.

@@ -10,11 +10,12 @@ import logging
 import socket
 
 from ikplan.errors import BudgetExceeded, MemoryExceeded, ServiceUnavailable
+from ikplan.pipeline.identity import UNKNOWN, KnownRequest
 from ikplan.planning import Progress
 from ikplan.workers.process import TaskNotStarted
 from ikplan_api.telemetry.load import Load
 from ikplan_api.workers import tasks
-from ikplan_api.workers.tasks import TaskResult
+from ikplan_api.workers.tasks import TaskInput, TaskResult
 from ikplan_api.workers.worker_slot import (
     TaskTimeout,
     WorkerOutOfMemory,
@@ -85,6 +86,7 @@ class ProcessPlanner:
         document: bytes,
         *,
         robot: bytes | None = None,
+        known: KnownRequest = UNKNOWN,
         limit_s: float = LIMIT_S,
         progress: Progress | None = None,
         wait_if_full: bool = False,
@@ -97,9 +99,9 @@ class ProcessPlanner:
         self._pending += 1
         try:
             await self.warm_up()
-            return await self._run_on_worker(
-                kind, document, robot, limit_s, _TaskProgress(progress)
-            )
+            # What is parsed travels in the place of the document.
+            task = TaskInput(document if known.request is None else b"", robot, known)
+            return await self._run_on_worker(kind, task, limit_s, _TaskProgress(progress))
         finally:
             self._pending -= 1
 
@@ -114,23 +116,18 @@ class ProcessPlanner:
             )
 
     async def _run_on_worker(
-        self,
-        kind: str,
-        document: bytes,
-        robot: bytes | None,
-        limit_s: float,
-        task_progress: _TaskProgress,
+        self, kind: str, task: TaskInput, limit_s: float, task_progress: _TaskProgress
     ) -> TaskResult:
         for _ in range(_ATTEMPTS):
             slot = await self._idle.get()
             if slot is None:
                 self._idle.put_nowait(None)  # for the next waiting task
                 raise _stopping()
-            task = next(self._numbers)
-            self._progress_of[task] = task_progress
+            number = next(self._numbers)
+            self._progress_of[number] = task_progress
             self._running += 1
             try:
-                return await slot.run(task, kind, document, robot, limit_s + self._grace_s)
+                return await slot.run(number, kind, task, limit_s + self._grace_s)
             except TaskNotStarted:
                 continue
             except TaskTimeout as error:
@@ -150,7 +147,7 @@ class ProcessPlanner:
                 ) from error
             finally:
                 self._running -= 1
-                del self._progress_of[task]
+                del self._progress_of[number]
                 self._release(slot)
         raise ServiceUnavailable(
             "the workers are being replaced",

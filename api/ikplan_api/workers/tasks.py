@@ -6,33 +6,46 @@ import functools
 import json
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeVar
 
 from ikplan.documents import parse_json, write_json
+from ikplan.documents.base import Document
 from ikplan.documents.plan_request import FkRequest, IkRequest, PlanRequest
 from ikplan.documents.timing_request import TimingRequest
 from ikplan.ik.registry import solvers
 from ikplan.pipeline import warm_up as kernels
 from ikplan.pipeline.forward_kinematics import fk_request
-from ikplan.pipeline.identity import plan_id
-from ikplan.pipeline.plan import plan, solve_ik_request
+from ikplan.pipeline.identity import UNKNOWN, KnownRequest, plan_id
+from ikplan.pipeline.plan import make_plan as planned
+from ikplan.pipeline.plan import solve_ik_request
 from ikplan.pipeline.resolve import resolve_robot
-from ikplan.pipeline.retime import time_request
+from ikplan.pipeline.retime import make_timing as timed
 from ikplan.planning import Progress
+from ikplan.plans.export import FORMATS
+from ikplan.plans.export.formats import Format
+from ikplan.plans.plan import Plan
 from ikplan.robots import Robot, RobotUpload, catalogue_robot, robot_names
 from ikplan_api.telemetry.plan_figures import PlanFigures, figures_of
 
 __all__ = [
+    "SHORT",
     "TASKS",
     "RequestIdentity",
     "TaskInput",
     "TaskResult",
     "identify",
+    "parse_request",
     "robots_document",
     "run_task",
     "solvers_document",
     "warm_up",
 ]
+
+
+SHORT = 8 * 1024
+"""Longest document that the event loop parses itself, within a few milliseconds [bytes]."""
+
+R = TypeVar("R", bound=Document)
 
 
 class TaskResult(NamedTuple):
@@ -56,12 +69,24 @@ class TaskInput:
     Attributes:
         document: The request document as received.
         robot: The uploaded robot that the request names; None: a robot of the catalogue.
+        known: What is known of the request already.
         progress: Receives the progress of the task, if given.
     """
 
     document: bytes
     robot: bytes | None = None
+    known: KnownRequest = UNKNOWN
     progress: Progress | None = None
+
+    def request(self, model: type[R]) -> R:
+        """Return the request; parse it unless that was done before.
+
+        Raises:
+            InvalidRequest: A field is wrong.
+        """
+        if isinstance(self.known.request, model):
+            return self.known.request
+        return parse_json(model, self.document)
 
     def begin(self, stage: str) -> None:
         """Report the stage of a task that reports no progress itself."""
@@ -111,6 +136,19 @@ _REQUESTS: dict[str, type[PlanRequest] | type[TimingRequest]] = {
 }
 
 
+def parse_request(kind: str, document: bytes) -> PlanRequest | TimingRequest:
+    """Parse a request for a plan.
+
+    Args:
+        kind: ``"plan"`` or ``"time"``.
+        document: The request document.
+
+    Raises:
+        InvalidRequest: A field is wrong.
+    """
+    return parse_json(_REQUESTS[kind], document)
+
+
 def identify(kind: str, task: TaskInput) -> RequestIdentity:
     """Return the id and the budget of a request without planning it.
 
@@ -123,22 +161,24 @@ def identify(kind: str, task: TaskInput) -> RequestIdentity:
         RobotNotFound: No robot has that name.
         InvalidRobot: The description of the uploaded robot is invalid.
     """
-    request = parse_json(_REQUESTS[kind], task.document)
+    request = task.request(_REQUESTS[kind])
     robot = resolve_robot(request, task.robot_named(request.robot))
     return RequestIdentity(plan_id(request, robot), request.budget_s)
 
 
 def make_plan(task: TaskInput) -> TaskResult:
     """Run the task of ``POST /v1/plans``."""
-    request = parse_json(PlanRequest, task.document)
-    made = plan(request, robot=task.robot_named(request.robot), progress=task.progress)
+    request = task.request(PlanRequest)
+    robot = task.robot_named(request.robot)
+    made = planned(request, robot, task.progress, known_id=task.known.plan_id)
     return TaskResult(write_json(made), made.id, figures_of(made))
 
 
 def make_timing(task: TaskInput) -> TaskResult:
     """Run the task of ``POST /v1/timings``."""
-    request = parse_json(TimingRequest, task.document)
-    made = time_request(request, robot=task.robot_named(request.robot), progress=task.progress)
+    request = task.request(TimingRequest)
+    robot = task.robot_named(request.robot)
+    made = timed(request, robot, task.progress, known_id=task.known.plan_id)
     return TaskResult(write_json(made), made.id, figures_of(made))
 
 
@@ -164,6 +204,12 @@ def _identify(kind: str, task: TaskInput) -> TaskResult:
     return TaskResult(json.dumps(identify(kind, task)).encode())
 
 
+def _export(form: Format, task: TaskInput) -> TaskResult:
+    """Write a plan in a format."""
+    task.begin("export")
+    return TaskResult(form.encode(Plan.load(task.document)))
+
+
 TASKS: dict[str, Callable[[TaskInput], TaskResult]] = {
     "plan": make_plan,
     "time": make_timing,
@@ -171,6 +217,7 @@ TASKS: dict[str, Callable[[TaskInput], TaskResult]] = {
     "fk": answer_fk,
     "identify-plan": functools.partial(_identify, "plan"),
     "identify-time": functools.partial(_identify, "time"),
+    **{f"export-{form.name}": functools.partial(_export, form) for form in FORMATS},
 }
 
 

@@ -11,6 +11,7 @@ import signal
 import socket
 import time
 import traceback
+from dataclasses import replace
 from typing import NamedTuple
 
 from ikplan.errors import IkplanError
@@ -106,14 +107,13 @@ def _set_alarm(seconds: float) -> None:
     signal.setitimer(signal.ITIMER_REAL, seconds)
 
 
-def run(task: int, kind: str, document: bytes, robot: bytes | None, limit_s: float) -> WorkerReply:
+def run(number: int, kind: str, task: TaskInput, limit_s: float) -> WorkerReply:
     """Run a task.
 
     Args:
-        task: Number of the task in progress reports.
+        number: Number of the task in progress reports.
         kind: Name of the task.
-        document: The request document.
-        robot: An uploaded robot, or None.
+        task: Its input.
         limit_s: Time limit from the start of the first stage [s].
 
     Raises:
@@ -122,7 +122,7 @@ def run(task: int, kind: str, document: bytes, robot: bytes | None, limit_s: flo
     """
     _set_alarm(READY_S + limit_s)
     try:
-        return _reply(tasks.run_task(kind, TaskInput(document, robot, _Reporter(task, limit_s))))
+        return _reply(tasks.run_task(kind, replace(task, progress=_Reporter(number, limit_s))))
     except IkplanError:
         raise
     except MemoryError:

@@ -12,7 +12,7 @@ from ikplan.errors import IkplanError
 from ikplan.workers.child import Fault
 from ikplan.workers.process import TaskNotStarted, WorkerProcess, worker_lost
 from ikplan_api.workers import shared_memory, worker
-from ikplan_api.workers.tasks import TaskResult
+from ikplan_api.workers.tasks import TaskInput, TaskResult
 
 __all__ = ["TaskTimeout", "WorkerOutOfMemory", "WorkerSlot"]
 
@@ -71,9 +71,7 @@ class WorkerSlot:
             end.close()
         self._documents = None
 
-    async def run(
-        self, task: int, kind: str, document: bytes, robot: bytes | None, limit_s: float
-    ) -> TaskResult:
+    async def run(self, number: int, kind: str, task: TaskInput, limit_s: float) -> TaskResult:
         """Run a task on the worker; if ``healthy`` is false afterwards, call ``fill``.
 
         Raises:
@@ -88,7 +86,7 @@ class WorkerSlot:
             # The worker has a timer of its own; the longer limit is for a halted process.
             patience_s = worker.READY_S + limit_s + _GRACE_S
             doing = self._process.begin(
-                worker.run, task, kind, document, robot, limit_s, timeout_s=patience_s
+                worker.run, number, kind, task, limit_s, timeout_s=patience_s
             )
             reply = await asyncio.wrap_future(doing)
         except (IkplanError, Fault):

@@ -7,6 +7,7 @@ import re
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+from ikplan.documents.json_text import unique_keys
 from ikplan.errors import InvalidRequest
 
 __all__ = ["merged", "set_values"]
@@ -48,7 +49,7 @@ def set_values(document: Any, assignments: Sequence[str]) -> None:
 
 def _value(text: str) -> Any:
     try:
-        return json.loads(text)
+        return json.loads(text, object_pairs_hook=unique_keys)
     except ValueError:
         return text
 

@@ -1,0 +1,1 @@
+"""Connections of clients: bounded in number, in all and by address, and in time."""

@@ -63,6 +63,7 @@ def certify(claim: Claim) -> Certificate:
     violations += exceeded
     value, time = least_singular_value(claim, motion, followed)
     fields |= {"min_singular_value": value, "min_singular_value_time": time}
+    fields["assumptions"] = list(claim.robot.description.assumptions)
     certificate = Certificate(valid=not violations, **fields)
     if violations:
         raise CertificateViolated(

@@ -99,6 +99,7 @@ class RobotDescription:
         inertias_sourced: Whether the inertias come from a named source.
         controller: The controller, None where none is known; jerks in rad/s^3 or m/s^3, one a
             joint.
+        assumptions: Limits that no source gives, each in words: a plan's certificate names them.
     """
 
     name: str
@@ -114,6 +115,7 @@ class RobotDescription:
     notes: tuple[str, ...] = ()
     inertias_sourced: bool = False
     controller: Controller | None = None
+    assumptions: tuple[str, ...] = ()
 
     def fingerprint(self) -> str:
         """SHA-256 over all that can change a plan; prose and file paths are left out.

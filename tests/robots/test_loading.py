@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import random
 from pathlib import Path
 
 import numpy as np
@@ -92,7 +93,9 @@ def test_what_floats_or_rolls_in_a_plane_below_the_root_is_left_out() -> None:
 
 @settings(max_examples=60, deadline=None)
 @given(joints=st.integers(4, 7), order=st.randoms(use_true_random=False))
-def test_the_tip_does_not_depend_on_the_order_of_the_document(joints: int, order: st.Any) -> None:
+def test_the_tip_does_not_depend_on_the_order_of_the_document(
+    joints: int, order: random.Random
+) -> None:
     parts = [*arm(joints), fixed("a", f"l{joints}", "flange"), fixed("b", "flange", "tool0")]
     order.shuffle(parts)
     tree = parse_urdf(document(*parts).encode(), robot="x")

@@ -8,7 +8,7 @@ from ikplan.robots.definition.schema import JointEntry
 from ikplan.robots.description import LimitSource
 from ikplan.robots.urdf.tree import Joint
 
-__all__ = ["default_assumptions", "without_assumptions"]
+__all__ = ["default_assumptions", "is_assumed", "without_assumptions"]
 
 
 def default_assumptions(
@@ -43,6 +43,16 @@ def default_assumptions(
 def without_assumptions(assumptions: Sequence[str], limit: str) -> tuple[str, ...]:
     """Return the assumptions that do not concern a kind of limit, such as ``"velocity"``."""
     return tuple(a for a in assumptions if not a.startswith(f"{limit} limits of "))
+
+
+def is_assumed(assumptions: Sequence[str], limit: str, joint: str) -> bool:
+    """Whether a limit of a joint is one of the assumptions."""
+    start = f"{limit} limits of "
+    return any(
+        joint in assumption.removeprefix(start).rpartition(": ")[0].split(", ")
+        for assumption in assumptions
+        if assumption.startswith(start)
+    )
 
 
 def _known(limit: str, entry: JointEntry | None, joint: Joint | None) -> bool:

@@ -2,8 +2,9 @@
 
 At zero five of six real arms are stretched out or folded: their Jacobian has lost a rank, so no
 straight line can begin there. Of 64 postures spread evenly over the middle 60 % of each joint's
-range, the best conditioned one is taken. The postures are the points of an additive recurrence, the
-same for every arm of so many joints.
+range, the best conditioned one is taken, among those where no joint is below the base if there are
+such: most arms stand on something. The postures are the points of an additive recurrence, the same
+for every arm of so many joints.
 """
 
 from __future__ import annotations
@@ -11,6 +12,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
+import pinocchio as pin
 from numpy.typing import NDArray
 
 from ikplan.robots.description import RobotDescription
@@ -24,6 +26,8 @@ _POSTURES = 64
 _MIDDLE = 0.6
 _SINGULAR = 1e-2
 """A smaller conditioning counts as singular."""
+_BELOW = 1e-3
+"""So far below the base counts as above it [m]."""
 _DIGITS = 3
 """A home is rounded to so many digits [rad or m]."""
 
@@ -61,17 +65,29 @@ def with_good_home(description: RobotDescription, given: str = "") -> Robot:
     own, *others = np.round(conditioning(robot, np.vstack([robot.home, postures])), 9)
     if given and own >= _SINGULAR:
         return robot
-    best = postures[int(np.argmax(others))]
+    values = np.array(others)
+    above = np.array([_lowest(robot, q) >= -_BELOW for q in postures]) & (values >= _SINGULAR)
+    best = postures[int(np.argmax(np.where(above, values, 0.0) if above.any() else values))]
     why = f"{given} is singular" if given else "none is given"
     note = (
-        f"home: the best conditioned of {_POSTURES} postures in the middle {_MIDDLE:.0%} of the "
-        f"joints' ranges; {why}"
+        f"home: the best conditioned of {_POSTURES} postures in the middle {100 * _MIDDLE:g} % of "
+        f"the joints' ranges; {why}; nothing is known of what stands there"
     )
     joints = tuple(
         replace(joint, home=float(value) + 0.0)
         for joint, value in zip(description.joints, best, strict=True)
     )
     return Robot(replace(description, joints=joints, notes=(*description.notes, note)))
+
+
+def _lowest(robot: Robot, q: Array) -> float:
+    """Height of the lowest joint, or of the tool, over the base [m]."""
+    data = robot.model.createData()
+    pin.forwardKinematics(robot.model, data, robot.configuration(q))
+    T_base_universe = robot.T_universe_base.inverse()
+    joints = [float((T_base_universe * T).translation[2]) for T in list(data.oMi)[1:]]
+    # Whatever lies below the base at every posture, such as its first joint, says nothing.
+    return min(*joints[1:], float(robot.fk(q).translation[2])) if len(joints) > 1 else 0.0
 
 
 def _postures(robot: Robot) -> Array:

@@ -27,6 +27,8 @@ _ARM, _SHORT_ARM = 4, 3
 """An end with so many joints is an arm; one with the smaller number, where none has more."""
 _BEHIND, _FINGER = 3, 2
 """So many joints lie before a gripper; so many at most in each of its branches."""
+_HAND_DEPTH = 8
+"""So many joints at most lie in a finger of a hand, coupled ones of tendons included."""
 _HAND = re.compile(
     r"finger|thumb|jaw|claw|knuckle|gripper|grasp|pinch|hand_|_hand|suction|camera|_pan\b|tilt",
     re.IGNORECASE,
@@ -110,7 +112,7 @@ class _Walk:
             # The last joint of a wrist may carry a link that is named for the gripper.
             return ahead[0] <= _FINGER and _HAND.search(leaving[0].name) is not None
         named = all(_is_finger(j) for j in leaving)
-        return max(ahead) <= _FINGER or (named and max(ahead) <= 6)
+        return max(ahead) <= _FINGER or (named and max(ahead) <= _HAND_DEPTH)
 
 
 def _moves(joint: Joint) -> bool:

@@ -75,17 +75,18 @@ def _needed_early(text: str) -> dict[str, str]:
     return {name: value for name, value in found.items() if "$" not in value}
 
 
-def _declared(text: str) -> dict[str, bool]:
-    """Arguments that a file declares, each with whether it has a default."""
-    return {m[1]: _DEFAULT.search(m[0]) is not None for m in _ARGUMENT.finditer(text)}
+def _arguments(text: str) -> dict[str, bool]:
+    """Arguments that a file declares or uses, each with whether it has a default there."""
+    declared = dict.fromkeys((m[1] for m in _ARGUMENT.finditer(text)), True)
+    return {**dict.fromkeys(_USED.findall(text), False), **declared}
 
 
 def _check_known(file: Path, arguments: Mapping[str, str], files: list[Path]) -> None:
-    """Refuse an argument that nothing declares: xacro would pass over it in silence."""
+    """Refuse an argument that nothing uses: xacro would pass over it in silence."""
     declared: set[str] = set()
     for each in files:
         with contextlib.suppress(OSError):
-            declared |= _declared(each.read_text(errors="replace")).keys()
+            declared |= _arguments(each.read_text(errors="replace")).keys()
     for name in arguments:
         if name not in declared:
             near = near_names(name, declared)
@@ -112,7 +113,7 @@ def _refused(file: Path, error: Exception) -> InvalidRobot:
         text = ""
     reason = " ".join(f"{error}".split()) or type(error).__name__
     hint = ""
-    declared = _declared(text)
+    declared = _arguments(text)
     if "ndefined substitution argument" in reason:
         hint = "; give it as NAME:=VALUE"
         needed = [name for name, has_default in declared.items() if not has_default]

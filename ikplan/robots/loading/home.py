@@ -1,14 +1,15 @@
 """A home that is not singular, for descriptions that give none.
 
 At zero five of six real arms are stretched out or folded: their Jacobian has lost a rank, so no
-straight line can begin there. Of 64 postures spread evenly over the middle 60 % of each joint's
-range, the best conditioned one is taken, among those where no joint is below the base if there are
-such: most arms stand on something. The postures are the points of an additive recurrence, the same
-for every arm of so many joints.
+straight line can begin there; others stand at a joint limit. Of 64 postures spread evenly over the
+middle 60 % of each joint's range, the best conditioned one with room to move is taken, or the best
+of those where nothing is below the base if it is nearly as good: most arms stand on something. The
+postures are the points of an additive recurrence, the same for every arm of so many joints.
 """
 
 from __future__ import annotations
 
+import xml.etree.ElementTree as ET
 from dataclasses import replace
 
 import numpy as np
@@ -16,6 +17,7 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from ikplan.robots.description import RobotDescription
+from ikplan.robots.model import frame_id
 from ikplan.robots.robot import Robot
 
 __all__ = ["conditioning", "with_good_home"]
@@ -26,6 +28,12 @@ _POSTURES = 64
 _MIDDLE = 0.6
 _SINGULAR = 1e-2
 """A smaller conditioning counts as singular."""
+_AT_LIMIT = 1e-3
+"""A home that can move so little, in units of the arm's size, is at a joint limit."""
+_TRAVEL = 0.25
+"""More room than that does not make a home better."""
+_SHARE = 0.5
+"""A posture above the base is taken if its conditioning is so large a share of the best one."""
 _BELOW = 1e-3
 """So far below the base counts as above it [m]."""
 _DIGITS = 3
@@ -50,7 +58,7 @@ def conditioning(robot: Robot, q: Array) -> Array:
 
 
 def with_good_home(description: RobotDescription, given: str = "") -> Robot:
-    """Build a robot, with another home if its own is singular or was not given.
+    """Build a robot, with another home if its own is singular, at a limit, or was not given.
 
     Args:
         description: The robot; its home is the one that was given, or near zero.
@@ -61,17 +69,20 @@ def with_good_home(description: RobotDescription, given: str = "") -> Robot:
     """
     robot = Robot(description)
     postures = _postures(robot)
-    # Rounded, so that of two that are as good the first is taken on every machine.
-    own, *others = np.round(conditioning(robot, np.vstack([robot.home, postures])), 9)
-    if given and own >= _SINGULAR:
+    every = np.vstack([robot.home, postures])
+    regular, free = conditioning(robot, every), _free_travel(robot, every)
+    if given and regular[0] >= _SINGULAR and free[0] >= _AT_LIMIT:
         return robot
-    values = np.array(others)
-    above = np.array([_lowest(robot, q) >= -_BELOW for q in postures]) & (values >= _SINGULAR)
-    best = postures[int(np.argmax(np.where(above, values, 0.0) if above.any() else values))]
-    why = f"{given} is singular" if given else "none is given"
+    why = f"{given} is {'singular' if regular[0] < _SINGULAR else 'at a joint limit'}"
+    # Rounded, so that of two that are as good the first is taken on every machine.
+    values = np.round(regular[1:] * np.minimum(free[1:] / _TRAVEL, 1.0), 9)
+    T_stand_universe = _stand(robot).inverse()
+    height = np.array([_lowest(robot, q, T_stand_universe) for q in postures])
+    above = (height >= -_BELOW) & (values >= _SHARE * values.max())
+    best = postures[int(np.argmax(np.where(above, values, -1.0) if above.any() else values))]
     note = (
         f"home: the best conditioned of {_POSTURES} postures in the middle {100 * _MIDDLE:g} % of "
-        f"the joints' ranges; {why}; nothing is known of what stands there"
+        f"the joints' ranges; {why if given else 'none is given'}; what stands there is not known"
     )
     joints = tuple(
         replace(joint, home=float(value) + 0.0)
@@ -80,14 +91,38 @@ def with_good_home(description: RobotDescription, given: str = "") -> Robot:
     return Robot(replace(description, joints=joints, notes=(*description.notes, note)))
 
 
-def _lowest(robot: Robot, q: Array) -> float:
-    """Height of the lowest joint, or of the tool, over the base [m]."""
+def _free_travel(robot: Robot, q: Array) -> Array:
+    """How far the tool can go before a joint is at its limit, by the Jacobian, whatever the way.
+
+    Returns:
+        Shape (m,), in units of the arm's size.
+    """
+    _, p = robot.poses(q)
+    size = max(float(np.linalg.norm(p, axis=1).max()), 1e-6)
+    left = np.minimum(q - robot.lower, robot.upper - q)
+    per_metre = np.abs(np.linalg.pinv(robot.jacobians(q))[:, :, :3]).max(axis=2)
+    travel = (left / np.maximum(per_metre, 1e-12)).min(axis=1) / size
+    return np.asarray(np.maximum(travel, 0.0), dtype=np.float64)
+
+
+def _stand(robot: Robot) -> pin.SE3:
+    """Where the arm stands in the universe: the link before its first joint."""
+    first = robot.model.names[1]
+    for joint in ET.fromstring(robot.description.urdf).iter("joint"):  # our own writing
+        parent = joint.find("parent")
+        if joint.get("name") == first and parent is not None:
+            link = frame_id(robot.model, parent.get("link", ""))
+            return pin.SE3(robot.model.frames[link].placement)
+    return robot.T_universe_base
+
+
+def _lowest(robot: Robot, q: Array, T_stand_universe: pin.SE3) -> float:
+    """Height of the lowest joint but the first, or of the tip, over where the arm stands [m]."""
     data = robot.model.createData()
     pin.forwardKinematics(robot.model, data, robot.configuration(q))
-    T_base_universe = robot.T_universe_base.inverse()
-    joints = [float((T_base_universe * T).translation[2]) for T in list(data.oMi)[1:]]
-    # Whatever lies below the base at every posture, such as its first joint, says nothing.
-    return min(*joints[1:], float(robot.fk(q).translation[2])) if len(joints) > 1 else 0.0
+    tip = pin.updateFramePlacement(robot.model, data, robot.tip_frame_id)
+    placed = [*list(data.oMi)[2:], tip]
+    return min(float((T_stand_universe * T).translation[2]) for T in placed)
 
 
 def _postures(robot: Robot) -> Array:

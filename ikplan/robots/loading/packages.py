@@ -2,7 +2,8 @@
 
 No ROS is needed. A package is a folder with a ``package.xml`` that says its name; those near a file
 are found by walking up from it and looking below each folder on the way. A folder that has the name
-and no such file counts too: data sets often leave it out.
+and no such file counts too: data sets often leave it out, and ``_support`` or ``_description`` at
+the end of its name with it.
 """
 
 from __future__ import annotations
@@ -47,11 +48,16 @@ def find_package(name: str, file: Path) -> Path:
     near = _packages_near(resolved.parent)
     if name in near:
         return near[name]
-    for folder in list(resolved.parents)[: _UP + 1]:
+    above = list(resolved.parents)[: _UP + 1]
+    for folder in above:
         if folder.name == name:
             return folder
         if (folder / name).is_dir():
             return folder / name
+    for folder in above[:-1]:  # a folder whose package.xml and last word were left out
+        for place in (folder, *(f for f in sorted(folder.iterdir()) if f.is_dir())):
+            if _plain(place.name) == _plain(name) and place not in near.values():
+                return place
     hint = near_names(name, near)
     known = ", ".join(sorted(near)[:40]) or "none"
     raise InvalidRobot(
@@ -62,6 +68,10 @@ def find_package(name: str, file: Path) -> Path:
         value=name,
         valid=sorted(near),
     )
+
+
+def _plain(name: str) -> str:
+    return name.removesuffix("_description").removesuffix("_support")
 
 
 @functools.lru_cache(maxsize=64)

@@ -16,7 +16,7 @@ from ikplan.robots.urdf.safe_xml import MAX_BYTES
 from ikplan.robots.urdf.tree import KinematicTree
 from ikplan.robots.urdf.urdf import parse_urdf
 
-__all__ = ["RobotSource", "find_description", "read_bytes", "read_source", "robot_yaml"]
+__all__ = ["RobotSource", "find_description", "is_whole", "read_bytes", "read_source", "robot_yaml"]
 
 SUFFIXES = (".urdf", ".xacro", ".xml", ".yaml", ".yml", ".csv", ".sdf", ".mjcf")
 _FILE = "robot.yaml"
@@ -108,7 +108,7 @@ def find_description(folder: Path) -> Path:
         if not found and not pattern.startswith("*.xacro"):
             for file in sorted(folder.rglob(pattern))[:_MOST_FILES]:
                 found.setdefault(file.name.split(".")[0], file)
-    whole = {name: file for name, file in found.items() if _is_whole(file)}
+    whole = {name: file for name, file in found.items() if is_whole(file)}
     if not whole:
         raise InvalidRobot(
             f"{folder}: {_FILE}: cannot be read: No such file or directory; and no .urdf, "
@@ -129,7 +129,7 @@ def find_description(folder: Path) -> Path:
     )
 
 
-def _is_whole(file: Path) -> bool:
+def is_whole(file: Path) -> bool:
     """Whether a file describes a robot, not only macros for others."""
     text = file.read_bytes()[:MAX_BYTES]
     if file.suffix.lower() != ".xacro":

@@ -35,6 +35,7 @@ from ikplan.planning import (
 )
 from ikplan.plans.plan import Plan
 from ikplan.robots import Robot, catalogue_robot
+from ikplan.robots.narrowing import narrowed
 
 __all__ = ["plan", "solve_ik_request"]
 
@@ -72,6 +73,8 @@ def plan(
     warm_up(request.ik.method)
     robot = robot or catalogue_robot(request.robot)
     robot = with_tool(robot, request.tool)
+    id_of_plan = plan_id(request, robot)
+    robot = narrowed(robot, request.limits.joints)
     limits = MotionLimits.of(robot, request.limits)
     limits_of = _segment_limits(robot, request, limits)
     warm_up_timing(any(x.jerk is not None for x in (limits, *limits_of.values())))
@@ -127,7 +130,7 @@ def plan(
             )
         )
     return Plan(
-        id=plan_id(request, robot),
+        id=id_of_plan,
         version=__version__,
         robot=request.robot,
         joint_names=list(robot.joint_names),

@@ -21,6 +21,7 @@ from ikplan.pipeline.timing_stage import joint_limits, time_motion, warm_up_timi
 from ikplan.planning import Progress, TimeBudget
 from ikplan.plans.plan import Plan
 from ikplan.robots import Robot, catalogue_robot
+from ikplan.robots.narrowing import narrowed
 
 __all__ = ["time_path", "time_request"]
 
@@ -105,6 +106,8 @@ def time_request(
     request = parse(TimingRequest, request)
     robot = robot or catalogue_robot(request.robot)
     robot = with_tool(robot, request.tool)
+    id_of_plan = plan_id(request, robot)
+    robot = narrowed(robot, request.limits.joints)
     limits = MotionLimits.of(robot, request.limits)
     asked = _rows(request.waypoints, robot)
     stretches = _stretches(request, robot, limits)
@@ -144,7 +147,7 @@ def time_request(
     ]
     steps = np.diff(np.vstack([waypoints[:1], waypoints]), axis=0)
     return Plan(
-        id=plan_id(request, robot),
+        id=id_of_plan,
         version=__version__,
         robot=request.robot,
         joint_names=list(robot.joint_names),

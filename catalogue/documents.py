@@ -8,7 +8,7 @@ from collections.abc import Iterable
 
 from catalogue.facts import Arm, Facts, FactsJoint
 from catalogue.homes import pick_home
-from ikplan.robots.definition.defaults import CAUTIOUS_ACCELERATION
+from ikplan.robots.definition.defaults import DEFAULT_ACCELERATION
 
 __all__ = ["robot_document"]
 
@@ -51,7 +51,7 @@ def robot_document(facts: Facts, arm: Arm) -> str:
     if accelerations is not None:
         lines.append(_limit("acceleration", accelerations))
     else:
-        lines.append(f"  acceleration: {{default: {CAUTIOUS_ACCELERATION}}}")
+        lines.append(f"  acceleration: {{default: {DEFAULT_ACCELERATION}}}")
     if arm.counting is None and any(joint.effort is not None for joint in arm.joints):
         lines.append(_limit("effort", description))
     if arm.counting is not None:

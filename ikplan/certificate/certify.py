@@ -61,6 +61,7 @@ def certify(claim: Claim) -> Certificate:
     violations += exceeded
     value, time = least_singular_value(claim, motion, matched)
     fields |= {"min_singular_value": value, "min_singular_value_time": time}
+    fields["assumptions"] = list(claim.robot.description.assumptions)
     certificate = Certificate(valid=not violations, **fields)
     if violations:
         raise CertificateViolated(

@@ -7,6 +7,7 @@ import signal
 import sys
 from collections.abc import Sequence
 
+from ikplan.cli.adding import as_one_command
 from ikplan.cli.parser import make_parser, numbers_as_values
 from ikplan.cli.terminal.failing import fail, fail_of_fault, fail_of_file
 from ikplan.errors import IkplanError
@@ -25,7 +26,8 @@ def main(argv: Sequence[str] | None = None) -> int:
         or input; 3: the service cannot be reached or refuses, or a fault of ours. What is wrong and
         what to do is one line on stderr; with ``--json``, the problem document on stdout too.
     """
-    arguments = numbers_as_values(sys.argv[1:] if argv is None else argv)
+    typed = as_one_command(list(sys.argv[1:] if argv is None else argv))
+    arguments = numbers_as_values(typed)
     as_json = "--json" in arguments
     try:
         options = make_parser().parse_args(arguments)

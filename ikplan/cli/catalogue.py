@@ -4,11 +4,16 @@ from __future__ import annotations
 
 import argparse
 import math
+from typing import TYPE_CHECKING
 
 from ikplan.cli.controllers import controller_lines
+from ikplan.cli.requests.robot import named_or_loaded
 from ikplan.cli.terminal.output import number, say, say_json, table
 
-__all__ = ["robots", "schema", "solvers"]
+if TYPE_CHECKING:
+    from ikplan.robots import RobotInfo
+
+__all__ = ["robots", "say_joints", "schema", "solvers"]
 
 
 def robots(options: argparse.Namespace) -> None:
@@ -27,13 +32,22 @@ def robots(options: argparse.Namespace) -> None:
 
 
 def _robot(options: argparse.Namespace) -> None:
-    from ikplan.robots import load_robot
-
-    info = load_robot(options.robot, base=options.base, tip=options.tip).info()
+    info = named_or_loaded(options, options.robot).info()
     if options.json:
         say_json(info.model_dump(mode="json"))
         return
     say(f"{info.name}: {info.title}", f"{info.base_frame} -> {info.tip_frame}", "")
+    say_joints(info)
+    if info.controller is not None:
+        say("", *controller_lines(info.controller))
+    if info.notes:
+        say("", *(f"- {note}" for note in info.notes))
+    if info.sources:
+        say("", "sources:", *(f"- {source}" for source in info.sources))
+
+
+def say_joints(info: RobotInfo) -> None:
+    """Print the joints of a robot as a table: limits, home, and their units."""
     rows = []
     for joint in info.joints:
         turning = joint.type != "prismatic"
@@ -46,12 +60,6 @@ def _robot(options: argparse.Namespace) -> None:
         rows.append((joint.name, joint.type, *shown, effort, "deg" if turning else "m"))
     titles = ("joint", "type", "lower", "upper", "home", "speed", "accel.", "effort", "unit")
     say(*table(titles, rows, left=2))
-    if info.controller is not None:
-        say("", *controller_lines(info.controller))
-    if info.notes:
-        say("", *(f"- {note}" for note in info.notes))
-    if info.sources:
-        say("", "sources:", *(f"- {source}" for source in info.sources))
 
 
 def solvers(options: argparse.Namespace) -> None:

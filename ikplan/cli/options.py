@@ -46,9 +46,30 @@ def add_server(parser: argparse.ArgumentParser) -> None:
 
 
 def add_robot_frames(parser: argparse.ArgumentParser) -> None:
-    """The chain of a URDF file."""
-    parser.add_argument("--base", metavar="LINK", help="base link of a URDF file")
-    parser.add_argument("--tip", metavar="LINK", help="tip link of a URDF file")
+    """What is said with a robot of a file."""
+    group = parser.add_argument_group("a robot of a file", "what the file itself does not say")
+    group.add_argument("--base", metavar="LINK", help="base link; absent: the root")
+    group.add_argument(
+        "--tip", metavar="LINK", help="tip link; absent: the tool frame of the only arm"
+    )
+    group.add_argument(
+        "--home", metavar="Q,Q,...", help="home, one value a joint, with commas [rad or m]"
+    )
+    group.add_argument(
+        "--joint-limits", metavar="FILE", help="a joint_limits.yaml, as MoveIt reads them"
+    )
+    group.add_argument(
+        "--velocity-default",
+        metavar="NAME",
+        help="for turning joints whose velocity limit is 0 or absent: 90-deg-per-s",
+    )
+    group.add_argument(
+        "--arg",
+        action="append",
+        default=[],
+        metavar="NAME:=VALUE",
+        help="argument of a xacro file, or setting of a DH table",
+    )
 
 
 def add_robot(parser: argparse.ArgumentParser) -> None:
@@ -57,7 +78,8 @@ def add_robot(parser: argparse.ArgumentParser) -> None:
         "--robot",
         dest="robot_override",
         metavar="ROBOT",
-        help="the robot: a name, or a URDF file; instead of that of the request",
+        help="the robot: a name, or a file or folder (URDF, xacro, DH table); instead of that of "
+        "the request",
     )
     add_robot_frames(parser)
 

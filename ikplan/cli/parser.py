@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from typing import Any, NoReturn
 
 import ikplan
-from ikplan.cli import batch, catalogue, completion, keys, planning, poses, serving, timing
+from ikplan.cli import adding, batch, catalogue, completion, keys, planning, poses, serving, timing
 from ikplan.cli.options import (
     add_changes,
     add_json,
@@ -54,11 +54,45 @@ def make_parser() -> argparse.ArgumentParser:
     parser.add_argument("--version", action="version", version=f"ikplan {ikplan.__version__}")
     commands = parser.add_subparsers(title="commands", metavar="COMMAND", required=True)
 
-    robots = commands.add_parser("robots", help="list the robots, or describe one")
-    robots.add_argument("robot", nargs="?", metavar="ROBOT", help="a name, or a URDF file")
+    robots = commands.add_parser(
+        "robots", help="list the robots, or describe one; robots add: bring one of your own"
+    )
+    robots.add_argument(
+        "robot", nargs="?", metavar="ROBOT", help="a name, or a file (URDF, xacro, DH table)"
+    )
     add_robot_frames(robots)
     add_json(robots)
     robots.set_defaults(run=catalogue.robots)
+
+    new_robot = commands.add_parser(
+        adding.ADD,
+        prog="ikplan robots add",
+        help="bring a robot of your own: ikplan robots add FILE [NAME:=VALUE ...]",
+        description="Reads a URDF, a xacro file, a DH table or a package's folder, tells what was "
+        "found and assumed, and writes a robot of the catalogue. xacro evaluates expressions of "
+        "the file: add files that you trust.",
+    )
+    new_robot.add_argument("source", metavar="FILE", help="the file or folder")
+    new_robot.add_argument(
+        "arguments",
+        nargs="*",
+        metavar="NAME:=VALUE",
+        help="arguments of a xacro file, or settings of a DH table",
+    )
+    new_robot.add_argument("--name", help="name of the robot; absent: that of the file")
+    new_robot.add_argument(
+        "--folder",
+        metavar="FOLDER",
+        help="folder of robots to write to; absent: the first of IKPLAN_ROBOTS_PATH, or "
+        "~/.config/ikplan/robots",
+    )
+    new_robot.add_argument(
+        "--replace", action="store_true", help="replace or hide a robot of that name"
+    )
+    new_robot.add_argument("--server", metavar="URL", help="upload it to that service instead")
+    add_robot_frames(new_robot)
+    add_json(new_robot)
+    new_robot.set_defaults(run=adding.add)
 
     solvers = commands.add_parser("solvers", help="list the solvers of joint values")
     solvers.add_argument("solver", nargs="?", metavar="SOLVER", help="a name: its parameters")
@@ -66,7 +100,8 @@ def make_parser() -> argparse.ArgumentParser:
     solvers.set_defaults(run=catalogue.solvers)
 
     fk = commands.add_parser("fk", help="place the tool: joint values to tool pose")
-    fk.add_argument("robot", metavar="ROBOT")
+    fk.add_argument("robot", metavar="ROBOT", help="a name or a file")
+    add_robot_frames(fk)
     fk.add_argument("q", nargs="+", type=float, metavar="Q", help="joint values [rad or m]")
     fk.add_argument("--angles", metavar="UNIT", help="unit of the angles: rad (if absent), deg")
     add_json(fk)
@@ -74,7 +109,8 @@ def make_parser() -> argparse.ArgumentParser:
     fk.set_defaults(run=poses.fk)
 
     ik = commands.add_parser("ik", help="find joint values: tool pose to joint values")
-    ik.add_argument("robot", metavar="ROBOT")
+    ik.add_argument("robot", metavar="ROBOT", help="a name or a file")
+    add_robot_frames(ik)
     ik.add_argument(
         "--position",
         nargs=3,

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ikplan.arrays import Array
+from ikplan.cli.requests.robot import named_or_loaded
 from ikplan.cli.terminal.output import number, say, say_json, table
 from ikplan.cli.terminal.telling import tell, tell_start
 from ikplan.errors import InvalidRequest
@@ -32,9 +33,8 @@ def fk(options: argparse.Namespace) -> None:
         RobotNotFound: No robot of that name.
     """
     from ikplan.pipeline.forward_kinematics import fk_request
-    from ikplan.robots import load_robot
 
-    robot = load_robot(options.robot)
+    robot = named_or_loaded(options, options.robot)
     q = _in_radians(options, robot)
     pose = fk_request({"robot": robot.name, "q": q}, robot=robot)
     for warning in outside_limits(robot, q):
@@ -102,21 +102,21 @@ def ik(options: argparse.Namespace) -> None:
     """Find joint values."""
     tell_start(options, "loading")
     from ikplan.pipeline.plan import solve_ik_request
-    from ikplan.robots import load_robot
 
+    robot = named_or_loaded(options, options.robot)
     settings = {"method": options.method, "seed": options.seed}
     request: dict[str, Any] = {
-        "robot": options.robot,
+        "robot": robot.name,
         "position": options.position,
         "quaternion_xyzw": options.quaternion,
         "start": options.start,
         "ik": {name: value for name, value in settings.items() if value is not None},
     }
-    solution = solve_ik_request(request)
+    solution = solve_ik_request(request, robot=robot)
     if options.json:
         say_json(solution.model_dump(mode="json"))
         return
-    joints = load_robot(options.robot).info().joints
+    joints = robot.info().joints
     rows = []
     for joint, value in zip(joints, solution.q.tolist(), strict=True):
         turning = joint.type != "prismatic"

@@ -106,6 +106,11 @@ class Certificate(Result):
         description="Largest linear or angular tool acceleration over its limit; null: no limit.",
     )
     tool_acceleration_time: float | None = Field(None, description="Time of that sample [s].")
+    assumptions: list[str] = Field(
+        [],
+        description="Limits that no source gives and that were assumed, in words: the motion keeps "
+        "them, the robot may have others. Empty: every limit has a source.",
+    )
     segments: list[SegmentCertificate] = Field(
         [], description="The same of each segment that has limits of its own."
     )

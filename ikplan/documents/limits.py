@@ -9,9 +9,9 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BeforeValidator, Discriminator, Field, Tag
 
-from ikplan.documents import Document, Vec3, as_list
+from ikplan.documents import Document, Number, Vec3, as_list
 
-__all__ = ["LimitOptions", "Payload", "SamplingOptions", "SegmentLimits", "ToolRate"]
+__all__ = ["LimitOptions", "OwnLimits", "Payload", "SamplingOptions", "SegmentLimits", "ToolRate"]
 
 MAX_RATE_HZ = 10_000.0
 
@@ -126,9 +126,26 @@ class SegmentLimits(_Limits):
     )
 
 
+class OwnLimits(Document):
+    """Limits of one joint, inside the robot's own; null: the robot's own."""
+
+    lower: Number | None = Field(None, description="Lower position limit [rad or m].")
+    upper: Number | None = Field(None, description="Upper position limit [rad or m].")
+    velocity: Positive | None = Field(None, description="Velocity limit [rad/s or m/s].")
+    acceleration: Positive | None = Field(
+        None, description="Acceleration limit [rad/s^2 or m/s^2]."
+    )
+
+
 class LimitOptions(_Limits):
     """Limits of the motion, on top of the robot's own: the strictest of all holds."""
 
+    joints: dict[Annotated[str, Field(min_length=1, max_length=200)], OwnLimits] | None = Field(
+        None,
+        max_length=64,
+        description="Limits of single joints by name, position limits among them, as if they were "
+        "the robot's own: none may be wider, and scales are shares of these. null: the robot's.",
+    )
     jerk: WholeJerk | None = Field(
         None,
         description="Highest joint jerks, both ways, one each or one for all [rad/s^3 or m/s^3], "

@@ -15,7 +15,6 @@ from ikplan.documents.timing_request import TimingRequest
 from ikplan.documents.trajectory import Stats, WaypointResults
 from ikplan.limits.motion_limits import MotionLimits
 from ikplan.pipeline.collisions import prove_motion
-from ikplan.pipeline.identity import plan_id
 from ikplan.pipeline.timing_stage import Timing
 from ikplan.plans.plan import Plan
 from ikplan.robots import Robot
@@ -52,7 +51,7 @@ def assemble_plan(
     evaluations: int = 0,
     model: CollisionModel | None = None,
     segment_times: Sequence[tuple[float, float]] | None = None,
-    known_id: str | None = None,
+    plan_id: str,
 ) -> Plan:
     """Certify a timed trajectory and return it as the plan of its request.
 
@@ -69,7 +68,7 @@ def assemble_plan(
         evaluations: Forward-kinematics evaluations spent.
         model: Bodies that must not touch; None: nothing is checked.
         segment_times: When each segment begins and ends [s], for attached bodies.
-        known_id: The id of the plan, where it is known already.
+        plan_id: The id of the plan.
 
     Raises:
         BudgetExceeded: The time budget ran out.
@@ -97,7 +96,7 @@ def assemble_plan(
             clearance = prove_motion(robot, model, timing, segment_times)
             certificate = certificate.model_copy(update={"clearance": clearance})
     return Plan(
-        id=known_id or plan_id(request, robot),
+        id=plan_id,
         version=__version__,
         robot=request.robot,
         joint_names=list(robot.joint_names),

@@ -23,6 +23,7 @@ from ikplan.limits.motion_limits import LimitedSegment, MotionLimits
 from ikplan.path import rotation_of
 from ikplan.pipeline.assemble import assemble_plan, joint_steps
 from ikplan.pipeline.collisions import requested_model
+from ikplan.pipeline.identity import plan_id
 from ikplan.pipeline.resolve import resolve_robot
 from ikplan.pipeline.timing_stage import joint_limits, time_motion
 from ikplan.pipeline.warm_up import warm_up
@@ -37,6 +38,7 @@ from ikplan.planning import (
 from ikplan.planning.segment_number import segment_number
 from ikplan.plans.plan import Plan
 from ikplan.robots import Robot
+from ikplan.robots.narrowing import narrowed
 
 __all__ = ["make_plan", "plan", "solve_ik_request"]
 
@@ -95,6 +97,8 @@ def make_plan(
         known_id: The id of the plan, where it is known already: it is not computed again.
     """
     robot = resolve_robot(request, robot)
+    known_id = known_id or plan_id(request, robot)
+    robot = narrowed(robot, request.limits.joints)
     limits = MotionLimits.of(robot, request.limits)
     limits_of = _segment_limits(robot, request, limits)
     jerk = any(x.jerk is not None for x in (limits, *limits_of.values()))
@@ -151,7 +155,7 @@ def make_plan(
         evaluations=route.evaluations,
         model=model,
         segment_times=_segment_times(route, timing.timed.times),
-        known_id=known_id,
+        plan_id=known_id,
     )
 
 

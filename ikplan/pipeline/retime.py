@@ -17,12 +17,14 @@ from ikplan.joint_path import JointPath
 from ikplan.limits.motion_limits import LimitedSegment, MotionLimits
 from ikplan.pipeline.assemble import assemble_plan, joint_steps
 from ikplan.pipeline.collisions import requested_model
+from ikplan.pipeline.identity import plan_id
 from ikplan.pipeline.resolve import resolve_robot
 from ikplan.pipeline.timing_stage import joint_limits, time_motion
 from ikplan.pipeline.warm_up import warm_up
 from ikplan.planning import Progress, TimeBudget
 from ikplan.plans.plan import Plan
 from ikplan.robots import Robot
+from ikplan.robots.narrowing import narrowed
 
 __all__ = ["make_timing", "time_path", "time_request"]
 
@@ -123,6 +125,8 @@ def make_timing(
         known_id: The id of the plan, where it is known already: it is not computed again.
     """
     robot = resolve_robot(request, robot)
+    known_id = known_id or plan_id(request, robot)
+    robot = narrowed(robot, request.limits.joints)
     limits = MotionLimits.of(robot, request.limits)
     asked = _rows(request.waypoints, robot)
     segments = _limited_segments(request, robot, limits)
@@ -162,7 +166,7 @@ def make_timing(
         model=requested_model(
             robot, request.scene, request.fixed_joints, request.tool, always=False
         ),
-        known_id=known_id,
+        plan_id=known_id,
     )
 
 

@@ -32,6 +32,7 @@ def certificate_rows(plan: PlanDocument) -> list[tuple[str, str]]:
             f"{c.min_singular_value:.3g} at {c.min_singular_value_time:.2f} s",
         ),
         ("joint motion", _motion(plan, c)),
+        *(("assumed", assumption) for assumption in c.assumptions),
     ]
     return rows
 

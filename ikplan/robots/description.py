@@ -122,6 +122,7 @@ class RobotDescription:
         controller: The controller, None where none is known; jerks in rad/s^3 or m/s^3, one a
             joint.
         shapes: Where the shapes of the links are.
+        assumptions: Limits that no source gives, each in words: a plan's certificate names them.
     """
 
     name: str
@@ -138,6 +139,7 @@ class RobotDescription:
     inertias_sourced: bool = False
     controller: Controller | None = None
     shapes: ShapeSource = field(default=ShapeSource(), repr=False)
+    assumptions: tuple[str, ...] = ()
 
     def fingerprint(self) -> str:
         """SHA-256 over all that can change a plan without collision checks.

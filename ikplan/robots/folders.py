@@ -10,7 +10,14 @@ from pathlib import Path
 
 from ikplan.errors import InvalidRobot, RobotNotFound
 
-__all__ = ["PATH_VARIABLE", "catalogue_folders", "package_file", "robot_folder", "robot_names"]
+__all__ = [
+    "PATH_VARIABLE",
+    "catalogue_folders",
+    "package_file",
+    "robot_folder",
+    "robot_names",
+    "user_folder",
+]
 
 PATH_VARIABLE = "IKPLAN_ROBOTS_PATH"
 _FILE = "robot.yaml"
@@ -18,7 +25,7 @@ _EXAMPLE_DATA = Path("share/example-robot-data/robots")
 
 
 def catalogue_folders() -> list[Path]:
-    """The folders that hold robots: the user's of ``IKPLAN_ROBOTS_PATH`` first, then ours.
+    """The folders that hold robots: those of ``IKPLAN_ROBOTS_PATH``, the user's own, then ours.
 
     A robot of the user's folders hides one of the same name behind it, as on any search path.
 
@@ -33,9 +40,28 @@ def catalogue_folders() -> list[Path]:
         if not folder.is_dir():
             raise InvalidRobot(f"{PATH_VARIABLE} names {part!r}, which is not a folder", value=part)
         folders.append(folder)
+    if (own := _own_folder()) not in folders and own.is_dir():
+        folders.append(own)
     here = Path(__file__).resolve().parent
     installed, checkout = here / "catalogue", here.parents[1] / "robots"
     return [*folders, installed if installed.is_dir() else checkout]
+
+
+def user_folder() -> Path:
+    """The folder that new robots are written to; it need not exist.
+
+    The first of ``IKPLAN_ROBOTS_PATH``, or else ``ikplan/robots`` where the user's settings are
+    (``XDG_CONFIG_HOME``, ``~/.config``).
+    """
+    for part in os.environ.get(PATH_VARIABLE, "").split(os.pathsep):
+        if part:
+            return Path(part)
+    return _own_folder()
+
+
+def _own_folder() -> Path:
+    settings = os.environ.get("XDG_CONFIG_HOME") or "~/.config"
+    return Path(settings).expanduser() / "ikplan" / "robots"
 
 
 def robot_names() -> list[str]:

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import math
+
 from pydantic import BaseModel, ConfigDict, Field
 
 from ikplan.documents.controller import Controller
+from ikplan.robots.description import RobotDescription
 
-__all__ = ["CouplingInfo", "JointInfo", "LimitSourceInfo", "RobotInfo"]
+__all__ = ["CouplingInfo", "JointInfo", "LimitSourceInfo", "RobotInfo", "robot_info"]
 
 
 class JointInfo(BaseModel):
@@ -63,8 +66,64 @@ class RobotInfo(BaseModel):
     limit_sources: list[LimitSourceInfo]
     sources: list[str]
     notes: list[str]
+    assumptions: list[str] = Field(
+        [], description="limits that no source gives, in words; empty: every limit has a source"
+    )
     controller: Controller | None = Field(
         None, description="The controller: cycle, jerk limits, languages; null: none is known."
     )
     inertias_sourced: bool = Field(description="whether dynamics may be computed from the model")
     fingerprint: str = Field(description="SHA-256 over all that can change a plan")
+
+
+def robot_info(d: RobotDescription, fingerprint: str) -> RobotInfo:
+    """Return what a user sees of a described robot.
+
+    Args:
+        d: The description.
+        fingerprint: Its fingerprint.
+    """
+    return RobotInfo(
+        name=d.name,
+        title=d.title,
+        dof=len(d.joints),
+        joints=[
+            JointInfo(
+                name=j.name,
+                type=j.kind,
+                lower=_finite(j.lower),
+                upper=_finite(j.upper),
+                velocity=j.velocity,
+                acceleration=j.acceleration,
+                effort=_finite(j.effort),
+                home=j.home,
+            )
+            for j in d.joints
+        ],
+        base_frame=d.base,
+        tip_frame=d.tip,
+        coupled=d.coupling is not None,
+        coupling=None
+        if d.coupling is None
+        else CouplingInfo(
+            serial=list(d.coupling.serial),
+            matrix=[list(row) for row in d.coupling.matrix],
+            offset=list(d.coupling.offset),
+        ),
+        tool_position=list(d.tool.position),
+        tool_quaternion_xyzw=list(d.tool.quaternion_xyzw),
+        limit_sources=[
+            LimitSourceInfo(limit=s.limit, source=s.source, default=s.default, verified=s.verified)
+            for s in d.limit_sources
+        ],
+        sources=list(d.sources),
+        assumptions=list(d.assumptions),
+        notes=[*d.notes, *(f"{s.limit} limits: {s}" for s in d.limit_sources)],
+        inertias_sourced=d.inertias_sourced,
+        controller=d.controller,
+        fingerprint=fingerprint,
+    )
+
+
+def _finite(value: float) -> float | None:
+    return value if math.isfinite(value) else None

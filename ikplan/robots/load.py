@@ -5,6 +5,7 @@ from __future__ import annotations
 import functools
 import math
 import os
+from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 
@@ -13,14 +14,17 @@ from ikplan.robots.definition.chains import axes_tree, dh_tree
 from ikplan.robots.definition.describe import describe_file
 from ikplan.robots.definition.schema import RobotFile, read_robot_file
 from ikplan.robots.description import ShapeSource
-from ikplan.robots.folders import package_file, robot_folder
+from ikplan.robots.folders import package_file, robot_folder, robot_names
+from ikplan.robots.loading.changes import HomeGiven, with_changes
+from ikplan.robots.loading.from_source import Said, robot_of_source, robot_of_tree
+from ikplan.robots.loading.given_limits import LimitsGiven, limit_entries
+from ikplan.robots.loading.sources import SUFFIXES, read_bytes, read_source, robot_yaml
+from ikplan.robots.names import known_name
 from ikplan.robots.robot import Robot
-from ikplan.robots.urdf.describe_urdf import describe_urdf
-from ikplan.robots.urdf.safe_xml import MAX_BYTES
 from ikplan.robots.urdf.tree import KinematicTree
 from ikplan.robots.urdf.urdf import parse_urdf
 
-__all__ = ["catalogue_documents", "catalogue_robot", "load_robot", "robot_from_urdf"]
+__all__ = ["catalogue_documents", "catalogue_robot", "is_path", "load_robot", "robot_from_urdf"]
 
 _FILE = "robot.yaml"
 
@@ -31,32 +35,82 @@ def load_robot(
     base: str | None = None,
     tip: str | None = None,
     name: str | None = None,
+    args: Mapping[str, str] | None = None,
+    limits: LimitsGiven | None = None,
+    home: HomeGiven | None = None,
+    coupling: Mapping[str, Mapping[str, float]] | None = None,
+    velocity_default: str | None = None,
 ) -> Robot:
-    """Load a robot by name or from a file.
+    """Load a robot by name or from a file or folder.
 
     Args:
         source: A name of the catalogue; or a path (a Path, or text with a separator or ending in
-            ``.urdf``, ``.xml`` or ``.yaml``) of a URDF, of a ``robot.yaml``, or of the folder
-            of one.
+            ``.urdf``, ``.xacro``, ``.xml``, ``.yaml`` or ``.csv``) of a URDF, of a xacro file, of a
+            DH table in YAML or CSV, of a ``robot.yaml``, or of the folder of one, such as a
+            description package. A xacro file is expanded, which runs Python expressions in it:
+            load files that you trust.
         base: Base link. Absent: the root link of a URDF, or the catalogue's.
-        tip: Tip link. Absent: the only leaf of a URDF, or the catalogue's.
+        tip: Tip link. Absent: the tool frame of the only arm of a URDF, or the catalogue's.
         name: Name of the robot. Absent: the file's stem, or the catalogue's.
+        args: Arguments of a xacro file, or settings of a DH table.
+        limits: Limits that replace others, by joint: lower and upper [rad or m], velocity and
+            acceleration [per second], effort [N m or N]; or the path of a ``joint_limits.yaml``.
+            Absent: a ``joint_limits.yaml`` of the description's package is read.
+        home: One value a joint, or values by joint [rad or m]. Absent: the SRDF's, if it is not
+            singular; else a well conditioned posture near the middle of the ranges.
+        coupling: For a controller that counts joints otherwise than the description: its joints as
+            sums of factors times the controller's, as ``{"J3": {"J2": 1, "J3": 1}}`` for a FANUC.
+        velocity_default: Name of the default for turning joints whose velocity limit is 0 or
+            absent, ``"90-deg-per-s"``. Absent: they are refused.
 
     Returns:
-        The robot. Loading the same content again returns the same, immutable object.
+        The robot. Loading the same URDF, or the same robot of the catalogue, again returns the
+        same, immutable object.
 
     Raises:
         RobotNotFound: No robot of that name.
         InvalidRobot: No such file, or a description that makes no sense.
     """
-    if isinstance(source, str) and not _is_path(source):
-        return catalogue_robot(source, base=base, tip=tip, rename=name)
+    if isinstance(source, str) and not is_path(source):
+        _refuse_for_yaml(source, args, coupling, velocity_default)
+        robot = catalogue_robot(source, base=base, tip=tip, rename=name)
+        return _changed(robot, limits, home)
     path = Path(source)
-    if path.is_dir() or path.suffix in (".yaml", ".yml"):
-        file = path / _FILE if path.is_dir() else path
-        return _from_folder(file, base, tip, name)
-    folder = str(path.absolute().parent)
-    return _urdf_robot(_read(path, str(path)), base, tip, name or path.stem, folder)
+    if not path.exists():
+        read_bytes(path, str(path))  # says so
+    if (file := robot_yaml(path)) is not None:
+        _refuse_for_yaml(str(path), args, coupling, velocity_default)
+        return _changed(_from_folder(file, base, tip, name), limits, home)
+    said = Said(base, tip, limits, home, coupling, velocity_default)
+    found = read_source(path, args)
+    return robot_of_source(found, said, name=name or found.file.name.split(".")[0] or "robot")
+
+
+def _changed(robot: Robot, limits: LimitsGiven | None, home: HomeGiven | None) -> Robot:
+    if limits is None and home is None:
+        return robot
+    entries = [] if limits is None else limit_entries(limits, robot=robot.name)
+    return Robot(with_changes(robot.description, entries, home))
+
+
+def _refuse_for_yaml(
+    source: str,
+    args: Mapping[str, str] | None,
+    coupling: Mapping[str, Mapping[str, float]] | None,
+    velocity_default: str | None,
+) -> None:
+    for key, value in (
+        ("args", args),
+        ("coupling", coupling),
+        ("velocity_default", velocity_default),
+    ):
+        if value:
+            raise InvalidRobot(
+                f"{source}: {key} belongs to a URDF, xacro file or DH table; a robot.yaml says "
+                "this itself",
+                robot=source,
+                value=key,
+            )
 
 
 def catalogue_robot(
@@ -65,7 +119,8 @@ def catalogue_robot(
     """Load a robot of the catalogue; unlike :func:`load_robot`, never any other file.
 
     Args:
-        name: Name in the catalogue.
+        name: Name in the catalogue, in whatever case and with whatever marks between its letters,
+            or another name of the same arm.
         base: Another base link than the catalogue's.
         tip: Another tip link than the catalogue's.
         rename: Another name for the robot.
@@ -74,8 +129,8 @@ def catalogue_robot(
         RobotNotFound: No robot of that name.
         InvalidRobot: Its description makes no sense.
     """
-    folder = robot_folder(name)
-    return _from_folder(folder / _FILE, base, tip, rename, expected=name)
+    name = known_name(name, robot_names())
+    return _from_folder(robot_folder(name) / _FILE, base, tip, rename, expected=name)
 
 
 def robot_from_urdf(
@@ -86,7 +141,7 @@ def robot_from_urdf(
     Args:
         document: The URDF.
         base: Base link; None: the root link.
-        tip: Tip link; None: the only leaf.
+        tip: Tip link; None: the tool frame of the only arm.
         name: Name of the robot.
 
     Raises:
@@ -101,10 +156,13 @@ def _urdf_robot(
     document: bytes, base: str | None, tip: str | None, name: str, folder: str | None = None
 ) -> Robot:
     tree = parse_urdf(document, robot=name)
-    description = describe_urdf(
-        tree, base=base, tip=tip, name=name, title=name, source="the URDF file"
+    return robot_of_tree(
+        tree,
+        Said(base, tip),
+        name=name,
+        source="the URDF file",
+        shapes=ShapeSource(urdf=document, folder=folder),
     )
-    return Robot(replace(description, shapes=ShapeSource(urdf=document, folder=folder)))
 
 
 def _from_folder(
@@ -130,10 +188,10 @@ def _shape_source(path: Path, text: bytes, document: bytes) -> ShapeSource:
     return replace(
         source,
         shapes=collision.model_dump_json(exclude_defaults=True).encode(),
-        file=b"" if collision.file is None else _read(path.parent / collision.file, file.name),
+        file=b"" if collision.file is None else read_bytes(path.parent / collision.file, file.name),
         srdf=b""
         if srdf is None
-        else _read(
+        else read_bytes(
             package_file(srdf.package, srdf.path) if srdf.package else path.parent / srdf.path,
             file.name,
         ),
@@ -153,11 +211,12 @@ def catalogue_documents(name: str) -> tuple[bytes, bytes]:
         RobotNotFound: No robot of that name.
         InvalidRobot: A file cannot be read, or the ``robot.yaml`` makes no sense.
     """
+    name = known_name(name, robot_names())
     return _documents(robot_folder(name) / _FILE, name)
 
 
 def _documents(path: Path, expected: str | None) -> tuple[bytes, bytes]:
-    text = _read(path, str(path))
+    text = read_bytes(path, str(path))
     file = _parsed_file(text, expected or path.parent.name or str(path))
     if expected is not None and file.name != expected:
         raise InvalidRobot(
@@ -169,7 +228,7 @@ def _documents(path: Path, expected: str | None) -> tuple[bytes, bytes]:
     if file.kinematics.urdf is not None:
         package, relative = file.kinematics.urdf.package, file.kinematics.urdf.path
         urdf = package_file(package, relative) if package else path.parent / relative
-        document = _read(urdf, file.name)
+        document = read_bytes(urdf, file.name)
     return text, document
 
 
@@ -213,25 +272,7 @@ def _tree(file: RobotFile, document: bytes) -> KinematicTree:
     return dh_tree(file.name, kinematics.dh, names, base=file.base, tip=file.tip, radians=radians)
 
 
-def _is_path(source: str) -> bool:
+def is_path(source: str) -> bool:
+    """Whether a text is the path of a file or folder, not a robot's name."""
     separators = {"/", os.sep, os.altsep} - {None}
-    return any(s in source for s in separators if s) or source.lower().endswith(
-        (".urdf", ".xml", ".yaml", ".yml")
-    )
-
-
-def _read(path: Path, robot: str) -> bytes:
-    """The bytes of a file, refused unread if it is too large."""
-    try:
-        size = path.stat().st_size
-        if size > MAX_BYTES:
-            raise InvalidRobot(
-                f"{robot}: {size} bytes; a robot description may have {MAX_BYTES}",
-                robot=robot,
-                value=size,
-            )
-        return path.read_bytes()
-    except (OSError, ValueError) as error:
-        # ValueError: a null byte in the path.
-        reason = getattr(error, "strerror", None) or str(error)
-        raise InvalidRobot(f"{robot}: cannot be read: {reason}", robot=robot) from error
+    return any(s in source for s in separators if s) or source.lower().endswith(SUFFIXES)

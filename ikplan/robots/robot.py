@@ -15,8 +15,9 @@ from numpy.typing import ArrayLike, NDArray
 from ikplan.documents.scene import Scene
 from ikplan.robots.checks import finite_vector, positive_vector, unit_quaternion
 from ikplan.robots.clearance import Clearance
+from ikplan.robots.definition.assumptions import without_assumptions
 from ikplan.robots.description import RobotDescription, Tool
-from ikplan.robots.info import CouplingInfo, JointInfo, LimitSourceInfo, RobotInfo
+from ikplan.robots.info import RobotInfo, robot_info
 from ikplan.robots.model import build_model, coupling_arrays, frame_id
 
 __all__ = ["Robot"]
@@ -283,6 +284,7 @@ class Robot:
         """
         joints = self.description.joints
         sources = list(self.description.limit_sources)
+        assumptions = self.description.assumptions
         for key, values in (("velocity", velocity), ("acceleration", acceleration)):
             if values is None:
                 continue
@@ -297,7 +299,15 @@ class Robot:
                 else s
                 for s in sources
             ]
-        return Robot(replace(self.description, joints=joints, limit_sources=tuple(sources)))
+            assumptions = without_assumptions(assumptions, key)
+        return Robot(
+            replace(
+                self.description,
+                joints=joints,
+                limit_sources=tuple(sources),
+                assumptions=assumptions,
+            )
+        )
 
     def clearance(self, q: ArrayLike, scene: Scene | Mapping[str, Any] | None = None) -> Clearance:
         """Least distance of the arm from itself and a scene at a configuration.
@@ -322,48 +332,7 @@ class Robot:
 
     def info(self) -> RobotInfo:
         """Names, limits, frames and sources, ready for JSON."""
-        d = self.description
-        return RobotInfo(
-            name=d.name,
-            title=d.title,
-            dof=self.dof,
-            joints=[
-                JointInfo(
-                    name=j.name,
-                    type=j.kind,
-                    lower=_finite(j.lower),
-                    upper=_finite(j.upper),
-                    velocity=j.velocity,
-                    acceleration=j.acceleration,
-                    effort=_finite(j.effort),
-                    home=j.home,
-                )
-                for j in d.joints
-            ],
-            base_frame=d.base,
-            tip_frame=d.tip,
-            coupled=d.coupling is not None,
-            coupling=None
-            if d.coupling is None
-            else CouplingInfo(
-                serial=list(d.coupling.serial),
-                matrix=[list(row) for row in d.coupling.matrix],
-                offset=list(d.coupling.offset),
-            ),
-            tool_position=list(d.tool.position),
-            tool_quaternion_xyzw=list(d.tool.quaternion_xyzw),
-            limit_sources=[
-                LimitSourceInfo(
-                    limit=s.limit, source=s.source, default=s.default, verified=s.verified
-                )
-                for s in d.limit_sources
-            ],
-            sources=list(d.sources),
-            notes=[*d.notes, *(f"{s.limit} limits: {s}" for s in d.limit_sources)],
-            inertias_sourced=d.inertias_sourced,
-            controller=d.controller,
-            fingerprint=self.fingerprint,
-        )
+        return robot_info(self.description, self.fingerprint)
 
 
 def _frozen(values: ArrayLike) -> Array:
@@ -376,7 +345,3 @@ def _frozen_flags(values: list[bool]) -> NDArray[np.bool_]:
     array = np.array(values, dtype=np.bool_)
     array.setflags(write=False)
     return array
-
-
-def _finite(value: float) -> float | None:
-    return value if np.isfinite(value) else None

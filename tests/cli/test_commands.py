@@ -229,7 +229,10 @@ def test_mistakes_with_files_are_one_line_too(fail, request_file, urdf):
     nowhere = ("--server", "http://127.0.0.1:1")
     line = fail("plan", request_file, "--robot", urdf, *nowhere, code=3)
     assert line.startswith("service-unavailable")
-    assert "only a URDF" in fail("plan", request_file, "--robot", urdf.parent, *nowhere)
+    own = urdf.parent / "own"
+    own.mkdir()
+    (own / "robot.yaml").write_text("name: own")
+    assert "its URDF can" in fail("plan", request_file, "--robot", own, *nowhere)
     assert "--robot" in fail("plan", request_file, "--tip", "tip")
     for url in ("http://127.0.0.1:1", "nowhere"):
         line = fail("plan", request_file, "--server", url, code=3)

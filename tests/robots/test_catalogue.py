@@ -143,7 +143,7 @@ def test_known_values(name: str) -> None:
 
 
 @pytest.mark.parametrize(
-    ("name", "near"), [("iiwa", "iiwa14"), ("UR5", "ur5"), ("pandda", "panda"), ("ur5f", "ur5")]
+    ("name", "near"), [("iiwa", "iiwa14"), ("ur-5x", "ur5"), ("pandda", "panda"), ("ur5f", "ur5")]
 )
 def test_unknown_name_offers_near_ones(name: str, near: str) -> None:
     with pytest.raises(RobotNotFound) as caught:

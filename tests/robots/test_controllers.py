@@ -204,6 +204,6 @@ def test_an_uploaded_robot_can_have_a_controller() -> None:
 
 
 def test_an_upload_without_a_controller_has_the_id_that_it_had_before_there_were_any() -> None:
-    upload = RobotUpload(urdf=two_joints())
+    upload = RobotUpload(urdf=two_joints(), rules=1)
     assert upload.content_id() == "urdf-1306de67591669a0661b539ff1e346e5"
     assert b"controller" not in upload.canonical()

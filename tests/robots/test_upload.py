@@ -9,7 +9,8 @@ import pytest
 
 from ikplan.documents import parse
 from ikplan.errors import InvalidRequest, InvalidRobot
-from ikplan.robots import RobotUpload, is_upload_id, robot_from_urdf
+from ikplan.robots import RobotUpload, is_upload_id, robot_from_urdf, robot_visual
+from ikplan.robots.urdf.mesh_uris import check_mesh_uri
 
 from .urdfs import joint, two_joints, urdf
 
@@ -57,6 +58,39 @@ def test_anything_said_with_it_changes_the_name() -> None:
     assert len(names) == 6
 
 
+def test_a_stored_upload_of_the_first_rules_stays_the_robot_that_it_was() -> None:
+    first = upload(rules=1)
+    again = RobotUpload.stored(first.canonical())
+    assert b"rules" not in first.canonical()
+    assert (again.rules, again.content_id()) == (1, first.content_id())
+    robot = again.robot()
+    assert robot.home.tolist() == [0.0, 0.0]
+    assert robot.acceleration_limit.tolist() == [12.0, 12.0]
+    now = upload()
+    assert RobotUpload.stored(now.canonical()).content_id() == now.content_id()
+    assert now.content_id() != first.content_id()
+
+
+def test_a_coupling_says_how_the_controller_counts() -> None:
+    coupled = upload(coupling={"j2": {"j1": 1.0, "j2": 1.0}}).robot()
+    np.testing.assert_allclose(
+        coupled.fk([0.3, 0.2]).homogeneous, upload().robot().fk([0.3, 0.5]).homogeneous, atol=1e-15
+    )
+    assert any("j2 = 1 j1 + 1 j2" in note for note in coupled.info().notes)
+    assert any("counts otherwise" in note for note in upload().robot().info().notes)
+
+
+def test_a_velocity_of_zero_has_a_default_on_request() -> None:
+    document = two_joints(limit='<limit lower="-1" upper="2" velocity="0" effort="4"/>')
+    with pytest.raises(InvalidRobot, match="0 means not known: give one, or ask for a default"):
+        upload(urdf=document).robot()
+    robot = upload(urdf=document, velocity_default="90-deg-per-s").robot()
+    np.testing.assert_allclose(robot.velocity_limit, [3.0, np.pi / 2])
+    assert robot.description.assumptions[0].startswith("velocity limits of j2: 90-deg-per-s")
+    with pytest.raises(InvalidRobot, match="no velocity default '1'; there is 90-deg-per-s"):
+        upload(urdf=document, velocity_default="1").robot()
+
+
 def test_limits_home_and_tool_replace_what_the_urdf_says() -> None:
     robot = upload(
         joints=[{"name": "j2", "lower": -0.5, "velocity": 1.5, "acceleration": 7.0, "effort": 9.0}],
@@ -67,7 +101,7 @@ def test_limits_home_and_tool_replace_what_the_urdf_says() -> None:
     assert robot.title == "Mine"
     assert robot.lower.tolist() == [-1.0, -0.5]
     assert robot.velocity_limit.tolist() == [3.0, 1.5]
-    assert robot.acceleration_limit.tolist() == [12.0, 7.0]
+    np.testing.assert_allclose(robot.acceleration_limit, [5.0, 7.0], rtol=1e-15)
     assert robot.effort_limit.tolist() == [4.0, 9.0]
     assert robot.home.tolist() == [0.5, -0.25]
     bare = robot_from_urdf(two_joints()).with_tool([0, 0, 0.1], [0, 1, 0, 0])
@@ -90,6 +124,8 @@ def test_the_srdf_names_the_chain_and_its_home() -> None:
     [
         ({"joints": [{"name": "jx", "velocity": 1.0}]}, "jx", "no joint 'jx' moves"),
         ({"joints": [{"name": "j1", "lower": 5.0}]}, "j1", "above the upper limit 2"),
+        ({"coupling": {"jx": {"j1": 1.0}}}, "jx", "coupling: no joint 'jx'"),
+        ({"coupling": {"j2": {"jx": 1.0}}}, "jx", "coupling: no joint 'jx'"),
         ({"joints": [{"name": "j1", "upper": 0.1}], "home": [0.2, 0.0]}, "j1", "outside"),
         ({"home": [0.0]}, None, "home: 2 values wanted .j1, j2., got 1"),
         ({"tip": "z"}, None, "no link 'z' to be the tip"),
@@ -205,11 +241,17 @@ OUTSIDE = [
 
 
 @pytest.mark.parametrize("uri", OUTSIDE)
-def test_a_mesh_outside_of_a_package_is_refused_however_it_is_spelt(uri: str) -> None:
+def test_a_mesh_outside_of_a_package_is_dropped_however_it_is_spelt(uri: str) -> None:
     with pytest.raises(InvalidRobot, match="the mesh of link 'c' is at") as caught:
-        upload(urdf=with_mesh(uri)).describe()
+        check_mesh_uri(uri, where="link 'c'", robot="x")
     assert caught.value.value == uri
     assert "package://<package>/<path>" in caught.value.valid
+    robot = upload(urdf=with_mesh(uri)).robot()
+    (note,) = [n for n in robot.info().notes if "mesh" in n]
+    assert note.startswith("1 addresses of meshes cannot be used and were dropped")
+    assert "mesh" not in robot.description.urdf
+    visual = robot_visual(robot, with_mesh(uri).encode(), str)
+    assert (visual.meshes, visual.left_out) == ({}, (uri,))
 
 
 @pytest.mark.parametrize("tag", ["visual", "collision", "texture"])
@@ -220,8 +262,8 @@ def test_every_element_that_names_a_file_is_looked_at(tag: str) -> None:
             "</robot>",
             '<material name="m"><texture filename="file:///etc/passwd"/></material></robot>',
         )
-    with pytest.raises(InvalidRobot, match="not a scheme for meshes"):
-        upload(urdf=document.replace("visual", tag)).describe()
+    notes = upload(urdf=document.replace("visual", tag)).describe().notes
+    assert any("'file' is not a scheme for meshes" in note for note in notes)
 
 
 @pytest.mark.parametrize("uri", ["package://my_arm/meshes/a b.stl", "meshes/a.v2.stl", "./a.dae"])

@@ -15,7 +15,7 @@ from catalogue.__main__ import ROOT, written
 from catalogue.documents import robot_document
 from catalogue.facts import Arm, read_facts
 from ikplan.robots import load_robot
-from ikplan.robots.definition.defaults import ACCELERATION_DEFAULTS, CAUTIOUS_ACCELERATION
+from ikplan.robots.definition.defaults import ACCELERATION_DEFAULTS, DEFAULT_ACCELERATION
 
 from .test_controllers import HALF_PI, _dh
 
@@ -73,7 +73,7 @@ def test_limits_are_the_published_ones(arm: Arm) -> None:
         assert robot.upper[i] == (np.inf if joint.upper is None else joint.upper)
         assert robot.velocity_limit[i] == joint.velocity
         published = arm.joints[i].acceleration
-        default = ACCELERATION_DEFAULTS[CAUTIOUS_ACCELERATION](joint.velocity)
+        default = ACCELERATION_DEFAULTS[DEFAULT_ACCELERATION](joint.velocity)
         assert robot.acceleration_limit[i] == (default if published is None else published)
     notes = " ".join(robot.info().notes)
     assert ("not official" in notes) != FACTS.source_of(arm).official
@@ -90,7 +90,7 @@ def test_the_default_acceleration_is_below_the_median_of_what_makers_publish() -
     ]
     assert len(ratios) == 305
     assert median(ratios) == pytest.approx(1.697, abs=1e-3)
-    assert ACCELERATION_DEFAULTS[CAUTIOUS_ACCELERATION](1.0) <= median(ratios)
+    assert ACCELERATION_DEFAULTS[DEFAULT_ACCELERATION](1.0) <= median(ratios)
 
 
 @each
@@ -207,7 +207,7 @@ def test_what_the_facts_say_stands_in_the_document(field: str) -> None:
     else:
         joints = [j.model_copy(update={"acceleration": None}) for j in arm.joints]
         plain = arm.model_copy(update={"joints": joints, "acceleration_file": None})
-        assert f"acceleration: {{default: {CAUTIOUS_ACCELERATION}}}" in robot_document(FACTS, plain)
+        assert f"acceleration: {{default: {DEFAULT_ACCELERATION}}}" in robot_document(FACTS, plain)
 
 
 @pytest.mark.parametrize("joint", range(6))

@@ -7,7 +7,7 @@ import time
 
 import pytest
 
-from .urdfs import ARM, HOSTILE
+from .urdfs import ARM, DROPPED_MESHES, HOSTILE
 
 XML = {"content-type": "application/xml"}
 SECOND = 1.0
@@ -32,6 +32,21 @@ def test_it_is_refused_with_the_reason_within_a_second(name, form, http):
     assert len(answer.content) < 20_000
     assert spent < SECOND
     assert after.ru_maxrss - before.ru_maxrss < MEMORY_KB
+
+
+@pytest.mark.parametrize("name", DROPPED_MESHES)
+def test_an_address_of_a_mesh_is_dropped_and_never_followed(name, http):
+    sent, said = DROPPED_MESHES[name]
+    answer = http.post("/v1/robots", content=sent, headers=XML)
+    assert answer.status_code in (200, 201)
+    robot = answer.json()
+    (note,) = [note for note in robot["notes"] if "dropped" in note]
+    assert said in note
+    seen = http.get(f"/v1/robots/{robot['name']}/visual")
+    assert seen.status_code == 200
+    assert "mesh" not in seen.text
+    assert "passwd" not in seen.text
+    http.delete(f"/v1/robots/{robot['name']}")
 
 
 @pytest.mark.parametrize("form", ["xml", "json", "srdf"])

@@ -62,6 +62,10 @@ HOSTILE: dict[str, tuple[str, str]] = {
     "velocity of nan": (ARM.replace('velocity="2"', 'velocity="nan"'), "velocity of joint 'j1'"),
     "zero axis": (ARM.replace("0 1 0", "0 0 0"), "joint 'j2' has a zero axis"),
     "no limits": (ARM.replace(LIMIT, ""), "joint 'j1' has no velocity limit"),
+}
+"""A name, what is sent, and words of the reason for the refusal."""
+
+DROPPED_MESHES: dict[str, tuple[str, str]] = {
     "file mesh": (with_mesh("file:///etc/passwd"), "not a scheme for meshes"),
     "absolute mesh": (with_mesh("/etc/passwd"), "an absolute path"),
     "climbing mesh": (with_mesh("package://x/../../etc/passwd"), "climbs out"),
@@ -69,4 +73,4 @@ HOSTILE: dict[str, tuple[str, str]] = {
     "percent-encoded mesh": (with_mesh("package://x/%2e%2e/%2e%2e/etc"), "climbs out"),
     "backslash mesh": (with_mesh("package://x\\..\\..\\etc"), "climbs out"),
 }
-"""A name, what is sent, and words of the reason for the refusal."""
+"""The same of addresses of meshes that are never followed: why they are dropped."""

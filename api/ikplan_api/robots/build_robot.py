@@ -36,12 +36,11 @@ def main() -> None:
 
 def build_upload(document: bytes) -> dict[str, Any]:
     """Build an upload; return its description or the problem document."""
-    from ikplan.documents import parse_json
     from ikplan.errors import IkplanError
     from ikplan.robots import RobotUpload
 
     try:
-        robot = parse_json(RobotUpload, document).robot()
+        robot = RobotUpload.stored(document).robot()
         # What a worker will use: memory for the dynamics, and both kinematics.
         robot.fk(robot.home)
         robot.jacobian(robot.home)

@@ -72,7 +72,7 @@ async def _visual(request: Request, name: str) -> RobotVisual:
     document = (await stored_robot(request, name)).document
 
     def draw() -> RobotVisual:
-        upload = RobotUpload.model_validate_json(document)
+        upload = RobotUpload.stored(document)
         return robot_visual(upload.robot(), upload.urdf.encode(), prefix.__add__)
 
     return await asyncio.to_thread(draw)

@@ -115,7 +115,7 @@ def _of_catalogue(name: str) -> Robot:
 
 @functools.lru_cache(maxsize=64)
 def _uploaded(document: bytes) -> Robot:
-    return parse_json(RobotUpload, document).robot()
+    return RobotUpload.stored(document).robot()
 
 
 class RequestIdentity(NamedTuple):

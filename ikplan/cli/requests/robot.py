@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import os
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -12,15 +13,95 @@ from ikplan.errors import InvalidRequest, InvalidRobot, RobotNotFound
 if TYPE_CHECKING:
     from ikplan.robots import Robot, RobotInfo
 
-__all__ = ["info_of", "is_file", "name_robot", "robot_of"]
+__all__ = [
+    "arguments_of",
+    "info_of",
+    "is_file",
+    "load_file",
+    "name_robot",
+    "named_or_loaded",
+    "robot_of",
+    "upload_options",
+]
 
-_SUFFIXES = (".urdf", ".xml", ".yaml", ".yml")
+_SUFFIXES = (".urdf", ".xacro", ".xml", ".yaml", ".yml", ".csv", ".sdf", ".mjcf")
+"""Those of :data:`ikplan.robots.loading.sources.SUFFIXES`, without loading anything."""
+_SAID = ("base", "tip", "home", "joint_limits", "velocity_default", "arg")
+"""Options that belong to a robot of a file."""
 
 
 def is_file(robot: str) -> bool:
     """Whether ``--robot`` names a file or folder, and not a robot."""
     separators = [mark for mark in {"/", os.sep, os.altsep} if mark]
     return any(mark in robot for mark in separators) or robot.lower().endswith(_SUFFIXES)
+
+
+def _flag(option: str) -> str:
+    return "--" + option.replace("_", "-")
+
+
+def arguments_of(texts: Sequence[str]) -> dict[str, str]:
+    """Return arguments ``name:=value`` by name.
+
+    Raises:
+        InvalidRequest: One has another form, or is given twice.
+    """
+    found: dict[str, str] = {}
+    for text in texts:
+        name, mark, value = text.partition(":=")
+        if not mark or not name or name in found:
+            raise InvalidRequest(
+                f"{text!r}: arguments are name:=value, each once", field="command line"
+            )
+        found[name] = value
+    return found
+
+
+def said_of(options: argparse.Namespace) -> dict[str, Any]:
+    """Return what the options say of a robot, as :func:`ikplan.load_robot` takes it.
+
+    Raises:
+        InvalidRequest: An option makes no sense.
+    """
+    said: dict[str, Any] = {"base": options.base, "tip": options.tip}
+    said["velocity_default"] = options.velocity_default
+    said["limits"] = None if options.joint_limits is None else Path(options.joint_limits)
+    said["args"] = arguments_of(options.arg)
+    if options.home is not None:
+        try:
+            said["home"] = [float(part) for part in options.home.replace(",", " ").split()]
+        except ValueError as error:
+            raise InvalidRequest(
+                f"--home: numbers are wanted, one a joint, with commas: not {options.home!r}",
+                field="--home",
+            ) from error
+    return {key: value for key, value in said.items() if value not in (None, {})}
+
+
+def load_file(file: Path, options: argparse.Namespace) -> Robot:
+    """Load the robot of a file or folder, with what the options say of it.
+
+    Raises:
+        InvalidRequest: An option makes no sense.
+        InvalidRobot: The file makes no sense.
+    """
+    from ikplan.robots import load_robot
+
+    return load_robot(file, **said_of(options))
+
+
+def named_or_loaded(options: argparse.Namespace, robot: str) -> Robot:
+    """Return the robot of a name or file of the command line, with what the options say of it.
+
+    Raises:
+        RobotNotFound: No robot of that name.
+        InvalidRobot: The file makes no sense.
+    """
+    from ikplan.robots import load_robot
+
+    return (
+        load_file(Path(robot), options) if is_file(robot) else load_robot(robot, **said_of(options))
+    )
 
 
 def name_robot(options: argparse.Namespace, document: Any) -> Robot | None:
@@ -35,8 +116,11 @@ def name_robot(options: argparse.Namespace, document: Any) -> Robot | None:
     """
     robot: str | None = options.robot_override
     if robot is None or not is_file(robot):
-        if options.base is not None or options.tip is not None:
-            raise InvalidRequest("--base and --tip belong to --robot FILE", field="command line")
+        for option in _SAID:
+            if getattr(options, option) not in (None, []):
+                raise InvalidRequest(
+                    f"{_flag(option)} belongs to --robot FILE", field="command line"
+                )
         if robot is not None and isinstance(document, dict):
             document["robot"] = robot
         return None
@@ -45,9 +129,7 @@ def name_robot(options: argparse.Namespace, document: Any) -> Robot | None:
         _upload(file, options, document)
         if options.plot is None and options.plot_timing is None:
             return None
-    from ikplan.robots import load_robot
-
-    loaded = load_robot(file, base=options.base, tip=options.tip)
+    loaded = load_file(file, options)
     if isinstance(document, dict) and options.server is None:
         document["robot"] = loaded.name
     return loaded
@@ -55,18 +137,35 @@ def name_robot(options: argparse.Namespace, document: Any) -> Robot | None:
 
 def _upload(file: Path, options: argparse.Namespace, document: Any) -> None:
     """Let the service have the robot of a file; its id then stands in the document."""
-    if file.suffix in (".yaml", ".yml") or file.is_dir():
-        raise InvalidRequest(
-            f"--robot {file}: only a URDF can be uploaded to a service", field="command line"
-        )
     from ikplan.client import Client
 
-    frames = {"base": options.base, "tip": options.tip}
+    urdf, said = upload_options(file, options)
     with Client(options.server) as client:
-        said = {key: link for key, link in frames.items() if link is not None}
-        info = client.upload_robot(file.read_bytes(), title=file.stem or "robot", **said)
+        info = client.upload_robot(urdf, **said)
     if isinstance(document, dict):
         document["robot"] = info["name"]
+
+
+def upload_options(file: Path, options: argparse.Namespace) -> tuple[bytes, dict[str, Any]]:
+    """Return the URDF of a file, expanded, and what goes with it to a service.
+
+    A URDF that nothing is found for beside it goes as it is: the service finds tip and home by the
+    same rules.
+
+    Raises:
+        InvalidRequest: The file cannot be uploaded.
+        InvalidRobot: The file makes no sense.
+    """
+    from ikplan.robots.loading.sources import read_source, robot_yaml
+    from ikplan.robots.loading.uploading import upload_fields
+
+    if robot_yaml(file) is not None:
+        raise InvalidRequest(
+            f"--robot {file}: a robot.yaml cannot be uploaded to a service; its URDF can",
+            field="command line",
+        )
+    found = read_source(file, arguments_of(options.arg))
+    return found.urdf, upload_fields(load_file(file, options), found, said_of(options))
 
 
 def robot_of(options: argparse.Namespace) -> Robot | None:
@@ -77,7 +176,7 @@ def robot_of(options: argparse.Namespace) -> Robot | None:
     if robot is None:
         return None
     if is_file(robot):
-        return load_robot(Path(robot), base=options.base, tip=options.tip)
+        return load_file(Path(robot), options)
     if options.server is not None and robot not in robot_names():
         return None
     return load_robot(robot)

@@ -70,9 +70,11 @@ def draw_timing(
 ) -> Figure:
     """Draw a plan's timing; the arguments are those of :func:`plot_timing`."""
     from ikplan.robots import catalogue_robot
+    from ikplan.robots.narrowing import narrowed
 
     robot = robot if robot is not None else catalogue_robot(plan.robot)
-    promised = MotionLimits.of(robot, parse(LimitOptions, limits or {}))
+    options = parse(LimitOptions, limits or {})
+    promised = MotionLimits.of(narrowed(robot, options.joints), options)
     with style():
         figure = Figure(figsize=(12.0, 9.0))
         panels: Any = figure.subplots(3, 2)

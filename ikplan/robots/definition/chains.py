@@ -19,6 +19,7 @@ def dh_tree(
     base: str,
     tip: str,
     radians: float,
+    kinds: Sequence[str] = (),
 ) -> KinematicTree:
     """Tree of a DH table.
 
@@ -34,18 +35,20 @@ def dh_tree(
         base: Name of the base link.
         tip: Name of the link after the last row.
         radians: One unit of the table's angles [rad].
+        kinds: Kind of each joint, one a row; empty: all are revolute.
     """
     builder = _Builder(base)
-    for row, joint in zip(table.rows, joint_names, strict=True):
+    kinds = kinds or ["revolute"] * len(joint_names)
+    for row, joint, kind in zip(table.rows, joint_names, kinds, strict=True):
         alpha, offset = row.alpha * radians, row.theta_offset * radians
         if table.convention == "standard":
             builder.fixed(f"{joint}_zero", rpy=(0.0, 0.0, offset))
-            builder.moving(joint, "revolute", (0.0, 0.0, 1.0))
+            builder.moving(joint, kind, (0.0, 0.0, 1.0))
             builder.fixed(f"{joint}_end", xyz=(row.a, 0.0, row.d), rpy=(alpha, 0.0, 0.0))
         else:
             builder.fixed(f"{joint}_row", xyz=(row.a, 0.0, 0.0), rpy=(alpha, 0.0, 0.0))
             builder.fixed(f"{joint}_zero", xyz=(0.0, 0.0, row.d), rpy=(0.0, 0.0, offset))
-            builder.moving(joint, "revolute", (0.0, 0.0, 1.0))
+            builder.moving(joint, kind, (0.0, 0.0, 1.0))
     builder.fixed(tip)
     return builder.tree(name)
 

@@ -7,21 +7,37 @@ from collections.abc import Sequence
 
 from ikplan.documents.controller import Controller
 from ikplan.errors import InvalidRobot
+from ikplan.robots.definition.assumptions import default_assumptions
+from ikplan.robots.definition.couplings import mimic_coupling
 from ikplan.robots.definition.joint_spec import joint_spec
 from ikplan.robots.definition.schema import JointEntry, RobotFile
 from ikplan.robots.description import Coupling, JointSpec, LimitSource, RobotDescription
 from ikplan.robots.urdf.tree import MOVABLE, Joint, KinematicTree
 
-__all__ = ["check_jerks", "describe_file", "moving_chain"]
+__all__ = ["MAX_MOVABLE_JOINTS", "check_jerks", "describe_file", "moving_chain"]
+
+MAX_MOVABLE_JOINTS = 64
 
 
 def moving_chain(tree: KinematicTree, base: str, tip: str) -> tuple[Joint, ...]:
-    """The joints that move between ``base`` and ``tip``, in that order.
+    """The joints that move between ``base`` and ``tip``, in that order, those that mimic included.
 
     Raises:
-        InvalidRobot: There is none, one is floating, planar or a mimic, or has a zero axis.
+        InvalidRobot: There is none, or more than can be read; one is floating or planar, or has a
+            zero axis; or a number of a joint of the chain makes no sense.
     """
-    chain = [j for j in tree.chain(base, tip) if j.kind != "fixed"]
+    every = tree.chain(base, tip)
+    chain = [j for j in every if j.kind != "fixed"]
+    if len(chain) > MAX_MOVABLE_JOINTS:
+        raise InvalidRobot(
+            f"{tree.name}: {len(chain)} movable joints; at most {MAX_MOVABLE_JOINTS} can be "
+            f"between {base!r} and {tip!r}",
+            robot=tree.name,
+            value=len(chain),
+        )
+    for joint in every:
+        if joint.faults:
+            raise joint.faults[0]
     for joint in chain:
         if joint.kind not in MOVABLE:
             raise InvalidRobot(
@@ -31,14 +47,6 @@ def moving_chain(tree: KinematicTree, base: str, tip: str) -> tuple[Joint, ...]:
                 joint=joint.name,
                 value=joint.kind,
                 valid=MOVABLE,
-            )
-        if joint.mimic is not None:
-            raise InvalidRobot(
-                f"{tree.name}: joint {joint.name!r} on the chain mimics {joint.mimic!r}; "
-                "mimic joints can only be beside the chain",
-                robot=tree.name,
-                joint=joint.name,
-                value=joint.mimic,
             )
         if not any(joint.axis):
             raise InvalidRobot(
@@ -71,7 +79,18 @@ def describe_file(
     """
     own_chain = base in (None, file.base) and tip in (None, file.tip)
     base, tip = base or file.base, tip or file.tip
+    kinds = {e.name: e.type for e in file.joints if e.type == "continuous"}
+    tree = tree.with_kinds(
+        {j.name: kinds[j.name] for j in tree.joints if j.kind == "revolute" and j.name in kinds}
+    )
     chain = moving_chain(tree, base, tip)
+    if file.coupling is None and (mimic := mimic_coupling(tree.name, chain)):
+        raise InvalidRobot(
+            f"{tree.name}: a joint on the chain mimics another; give the coupling: "
+            f"{[list(row) for row in mimic.matrix]}",
+            robot=tree.name,
+            value="coupling",
+        )
     entries = {entry.name: entry for entry in file.joints}
     home = dict(zip(entries, file.home, strict=True)) if len(entries) == len(file.home) else {}
     if not home:
@@ -111,6 +130,7 @@ def describe_file(
         notes=tuple(file.notes),
         inertias_sourced=file.inertias is not None,
         controller=_controller(file, specs, unit, base),
+        assumptions=default_assumptions(sources, [entries.get(n) for n in names], joints),
     )
 
 

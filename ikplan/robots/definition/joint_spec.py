@@ -13,6 +13,8 @@ from ikplan.robots.urdf.tree import Joint
 
 __all__ = ["joint_spec"]
 
+_REMEDY = f": give one, or ask for a default ({', '.join(VELOCITY_DEFAULTS)}; turning joints only)"
+
 
 def joint_spec(
     entry: JointEntry,
@@ -55,7 +57,7 @@ def joint_spec(
 
     lower, upper = given("lower", unit), given("upper", unit)
     velocity, acceleration = given("velocity", unit), given("acceleration", unit)
-    if velocity is None and (default := defaults.get("velocity")) is not None:
+    if not velocity and kind != "prismatic" and (default := defaults.get("velocity")) is not None:
         velocity = VELOCITY_DEFAULTS[default]
     velocity = _positive(velocity, "velocity", entry.name, robot)
     if acceleration is None and (default := defaults.get("acceleration")) is not None:
@@ -66,10 +68,15 @@ def joint_spec(
         raise _wrong(robot, entry.name, "effort", effort, "it must not be negative")
     if kind == "continuous":
         lower, upper = -math.inf, math.inf
-    if lower is None or upper is None:
-        missing = "lower" if lower is None else "upper"
+    missing = [
+        key
+        for key, value in (("lower", lower), ("upper", upper))
+        if value is None or (math.isinf(value) and kind != "continuous")
+    ]
+    if lower is None or upper is None or missing:
         raise InvalidRobot(
-            f"{robot}: joint {entry.name!r} is {kind} and has no {missing} position limit",
+            f"{robot}: joint {entry.name!r} is {kind} and has no {missing[0]} position limit "
+            "(beyond 1e3 counts as none); give one",
             robot=robot,
             joint=entry.name,
         )
@@ -92,9 +99,16 @@ def joint_spec(
 
 def _positive(value: float | None, key: str, joint: str, robot: str) -> float:
     if value is None:
-        raise InvalidRobot(f"{robot}: joint {joint!r} has no {key} limit", robot=robot, joint=joint)
+        remedy = _REMEDY if key == "velocity" else ""
+        raise InvalidRobot(
+            f"{robot}: joint {joint!r} has no {key} limit{remedy}", robot=robot, joint=joint
+        )
     if not value > 0:
-        raise _wrong(robot, joint, key, value, "it must be positive")
+        unknown = key == "velocity" and value == 0
+        why = (
+            f"it must be positive; 0 means not known{_REMEDY}" if unknown else "it must be positive"
+        )
+        raise _wrong(robot, joint, key, value, why)
     return value
 
 

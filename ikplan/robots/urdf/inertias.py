@@ -26,17 +26,19 @@ def inertia_faults(tree: KinematicTree, chain: Iterable[Joint]) -> list[str]:
     """
     carrier = {joint.child: joint.name for joint in tree.joints}
     moved = {joint.child for joint in chain}
-    faults = []
+    broken, faults = [], []
     for link in tree.links:
         where = f"link {link.name!r}"
         if link.name in carrier:
             where += f" (on joint {carrier[link.name]!r})"
-        if link.inertial is None or link.inertial.mass == 0.0:
+        if link.fault:
+            broken.append(link.fault)
+        elif link.inertial is None or link.inertial.mass == 0.0:
             if link.name in moved:
                 faults.append(f"{where} has no mass")
         elif fault := _fault(link.inertial):
             faults.append(f"{where} {fault}")
-    return faults
+    return broken + faults
 
 
 def _fault(inertial: Inertial) -> str:

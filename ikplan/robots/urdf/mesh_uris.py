@@ -1,8 +1,8 @@
 """Where the meshes of a description of unknown origin may lead: into a package, nowhere else.
 
 Pinocchio and urdfdom read what a mesh's URI names, ``file:///etc/passwd`` and
-``package://x/../../y`` included. Planning needs no mesh, so none is opened for such a description;
-an address that could leave a package is refused all the same, so that nothing later follows it.
+``package://x/../../y`` included. Planning needs no mesh: a description is written anew without any,
+so that nothing later follows an address. One that could leave its package is named in a note.
 """
 
 from __future__ import annotations
@@ -14,30 +14,44 @@ from urllib.parse import unquote
 from ikplan.errors import InvalidRobot
 from ikplan.robots.urdf.safe_xml import read_xml
 
-__all__ = ["check_mesh_uri", "mesh_packages"]
+__all__ = ["check_mesh_uri", "mesh_notes"]
 
 ALLOWED = ("package://<package>/<path>", "<path>")
 _ENCODINGS = 8
 """How often an address may be percent-encoded before nobody can mean it."""
 
 
-def mesh_packages(document: bytes, *, robot: str) -> list[str]:
-    """Check the address of every mesh and texture of a URDF; open none.
+def mesh_notes(document: bytes, *, robot: str) -> list[str]:
+    """Return what to say of the meshes and textures of a URDF; open none.
 
     Args:
         document: The bytes of the URDF.
         robot: Name of the robot, for messages.
 
     Returns:
-        The packages named, in the order of the document; "" for an address without one.
+        A sentence that names the packages, in the order of the document, and one that counts the
+        addresses that lead out of any and names the first.
 
     Raises:
-        InvalidRobot: An address that could leave its package; it is named with its link.
+        InvalidRobot: The document is not XML.
     """
     packages: dict[str, None] = {}
+    dropped: list[str] = []
     for where, uri in _addresses(read_xml(document, robot=robot)):
-        packages[check_mesh_uri(uri, where=where, robot=robot)] = None
-    return list(packages)
+        try:
+            packages[check_mesh_uri(uri, where=where, robot=robot)] = None
+        except InvalidRobot as error:
+            dropped.append(error.detail.removeprefix(f"{robot}: "))
+    notes = []
+    if packages:
+        named = ", ".join(p for p in packages if p) or "paths beside the URDF"
+        notes.append(f"meshes are not needed and were not opened: {named}")
+    if dropped:
+        notes.append(
+            f"{len(dropped)} addresses of meshes cannot be used and were dropped; the first: "
+            f"{dropped[0]}"
+        )
+    return notes
 
 
 def _addresses(root: ET.Element) -> Iterator[tuple[str, str]]:

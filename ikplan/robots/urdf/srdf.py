@@ -10,9 +10,10 @@ from ikplan.errors import InvalidRobot
 from ikplan.robots.urdf.safe_xml import read_xml
 from ikplan.robots.urdf.tree import KinematicTree
 
-__all__ = ["Group", "read_allowed_pairs", "read_group"]
+__all__ = ["Group", "chain_groups", "read_allowed_pairs", "read_group"]
 
-_HOME = "home"
+_HOMES = ("home", "ready")
+"""Names of the state that is a home, the first that there is."""
 
 
 @dataclass(frozen=True)
@@ -23,7 +24,8 @@ class Group:
         name: Its name.
         base: Base link of its chain.
         tip: Tip link of its chain.
-        home: Joint values of its state named "home" [rad or m], by joint; empty: there is none.
+        home: Joint values of its state named "home", or else "ready" [rad or m], by joint; empty:
+            there is neither.
     """
 
     name: str
@@ -47,11 +49,7 @@ def read_group(
         InvalidRobot: Not an SRDF, no such group, or a group that is no chain of the URDF.
     """
     root = _root(document, robot)
-    ends = {
-        element.get("name", ""): found
-        for element in root.findall("group")
-        if (found := _ends(element, tree))
-    }
+    ends = _chains(root, tree)
     if group is None and len(ends) == 1:
         group = next(iter(ends))
     if group is None or group not in ends:
@@ -64,6 +62,19 @@ def read_group(
         )
     base, tip = ends[group]
     return Group(group, base, tip, _home(root, group, robot))
+
+
+def chain_groups(document: bytes, tree: KinematicTree, *, robot: str) -> list[Group]:
+    """Read every group of an SRDF that is a chain.
+
+    Raises:
+        InvalidRobot: Not an SRDF, or a home that is no number.
+    """
+    root = _root(document, robot)
+    return [
+        Group(name, base, tip, _home(root, name, robot))
+        for name, (base, tip) in _chains(root, tree).items()
+    ]
 
 
 def read_allowed_pairs(document: bytes, *, robot: str) -> list[tuple[str, str, str]]:
@@ -100,6 +111,14 @@ def _root(document: bytes, robot: str) -> ET.Element:
     return root
 
 
+def _chains(root: ET.Element, tree: KinematicTree) -> dict[str, tuple[str, str]]:
+    return {
+        element.get("name", ""): found
+        for element in root.findall("group")
+        if (found := _ends(element, tree))
+    }
+
+
 def _ends(element: ET.Element, tree: KinematicTree) -> tuple[str, str] | None:
     """Base and tip of a group that is a chain, given as one or as its joints in order."""
     chain = element.find("chain")
@@ -111,9 +130,11 @@ def _ends(element: ET.Element, tree: KinematicTree) -> tuple[str, str] | None:
 
 
 def _home(root: ET.Element, group: str, robot: str) -> dict[str, float]:
-    for state in root.findall("group_state"):
-        if state.get("group") == group and state.get("name", "").lower() == _HOME:
-            return {joint.get("name", ""): _value(joint, robot) for joint in state.findall("joint")}
+    for home in _HOMES:
+        for state in root.findall("group_state"):
+            if state.get("group") == group and state.get("name", "").lower() == home:
+                joints = state.findall("joint")
+                return {joint.get("name", ""): _value(joint, robot) for joint in joints}
     return {}
 
 

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import xml.etree.ElementTree as ET
-from collections.abc import Collection
-from dataclasses import dataclass, field
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass, field, replace
 
 from ikplan.errors import InvalidRobot, near_names
 
@@ -32,11 +32,16 @@ class Link:
 
     name: str
     inertial: Inertial | None = None
+    fault: str = ""
+    """What is wrong with its inertial, which is then left out; empty: nothing."""
 
 
 @dataclass(frozen=True)
 class JointLimit:
-    """Limits as the description gives them [rad or m, per second, N m or N]; None: not given."""
+    """Limits as the description gives them [rad or m, per second, N m or N]; None: not given.
+
+    A position limit beyond any joint's range is infinite: it counts as none.
+    """
 
     lower: float | None = None
     upper: float | None = None
@@ -59,8 +64,9 @@ class Joint:
         axis: Joint axis in the joint frame, of unit length for movable joints.
         limit: Limits, as far as given.
         mimic: Name of the joint this one follows, or None.
-        multiplier: Its value for each unit of the joint that it follows.
+        multiplier: Its value per unit of the value of the joint that it follows.
         offset: Its value where that joint is at zero [rad or m].
+        faults: What is wrong with its numbers, which are then neutral ones.
     """
 
     name: str
@@ -74,6 +80,7 @@ class Joint:
     mimic: str | None = None
     multiplier: float = 1.0
     offset: float = 0.0
+    faults: tuple[InvalidRobot, ...] = field(default=(), compare=False)
 
 
 @dataclass(frozen=True)
@@ -122,21 +129,14 @@ class KinematicTree:
             valid=names,
         )
 
-    def default_tip(self, base: str) -> str:
-        """The only leaf below ``base``.
+    def with_kinds(self, kinds: Mapping[str, str]) -> KinematicTree:
+        """The same tree with other kinds of joints.
 
-        Raises:
-            InvalidRobot: There are several; they are listed.
+        Args:
+            kinds: The kind of each joint that changes, by its name.
         """
-        leaves = self.leaves(base)
-        if len(leaves) == 1:
-            return leaves[0]
-        raise InvalidRobot(
-            f"{self.name}: name the tip link; {base!r} leads to {len(leaves)} ends: "
-            + ", ".join(leaves[:40]),
-            robot=self.name,
-            valid=leaves,
-        )
+        joints = (replace(j, kind=kinds.get(j.name, j.kind)) for j in self.joints)
+        return replace(self, joints=tuple(joints))
 
     def chain(self, base: str, tip: str) -> tuple[Joint, ...]:
         """Every joint from ``base`` to ``tip``, fixed ones included, in that order.

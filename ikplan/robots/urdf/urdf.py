@@ -1,5 +1,8 @@
 """Reading and checking a URDF.
 
+Numbers that make no sense are kept with their joint or link and are refused only where they matter:
+on the chain that is planned for. What a gripper's finger says never refuses an arm.
+
 Pinocchio accepts a zero axis, lower > upper and a zero velocity limit in silence, prints on its
 own, and needs time and memory that grow with the cube of the number of joints. So a document is
 read and checked here first, and Pinocchio is given only the kinematics and inertias that passed.
@@ -7,8 +10,11 @@ read and checked here first, and Pinocchio is given only the kinematics and iner
 
 from __future__ import annotations
 
+import functools
 import math
 import xml.etree.ElementTree as ET
+from collections.abc import Callable
+from typing import TypeVar
 
 from ikplan.errors import InvalidRobot
 from ikplan.robots.urdf.safe_xml import read_xml
@@ -22,15 +28,23 @@ from ikplan.robots.urdf.tree import (
     Vector,
 )
 
-__all__ = ["MAX_LINKS", "MAX_MOVABLE_JOINTS", "MIN_AXIS_LENGTH", "parse_urdf"]
+__all__ = ["MAX_LINKS", "MIN_AXIS_LENGTH", "parse_urdf"]
 
-MAX_MOVABLE_JOINTS = 64
+_T = TypeVar("_T")
+_ORIGIN: Vector = (0.0, 0.0, 0.0)
 MAX_LINKS = 1_000
 MIN_AXIS_LENGTH = 1e-3
 """A shorter axis counts as zero; any other is normalised, as URDF readers do."""
 
 _MAX_NUMBER = 1e6
+_MAX_RANGE = 1e3
+"""A position limit beyond it [rad or m] counts as none: no joint turns or slides so far."""
 _KINDS = (*MOVABLE, "fixed", "floating", "planar")
+_CONVERT = {
+    "mujoco": "; MJCF has no velocity limits and is not read: use the maker's URDF, or convert it",
+    "sdf": "; SDF is not read: use the URDF or xacro that it was made from, or convert it",
+}
+"""What to do with a document of another format, by its outermost element."""
 
 
 def parse_urdf(document: bytes, *, robot: str) -> KinematicTree:
@@ -49,33 +63,29 @@ def parse_urdf(document: bytes, *, robot: str) -> KinematicTree:
     """
     root = read_xml(document, robot=robot)
     if root.tag != "robot":
+        hint = _CONVERT.get(root.tag, "")
         raise InvalidRobot(
-            f"{robot}: not a URDF: the outermost element is <{root.tag}>, not <robot>",
+            f"{robot}: not a URDF: the outermost element is <{root.tag}>, not <robot>{hint}",
             robot=robot,
             value=root.tag,
         )
     for element in root:
         if element.tag.startswith("xacro:"):
             raise InvalidRobot(
-                f"{robot}: <{element.tag}> is a xacro macro; run xacro on the file first",
+                f"{robot}: <{element.tag}> is a xacro macro; run xacro on the file first, or load "
+                "the file in Python or the shell, which expand it",
                 robot=robot,
                 value=element.tag,
             )
     joint_elements = root.findall("joint")
-    movable = sum(e.get("type") not in ("fixed", None) for e in joint_elements)
-    if movable > MAX_MOVABLE_JOINTS:
-        raise InvalidRobot(
-            f"{robot}: {movable} movable joints; at most {MAX_MOVABLE_JOINTS} are read",
-            robot=robot,
-            value=movable,
-        )
     link_elements = root.findall("link")
-    if len(link_elements) > MAX_LINKS:
-        raise InvalidRobot(
-            f"{robot}: {len(link_elements)} links; at most {MAX_LINKS} are read",
-            robot=robot,
-            value=len(link_elements),
-        )
+    for what, elements in (("links", link_elements), ("joints", joint_elements)):
+        if len(elements) > MAX_LINKS:
+            raise InvalidRobot(
+                f"{robot}: {len(elements)} {what}; at most {MAX_LINKS} are read",
+                robot=robot,
+                value=len(elements),
+            )
     links = tuple(_link(e, robot) for e in link_elements)
     joints = tuple(_joint(e, robot) for e in joint_elements)
     return KinematicTree(robot, _root(links, joints, robot), links, joints)
@@ -142,7 +152,13 @@ def _link(element: ET.Element, robot: str) -> Link:
     inertial = element.find("inertial")
     if inertial is None:
         return Link(name)
-    where = f"link {name!r}"
+    try:
+        return Link(name, _inertial(inertial, f"link {name!r}", robot))
+    except InvalidRobot as error:
+        return Link(name, fault=error.detail.removeprefix(f"{robot}: "))
+
+
+def _inertial(inertial: ET.Element, where: str, robot: str) -> Inertial:
     origin = inertial.find("origin")
     mass = inertial.find("mass")
     inertia = inertial.find("inertia")
@@ -158,14 +174,11 @@ def _link(element: ET.Element, robot: str) -> Link:
         for key in ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
     ]
     ixx, ixy, ixz, iyy, iyz, izz = moments
-    return Link(
-        name,
-        Inertial(
-            value,
-            _vector(origin, "xyz", where, robot),
-            _vector(origin, "rpy", where, robot),
-            (ixx, ixy, ixz, iyy, iyz, izz),
-        ),
+    return Inertial(
+        value,
+        _vector(origin, "xyz", where, robot),
+        _vector(origin, "rpy", where, robot),
+        (ixx, ixy, ixz, iyy, iyz, izz),
     )
 
 
@@ -173,34 +186,56 @@ def _joint(element: ET.Element, robot: str) -> Joint:
     name = _name(element, "joint", robot)
     where = f"joint {name!r}"
     kind = element.get("type") or ""
+    faults: list[InvalidRobot] = []
     if kind not in _KINDS:
-        raise InvalidRobot(
-            f"{robot}: {where} has the type {kind!r}; URDF knows {', '.join(_KINDS)}",
-            robot=robot,
-            joint=name,
-            value=kind,
-            valid=_KINDS,
+        faults.append(
+            InvalidRobot(
+                f"{robot}: {where} has the type {kind!r}; URDF knows {', '.join(_KINDS)}",
+                robot=robot,
+                joint=name,
+                value=kind,
+                valid=_KINDS,
+            )
         )
+        kind = "fixed"
+    read = functools.partial(_or_fault, faults)
     origin = element.find("origin")
     mimic = element.find("mimic")
+    axis = (0.0, 0.0, 1.0)
+    if kind in MOVABLE:
+        axis = read(axis, lambda: _axis(element.find("axis"), name, robot))
     return Joint(
         name=name,
         kind=kind,
         parent=_link_of(element, "parent", name, robot),
         child=_link_of(element, "child", name, robot),
-        xyz=_vector(origin, "xyz", where, robot, joint=name),
-        rpy=_vector(origin, "rpy", where, robot, joint=name),
-        axis=_axis(element.find("axis"), name, robot) if kind in MOVABLE else (0.0, 0.0, 1.0),
-        limit=_limit(element.find("limit"), name, robot),
+        xyz=read(_ORIGIN, lambda: _vector(origin, "xyz", where, robot, joint=name)),
+        rpy=read(_ORIGIN, lambda: _vector(origin, "rpy", where, robot, joint=name)),
+        axis=axis,
+        limit=read(JointLimit(), lambda: _limit(element.find("limit"), name, robot)),
         mimic=None if mimic is None else mimic.get("joint", ""),
-        multiplier=_mimic(mimic, "multiplier", 1.0, name, robot),
-        offset=_mimic(mimic, "offset", 0.0, name, robot),
+        multiplier=read(1.0, lambda: _mimic_number(mimic, "multiplier", 1.0, name, robot)),
+        offset=read(0.0, lambda: _mimic_number(mimic, "offset", 0.0, name, robot)),
+        faults=tuple(faults),
     )
 
 
-def _mimic(element: ET.Element | None, key: str, default: float, joint: str, robot: str) -> float:
-    value = None if element is None else _number(element, key, f"mimic of joint {joint!r}", robot)
-    return default if value is None else value
+def _or_fault(faults: list[InvalidRobot], neutral: _T, read: Callable[[], _T]) -> _T:
+    """What is read, or a neutral value and one fault more."""
+    try:
+        return read()
+    except InvalidRobot as error:
+        faults.append(error)
+        return neutral
+
+
+def _mimic_number(
+    mimic: ET.Element | None, key: str, absent: float, joint: str, robot: str
+) -> float:
+    if mimic is None:
+        return absent
+    value = _number(mimic, key, f"the mimic of joint {joint!r}", robot, joint=joint)
+    return absent if value is None else value
 
 
 def _axis(element: ET.Element | None, joint: str, robot: str) -> Vector:
@@ -223,9 +258,19 @@ def _axis(element: ET.Element | None, joint: str, robot: str) -> Vector:
 def _limit(element: ET.Element | None, joint: str, robot: str) -> JointLimit:
     if element is None:
         return JointLimit()
-    keys = ("lower", "upper", "velocity", "effort", "acceleration")
     where = f"joint {joint!r}"
-    return JointLimit(*(_number(element, key, where, robot, joint=joint) for key in keys))
+
+    def number(key: str, most: float = _MAX_NUMBER) -> float | None:
+        return _number(element, key, where, robot, joint=joint, most=most)
+
+    lower, upper, effort = (number(key, math.inf) for key in ("lower", "upper", "effort"))
+    return JointLimit(
+        lower=-math.inf if lower is not None and abs(lower) > _MAX_RANGE else lower,
+        upper=math.inf if upper is not None and abs(upper) > _MAX_RANGE else upper,
+        velocity=number("velocity"),
+        effort=None if effort is not None and abs(effort) > _MAX_NUMBER else effort,
+        acceleration=number("acceleration"),
+    )
 
 
 def _name(element: ET.Element, what: str, robot: str) -> str:
@@ -249,11 +294,16 @@ def _link_of(element: ET.Element, end: str, joint: str, robot: str) -> str:
 
 
 def _number(
-    element: ET.Element, key: str, where: str, robot: str, joint: str | None = None
+    element: ET.Element,
+    key: str,
+    where: str,
+    robot: str,
+    joint: str | None = None,
+    most: float = _MAX_NUMBER,
 ) -> float | None:
-    """The attribute as a finite number of a sane size, None if it is absent."""
+    """The attribute as a number of a sane size, None if it is absent."""
     text = element.get(key)
-    return None if text is None else _parse(text, f"{key} of {where}", robot, joint)
+    return None if text is None else _parse(text, f"{key} of {where}", robot, joint, most)
 
 
 def _vector(
@@ -273,14 +323,14 @@ def _vector(
     return (values[0], values[1], values[2])
 
 
-def _parse(text: str, what: str, robot: str, joint: str | None) -> float:
+def _parse(text: str, what: str, robot: str, joint: str | None, most: float = _MAX_NUMBER) -> float:
     try:
         value = float(text)
     except ValueError as error:
         raise InvalidRobot(
             f"{robot}: {what} is not a number: {text!r}", robot=robot, joint=joint, value=text
         ) from error
-    if not abs(value) <= _MAX_NUMBER:  # NaN compares false
+    if not abs(value) <= most:  # NaN compares false
         raise InvalidRobot(
             f"{robot}: {what} is {text}; numbers must be finite and at most {_MAX_NUMBER:.0e}",
             robot=robot,

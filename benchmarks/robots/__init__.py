@@ -1,0 +1,1 @@
+"""How many of the descriptions that people have load without a question, and plan."""

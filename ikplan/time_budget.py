@@ -67,7 +67,7 @@ class TimeBudget:
             self._stage = name
             self.check()
             self._waypoints = self._done = 0
-        self.advance(self._done)
+        self.report(self._done)
         self._book(outer)
         try:
             yield
@@ -77,7 +77,7 @@ class TimeBudget:
             self._book(name)
             self._stage = outer
         if outer:
-            self.advance(self._done)
+            self.report(self._done)
 
     def _book(self, stage: str) -> None:
         """Count the time since the last change of stages for a stage; "": for none."""
@@ -90,12 +90,12 @@ class TimeBudget:
         """Count forward-kinematics evaluations that were spent."""
         self.evaluations += int(evaluations)
 
-    def expect(self, waypoints: int) -> None:
+    def set_total(self, waypoints: int) -> None:
         """Tell how many waypoints there are to do."""
         self._waypoints = waypoints
-        self.advance(0)
+        self.report(0)
 
-    def advance(self, done: int) -> None:
+    def report(self, done: int) -> None:
         """Tell how many waypoints are done."""
         self._done = done
         if self._progress is not None:

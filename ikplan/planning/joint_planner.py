@@ -38,7 +38,7 @@ def plan_joint_path(problem: JointPathProblem) -> JointRoute:
         InvalidRequest: The path makes no sense.
         Unreachable: A waypoint, or a place on a tool path, has no solution.
         Disconnected: No continuous motion follows a tool path.
-        TrackingFailed: The same, where ``problem.brief`` is set.
+        TrackingFailed: The same, where ``problem.explain`` is false.
         BudgetExceeded: The time budget ran out.
     """
     planner = _JointPathPlanner(problem)
@@ -47,13 +47,13 @@ def plan_joint_path(problem: JointPathProblem) -> JointRoute:
         T = problem.robot.fk(problem.q_start)
         start = Pose(T.rotation.copy(), T.translation.copy())
     legs = legs_of(problem.path, start, planner.fk)
-    problem.clock.expect(sum(map(_waypoint_count, legs)))
+    problem.clock.set_total(sum(map(_waypoint_count, legs)))
     for leg, after in zip(legs, [*legs[1:], None], strict=True):
         if isinstance(leg, JointLeg):
             planner.joint_leg(leg, after)
         else:
             planner.tool_leg(leg)
-        problem.clock.advance(len(planner.waypoints))
+        problem.clock.report(len(planner.waypoints))
     return planner.route()
 
 
@@ -153,7 +153,7 @@ class _JointPathPlanner:
             problem.path.tolerance,
             problem.clock,
             run[0].row,
-            problem.brief,
+            problem.explain,
         )
 
     def _select(self, run: list[JointWaypoint]) -> None:
@@ -180,7 +180,7 @@ class _JointPathPlanner:
         try:
             tracked = self.tracker.track(path, starts, costs)
         except TrackingFailed as failure:
-            if self.problem.brief:
+            if not self.problem.explain:
                 raise
             verdict = explain_tracking_failure(
                 self.problem.robot, self.problem.solver, self.tracker, path, failure

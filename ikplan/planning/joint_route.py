@@ -28,8 +28,8 @@ class JointPathProblem:
         start_free: Whether the path may begin anywhere.
         limits: Position limits.
         clock: The time budget.
-        brief: Whether a refusal may leave out why: what holds the arm takes longer to find out
-            than that it is held.
+        explain: Whether a refusal says why: what holds the arm takes longer to find out than
+            that it is held.
     """
 
     robot: Robot
@@ -40,7 +40,7 @@ class JointPathProblem:
     start_free: bool
     limits: JointLimits
     clock: TimeBudget
-    brief: bool = False
+    explain: bool = True
 
 
 @dataclass(frozen=True)

@@ -29,7 +29,7 @@ def select_greedily(problem: WaypointProblem) -> Array:
     with problem.clock.stage("ik"):
         for k in range(len(problem.targets)):
             problem.clock.check({"waypoints_solved": k, "q": q[:k].tolist()})
-            problem.clock.advance(problem.first_row + k)
+            problem.clock.report(problem.first_row + k)
             q_before = solve_waypoint(problem, k, q_before)
             q[k] = q_before
     return q

@@ -74,7 +74,7 @@ def _metaheuristic_seeds(problem: WaypointProblem, lower: Array, upper: Array) -
     rows, q_s = [], problem.q_start
     for k, target in enumerate(problem.targets):
         problem.clock.check()
-        problem.clock.advance(problem.first_row + k)
+        problem.clock.report(problem.first_row + k)
         seeds, spent = searcher.seeds(target, q_s, lower, upper)
         rows.append(seeds)
         problem.clock.count(spent)

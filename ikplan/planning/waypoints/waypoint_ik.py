@@ -6,7 +6,7 @@ import numpy as np
 
 from ikplan.arrays import Array
 from ikplan.errors import Unreachable
-from ikplan.ik.solve import NoSolution, place
+from ikplan.ik.solve import NoSolution, target_as_data
 from ikplan.planning.waypoints.unreachable import unreachable_path, within_tolerance
 from ikplan.planning.waypoints.waypoint_problem import WaypointProblem
 
@@ -30,9 +30,9 @@ def solve_waypoint(problem: WaypointProblem, k: int, q_before: Array) -> Array:
         solved = problem.solver.solve(target, q_before)
     except NoSolution as verdict:
         problem.clock.count(verdict.evaluations)
-        if within_tolerance(verdict.miss, tolerance):
-            return verdict.miss.q
-        raise unreachable_path(problem, k, verdict.miss, q_before) from verdict
+        if within_tolerance(verdict.closest, tolerance):
+            return verdict.closest.q
+        raise unreachable_path(problem, k, verdict.closest, q_before) from verdict
     problem.clock.count(solved.evaluations)
     distance, angle = float(solved.position_error[0]), float(solved.orientation_error[0])
     if distance > tolerance.position or angle > tolerance.orientation:
@@ -47,7 +47,7 @@ def solve_waypoint(problem: WaypointProblem, k: int, q_before: Array) -> Array:
             orientation_error=angle if target.oriented else None,
             q=[float(v) for v in solved.q[0]],
             reason="the solver was not refined and did not converge to the tolerance",
-            target=place(target),
+            target=target_as_data(target),
         )
     q: Array = solved.q[0]
     robot = problem.robot
@@ -64,6 +64,6 @@ def solve_waypoint(problem: WaypointProblem, k: int, q_before: Array) -> Array:
             q=[float(v) for v in q],
             reason="the solver was not refined and left the position limits",
             limits=[robot.joint_names[j] for j in outside],
-            target=place(target),
+            target=target_as_data(target),
         )
     return q

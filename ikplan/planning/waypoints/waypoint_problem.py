@@ -27,7 +27,7 @@ class WaypointProblem:
         tolerance: Deviation allowed where a target cannot be met exactly.
         clock: The time budget.
         first_row: Number of the first target among the waypoints of the path.
-        brief: Whether a refusal may name the first waypoint out of reach only.
+        explain: Whether a refusal names every waypoint out of reach; else the first only.
     """
 
     robot: Robot
@@ -38,4 +38,4 @@ class WaypointProblem:
     tolerance: Tolerance
     clock: TimeBudget
     first_row: int = 0
-    brief: bool = False
+    explain: bool = True

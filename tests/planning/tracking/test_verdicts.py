@@ -222,15 +222,15 @@ def test_a_waypoint_out_of_reach_by_less_than_the_tolerance_is_met_as_well_as_ca
 
 
 @pytest.mark.parametrize("elongation", ["global", "greedy"])
-@pytest.mark.parametrize(("brief", "first_row"), [(False, 0), (False, 7), (True, 0)])
+@pytest.mark.parametrize(("explain", "first_row"), [(True, 0), (True, 7), (False, 0)])
 def test_the_verdict_lists_every_waypoint_out_of_reach_with_its_distance(
-    brief: bool, first_row: int, elongation: str
+    explain: bool, first_row: int, elongation: str
 ) -> None:
-    problem = problem_of(two_links(), brief=brief, first_row=first_row)
+    problem = problem_of(two_links(), explain=explain, first_row=first_row)
     with pytest.raises(Unreachable) as caught:
         select_configurations(problem, IkOptions(method="lm", elongation=elongation))
     error = caught.value
-    out = dict(list(OUT.items())[:1] if brief else OUT)
+    out = dict(list(OUT.items())[:1] if not explain else OUT)
     assert [row["waypoint"] for row in error.waypoints] == [first_row + k for k in out]
     for row, (k, beyond) in zip(error.waypoints, out.items(), strict=True):
         assert row["position_error"] == pytest.approx(beyond, abs=1e-6)
@@ -239,5 +239,5 @@ def test_the_verdict_lists_every_waypoint_out_of_reach_with_its_distance(
     assert error.position_error == error.waypoints[0]["position_error"]
     missed = np.linalg.norm(tool(error.q) - [*WAYPOINTS[1], 0.0])
     assert missed == pytest.approx(error.position_error, rel=1e-9)
-    also = f", as is {first_row + 4}," if not brief else ""
+    also = f", as is {first_row + 4}," if explain else ""
     assert f"waypoint {first_row + 1} of {first_row + 6} (counted from 0){also}" in error.detail

@@ -152,7 +152,6 @@ def make_plan(
         clock,
         q_start=None if start_free else q_start,
         path=request.path,
-        evaluations=route.evaluations,
         model=model,
         segment_times=_segment_times(route, timing.timed.times),
         plan_id=known_id,

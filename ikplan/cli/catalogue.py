@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import math
 
+from ikplan.cli.bodies import body_lines
 from ikplan.cli.controllers import controller_lines
 from ikplan.cli.terminal.output import number, say, say_json, table
 
@@ -28,8 +29,9 @@ def robots(options: argparse.Namespace) -> None:
 
 def _robot(options: argparse.Namespace) -> None:
     from ikplan.robots import load_robot
+    from ikplan.scene.describe import info_with_bodies
 
-    info = load_robot(options.robot, base=options.base, tip=options.tip).info()
+    info = info_with_bodies(load_robot(options.robot, base=options.base, tip=options.tip))
     if options.json:
         say_json(info.model_dump(mode="json"))
         return
@@ -48,6 +50,8 @@ def _robot(options: argparse.Namespace) -> None:
     say(*table(titles, rows, left=2))
     if info.controller is not None:
         say("", *controller_lines(info.controller))
+    if info.collision is not None:
+        say("", *body_lines(info.collision))
     if info.notes:
         say("", *(f"- {note}" for note in info.notes))
     if info.sources:

@@ -62,10 +62,11 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("robots", nargs="+", choices=sorted(LICENCES))
     parser.add_argument("--out", type=Path, default=Path(__file__).parent)
+    parser.add_argument("--hulls", action="store_true", help="hulls only, excess not measured")
     arguments = parser.parse_args()
     for name in arguments.robots:
         file = arguments.out / name / "collision.json"
-        file.write_text(_text(make(name)))
+        file.write_text(_text(make(name, hulls=arguments.hulls)))
 
 
 def _text(document: dict[str, Any]) -> str:
@@ -74,8 +75,8 @@ def _text(document: dict[str, Any]) -> str:
     return text.replace('{"points"', '\n{"points"').replace('"},"links"', '"},\n"links"') + "\n"
 
 
-def make(name: str) -> dict[str, Any]:
-    """Return the file of a robot."""
+def make(name: str, *, hulls: bool = False) -> dict[str, Any]:
+    """Return the file of a robot; with ``hulls``, nothing is split and no excess measured."""
     source = load_robot(name).description.shapes
     links: dict[str, list[MeshGeometry]] = {}
     for mesh in link_meshes(source.urdf, source.folder, name):
@@ -84,11 +85,15 @@ def make(name: str) -> dict[str, Any]:
         "source": "convex hulls of the meshes of example-robot-data 6.0.0",
         "licence": LICENCES[name],
         "method": "robots/make_collision.py",
-        "links": {link: _link(link, meshes) for link, meshes in links.items()},
+        "links": {link: _link(link, meshes, hulls) for link, meshes in links.items()},
     }
 
 
-def _link(link: str, meshes: list[MeshGeometry]) -> dict[str, Any]:
+def _link(link: str, meshes: list[MeshGeometry], hulls: bool) -> dict[str, Any]:
+    if hulls:
+        made = [_thinned(mesh.vertices, HULL_POINTS) for mesh in meshes]
+        source = "convex hulls of the meshes of example-robot-data 6.0.0, excess not measured"
+        return {"source": source, "pieces": _entries(made)}
     pieces: list[Piece] = []
     excess, split = 0.0, 0
     for mesh in meshes:
@@ -107,16 +112,20 @@ def _link(link: str, meshes: list[MeshGeometry]) -> dict[str, Any]:
         excess = max(excess, reach)
     entry: dict[str, Any] = {
         "excess": round(excess + 5e-5, 4),
-        "pieces": [
-            {"points": points.round(DIGITS).tolist(), "radius": round(radius + 5e-7, 6)}
-            for points, radius in pieces
-        ],
+        "pieces": _entries(pieces),
     }
     if split:
         entry["source"] = (
             "convex pieces, found with CoACD, of the meshes of example-robot-data 6.0.0"
         )
     return entry
+
+
+def _entries(pieces: list[Piece]) -> list[dict[str, Any]]:
+    return [
+        {"points": points.round(DIGITS).tolist(), "radius": round(radius + 5e-7, 6)}
+        for points, radius in pieces
+    ]
 
 
 def _thinned(points: Array, most: int) -> Piece:

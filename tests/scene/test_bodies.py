@@ -18,7 +18,7 @@ from ikplan.scene.contacts import Contacts
 from ikplan.scene.hulls import distance_beyond, hull_of
 from ikplan.scene.links import links_of
 from ikplan.scene.poses import carrier_poses
-from ikplan.scene.robot_bodies import robot_bodies
+from ikplan.scene.robot_bodies import bodies_fingerprint, robot_bodies
 from ikplan.scene.urdf_shapes import link_meshes, urdf_shapes
 
 Array = NDArray[np.float64]
@@ -228,3 +228,11 @@ def test_a_primitive_of_a_urdf_stands_at_its_origin() -> None:
     (piece,) = urdf_shapes(urdf, None, "r")["a"].pieces
     np.testing.assert_allclose(piece.points.min(axis=0), [-2, 0, 2], atol=1e-12)
     np.testing.assert_allclose(piece.points.max(axis=0), [4, 4, 4], atol=1e-12)
+
+
+def test_the_fingerprint_of_bodies_is_of_the_bodies_and_not_of_the_tool() -> None:
+    prints = {
+        name: bodies_fingerprint(load_robot(name)) for name in ("panda", "fr3", "ur5", "ur5e")
+    }
+    assert len(set(prints.values())) == len(prints)
+    assert bodies_fingerprint(load_robot("ur5").with_tool([0, 0, 0.1])) == prints["ur5"]

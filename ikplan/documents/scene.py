@@ -117,7 +117,7 @@ class Scene(Document):
     """What stands around the arm, what it carries, and what must not touch."""
 
     obstacles: Annotated[
-        list[Obstacle], BeforeValidator(as_list), Field(max_length=MAX_OBSTACLES)
+        list[Obstacle], Field(max_length=MAX_OBSTACLES), BeforeValidator(as_list)
     ] = Field([], description="What stands still, in the robot's base frame.")
     clearance: float = Field(
         0.0, ge=0, le=1, description="Least gap asked for between any two bodies checked [m]."
@@ -125,11 +125,11 @@ class Scene(Document):
     self_collision: bool = Field(
         True, description="Whether the arm is checked against itself as well."
     )
-    allow: Annotated[list[_Pair], BeforeValidator(as_list), Field(max_length=10_000)] = Field(
+    allow: Annotated[list[_Pair], Field(max_length=10_000), BeforeValidator(as_list)] = Field(
         [], description="Pairs of names of bodies that may touch, in either order."
     )
     attached: Annotated[
-        list[AttachedBody], BeforeValidator(as_list), Field(max_length=MAX_ATTACHED)
+        list[AttachedBody], Field(max_length=MAX_ATTACHED), BeforeValidator(as_list)
     ] = Field([], description="What the tool carries, in the tool frame.")
 
     @model_validator(mode="after")

@@ -60,8 +60,8 @@ Metres3 = Annotated[
 _Point = Annotated[list[float], BeforeValidator(as_list), Field(min_length=3, max_length=3)]
 _Points = Annotated[
     list[_Point],
-    BeforeValidator(as_list),
     Field(min_length=1, max_length=MAX_POINTS),
+    BeforeValidator(as_list),
     AfterValidator(_points_metres),
 ]
 

@@ -49,7 +49,7 @@ def straight(
     """A motion at constant speed."""
     time = np.linspace(0.0, seconds, samples)
     a, b = np.array(begin), np.array(end)
-    q = a + (time / seconds)[:, None] * (b - a)
+    q = a + np.outer(time / seconds, b - a)
     return JointCurve.of_samples(time, q, np.tile((b - a) / seconds, (samples, 1)))
 
 
@@ -221,7 +221,7 @@ def test_a_plan_is_proven_in_polynomials_and_in_samples_alike() -> None:
         )
         c = proved(robot, bodies, curve, tolerance=1e-4).clearance
         assert c.interpolation == {"polynomial": "polynomials", "samples": "cubic"}[form]
-        found.append((c.found, c.time))
+        found.append([c.found or 0.0, c.time or 0.0])
     np.testing.assert_allclose(found[0], found[1], atol=2e-4, rtol=2e-2)
 
 

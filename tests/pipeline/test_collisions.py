@@ -189,3 +189,22 @@ def test_a_robot_without_bodies_says_so() -> None:
     assert not plan.certificate.clearance.proven
     assert plan.certificate.clearance.pairs_checked == 0
     assert plan.certificate.clearance.unchecked
+
+
+def test_a_pose_with_a_scene_is_solved_in_a_branch_that_is_free() -> None:
+    robot = load_robot("ur5")
+    pose = robot.fk(np.array([0.3, -1.2, 1.6, -2.0, -1.57, 0.0]))
+    document = {"robot": "ur5", "position": pose.translation.tolist()}
+    first = solve_ik_request(document)
+    data = robot.model.createData()
+    pin.forwardKinematics(robot.model, data, robot.configuration(first.q))
+    elbow = (robot.T_universe_base.inverse() * data.oMi[3]).translation
+    scene = {"obstacles": [box(elbow, 0.08, "post")]}
+    second = solve_ik_request({**document, "scene": scene})
+    assert robot.clearance(first.q, scene).distance <= 0.0
+    assert robot.clearance(second.q, scene).distance > 0.0
+    assert np.linalg.norm(robot.fk(second.q).translation - pose.translation) < 1e-6
+    around = {"obstacles": [box(pose.translation, 0.3, "block")]}
+    with pytest.raises(InCollision) as caught:
+        solve_ik_request({**document, "scene": around})
+    assert "block" in caught.value.pair

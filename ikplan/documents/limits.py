@@ -9,7 +9,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BeforeValidator, Discriminator, Field, Tag
 
-from ikplan.documents import Document, Number, Vec3, as_list
+from ikplan.documents import Document, IfGiven, Number, Vec3, as_list
 
 __all__ = ["LimitOptions", "OwnLimits", "Payload", "SamplingOptions", "SegmentLimits", "ToolRate"]
 
@@ -140,7 +140,9 @@ class OwnLimits(Document):
 class LimitOptions(_Limits):
     """Limits of the motion, on top of the robot's own: the strictest of all holds."""
 
-    joints: dict[Annotated[str, Field(min_length=1, max_length=200)], OwnLimits] | None = Field(
+    joints: Annotated[
+        dict[Annotated[str, Field(min_length=1, max_length=200)], OwnLimits] | None, IfGiven()
+    ] = Field(
         None,
         max_length=64,
         description="Limits of single joints by name, position limits among them, as if they were "

@@ -14,6 +14,7 @@ from ikplan.timing.jerk.cubic_motion import CubicMotion
 from ikplan.timing.jerk.smoothing import JointSlowdown
 from ikplan.timing.jerk.through_nodes import through_nodes
 from ikplan.timing.jerk.warp_kernels import fastest_warp
+from ikplan.timing.jerk.within_limits import constraint_factors
 from ikplan.timing.problem import SpanProblem
 
 __all__ = ["fastest"]
@@ -31,12 +32,14 @@ _SHORT = 0.02
 # points that are looked at; when that is little enough.
 _TIGHTENINGS = 4
 _ENOUGH, _POINTS = 1.002, 6
+# The same under limits of the tool, whose speed shall hardly vary.
+_ENOUGH_OF_OTHERS = 1.0004
 # Factors of the number of intervals tried, where a motion is not to be had on fewer.
 _FINER = (1.0, 2.0, 4.0)
 # Weights of the barrier, an interval, as shares of the duration: the first one for a motion that
 # exceeds limits by much, and for another; the last one, which is about what is lost by it, on a
 # grid that will be laid anew and on the last one.
-_FIRST_MU, _AGAIN_MU, _ROUGH_MU, _LAST_MU, _SHRINK = 0.1, 3e-3, 1e-3, 1e-4, 0.1
+_FIRST_MU, _AGAIN_MU, _ROUGH_MU, _LAST_MU, _SHRINK = 0.1, 3e-3, 1e-3, 5e-5, 0.1
 _GAUSS = np.array([0.5 - np.sqrt(0.15), 0.5, 0.5 + np.sqrt(0.15)])
 _GAUSS_WEIGHTS = np.array([5.0, 8.0, 5.0]) / 18.0
 
@@ -85,11 +88,14 @@ def fastest(
             if played is None:
                 return best
             excess = slowdown(played, _POINTS, played.s)
+            if problem.constraints:
+                others = constraint_factors(path, played, problem.constraints)
+                excess = np.maximum(excess, others)
             top = float(excess.max())
             if top * played.time[-1] < shortest:
                 best, shortest = played, top * float(played.time[-1])
             course = motion = played
-            if not last or top <= _ENOUGH:
+            if not last or top <= (_ENOUGH_OF_OTHERS if problem.constraints else _ENOUGH):
                 break
             tight *= np.maximum(excess, 1.0)
     return best

@@ -207,6 +207,8 @@ def _played(
     value, _, _ = spline_basis(tau, _GAUSS)
     index = np.arange(n)[:, None] + np.arange(3)
     inside = np.einsum("ikx,ix->ik", value, c[index])
+    if not (inside > 0.0).all():
+        return None
     dt = np.diff(course.time) * (_GAUSS_WEIGHTS / np.sqrt(inside)).sum(axis=1)
     value, slope, _ = spline_basis(tau, np.array([0.0, 1.0]))
     b = np.einsum("ikx,ix->ik", value, c[index])

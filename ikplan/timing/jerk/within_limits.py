@@ -17,10 +17,10 @@ from ikplan.timing.problem import SpanProblem
 
 __all__ = ["MARGIN", "ROUNDING", "constraint_factors", "within_limits"]
 
-_FINE_POINTS = 12
+_FINE_POINTS = 24
 _INSIDE = 1e-7
 # Kept below the limits: they are measured at points of intervals, not between them.
-MARGIN = 1e-4
+MARGIN = 2e-4
 # The same for a closed form, so that rounding in a sample cannot step over a limit.
 ROUNDING = 2e-9
 

@@ -253,7 +253,13 @@ NAMES = ["baxter_left", "fr3", "iiwa14", "panda", "ur5", "ur5e", "ur10e"]
 
 @pytest.mark.parametrize(
     ("name", "meant"),
-    [("UR5e", "ur5e"), ("ur-5e", "ur5e"), ("UR 5", "ur5"), ("Franka Panda", "panda"), ("IIWA14", "iiwa14")],
+    [
+        ("UR5e", "ur5e"),
+        ("ur-5e", "ur5e"),
+        ("UR 5", "ur5"),
+        ("Franka Panda", "panda"),
+        ("IIWA14", "iiwa14"),
+    ],
 )
 def test_a_name_in_other_letters_is_the_same_arm(name: str, meant: str) -> None:
     assert known_name(name, NAMES) == meant

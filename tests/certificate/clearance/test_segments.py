@@ -7,13 +7,15 @@ import json
 import numpy as np
 import pytest
 
-from ikplan.certificate.clearance import prove_clearance
+from ikplan.certificate.clearance import JointCurve, prove_clearance
 from ikplan.certificate.clearance.windows import windows_of
 from ikplan.documents.base import write_json
 from ikplan.documents.certificate import Certificate
 from ikplan.documents.clearance import Clearance
 from ikplan.errors import InvalidRequest
+from ikplan.robots import load_robot
 from ikplan.scene.body import Body, CollisionModel
+from ikplan.scene.model import collision_model
 from tests.certificate.clearance.test_proof import BALL, SLIDE, model, sphere, straight
 
 POST = Body("post", 0, (sphere((0.9, 0.4, 0.0), 0.1),), kind="obstacle")
@@ -132,3 +134,13 @@ def test_the_document_has_the_fields_of_the_contract_inside_a_certificate() -> N
 def test_a_model_without_pairs_is_proven_and_says_that_nothing_was_checked() -> None:
     c = prove_clearance(SLIDE, model(BALL, pairs=[]), MOTION).clearance
     assert (c.proven, c.least, c.found, c.pair, c.pairs_checked) == (True, None, None, None, 0)
+
+
+def test_a_segment_of_no_duration_at_the_end_is_proven_at_once() -> None:
+    robot = load_robot("ur5")
+    q = np.vstack([robot.home, robot.home + 0.01])
+    curve = JointCurve.of_samples(np.array([0.0, 1.0]), q, np.zeros_like(q))
+    model = collision_model(robot)
+    proof = prove_clearance(robot, model, curve, segment_times=[(0.0, 1.0), (1.0, 1.0)])
+    assert proof.proven
+    assert proof.configurations < 1000

@@ -26,17 +26,22 @@ class SearchCut(Exception):
 
 
 class TimeBudget:
-    """Counts a plan's time. It decides whether there is a plan, never which one.
+    """Counts a plan's time and evaluations. It decides whether there is a plan, never which one.
 
     Args:
         budget_s: The time budget [s].
         progress: Is told how far the plan is; None: nobody is.
+
+    Attributes:
+        seconds: How long each stage took [s].
+        evaluations: Forward-kinematics evaluations spent.
     """
 
     def __init__(self, budget_s: float, progress: Progress | None = None) -> None:
         self.budget_s = budget_s
         self._progress = progress
         self.seconds: dict[str, float] = {}
+        self.evaluations = 0
         self._begin = time.perf_counter()
         self._stage = ""
         self._since = self._begin
@@ -62,7 +67,7 @@ class TimeBudget:
             self._stage = name
             self.check()
             self._waypoints = self._done = 0
-        self.advance(self._done)
+        self.report(self._done)
         self._book(outer)
         try:
             yield
@@ -72,7 +77,7 @@ class TimeBudget:
             self._book(name)
             self._stage = outer
         if outer:
-            self.advance(self._done)
+            self.report(self._done)
 
     def _book(self, stage: str) -> None:
         """Count the time since the last change of stages for a stage; "": for none."""
@@ -81,12 +86,16 @@ class TimeBudget:
             self.seconds[stage] = self.seconds.get(stage, 0.0) + now - self._since
         self._since = now
 
-    def expect(self, waypoints: int) -> None:
+    def count(self, evaluations: int) -> None:
+        """Count forward-kinematics evaluations that were spent."""
+        self.evaluations += int(evaluations)
+
+    def set_total(self, waypoints: int) -> None:
         """Tell how many waypoints there are to do."""
         self._waypoints = waypoints
-        self.advance(0)
+        self.report(0)
 
-    def advance(self, done: int) -> None:
+    def report(self, done: int) -> None:
         """Tell how many waypoints are done."""
         self._done = done
         if self._progress is not None:

@@ -89,8 +89,8 @@ def _plan(case: Case, series: Series, run: int, count: int | None = None) -> lis
         TimeBudget(float("inf")),
     )
     chosen = select_configurations(problem, IkOptions(elongation=mode))
-    spent = (chosen.evaluations, 0.0, time.perf_counter() - wall, time.thread_time() - cpu)
-    q_of = dict(zip(inside.tolist(), chosen.q, strict=True))
+    spent = (problem.clock.evaluations, 0.0, time.perf_counter() - wall, time.thread_time() - cpu)
+    q_of = dict(zip(inside.tolist(), chosen, strict=True))
     q, q_before = [], case.q_start
     for k in range(n):
         # Out of reach: the closest configuration.
@@ -106,7 +106,7 @@ def _nearest(case: Case, solver: PoseSolver, k: int, q_s: Array) -> Found:
         solved = solver.solve(_target(case, k), np.clip(q_s, case.arm.lower, case.arm.upper))
         q, evaluations = solved.q[0], solved.evaluations
     except NoSolution as verdict:
-        q, evaluations = np.array(verdict.miss.q), verdict.evaluations
+        q, evaluations = np.array(verdict.closest.q), verdict.evaluations
     spent = (float(evaluations), 0.0, time.perf_counter() - wall, time.thread_time() - cpu)
     q = _finished(case, q)
     return q, _value(case, k, q, q_s), spent

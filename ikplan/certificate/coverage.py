@@ -63,7 +63,7 @@ def left_out(
         nodes = path.nodes[(path.nodes > low) & (path.nodes < high)]
         places = np.concatenate([np.linspace(low, high, _PLACES), nodes[: 8 * _PLACES]])
         piece = path.piece_at(places)
-        p = path.places(piece, places - path.begins[piece]).p
+        p = path.derivatives(piece, places - path.begins[piece]).p
         # All samples that are about there, or are between such: which of two strands a sample is
         # on does not follow from where it is.
         width = high - low + slack

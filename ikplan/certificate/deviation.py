@@ -170,7 +170,10 @@ def turning_progress(path: RequestedPath, allowance: Allowance) -> tuple[Array, 
     nodes = path.nodes
     piece = path.piece_at(0.5 * (nodes[1:] + nodes[:-1]))
     begin, step = path.begins[piece], np.diff(nodes)
-    here, there = path.places(piece, nodes[:-1] - begin), path.places(piece, nodes[1:] - begin)
+    here, there = (
+        path.derivatives(piece, nodes[:-1] - begin),
+        path.derivatives(piece, nodes[1:] - begin),
+    )
     stacked = np.stack([here.R, there.R], axis=1).reshape(-1, 3, 3)
     curve = _angles(stacked, allowance.free_axis)[::2]
     rate = here.w

@@ -235,11 +235,11 @@ class _Search:
             much the root of that sum changes with the length, at most [1/m].
         """
         path, allowance, samples = self._path, self._allowance, self._samples
-        places, oriented = path.places(piece, s), path.oriented[piece]
+        derivatives, oriented = path.derivatives(piece, s), path.oriented[piece]
         found = allowance.offsets(
-            samples.p[sample], samples.R[sample], places.p, places.R, oriented
+            samples.p[sample], samples.R[sample], derivatives.p, derivatives.R, oriented
         )
-        square, along, scale = _gauss_newton(allowance, found, places.v, places.w)
+        square, along, scale = _gauss_newton(allowance, found, derivatives.v, derivatives.w)
         distance, angle = found.distance, found.angle
         ratio = np.maximum(distance / allowance.position, angle / allowance.orientation)
         if len(sample) > 1 and (np.diff(sample) <= 0).any():

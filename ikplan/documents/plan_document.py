@@ -10,7 +10,7 @@ from pydantic import Field
 from ikplan.arrays import Array
 from ikplan.documents.certificate import Certificate, Result
 from ikplan.documents.controller import ControllerInfo
-from ikplan.documents.timing_report import PathMotion, TimingReport
+from ikplan.documents.timing_report import MotionPolynomials, TimingReport
 from ikplan.documents.trajectory import Stats, Trajectory, WaypointResults
 
 __all__ = ["PlanDocument"]
@@ -32,7 +32,7 @@ class PlanDocument(Result):
     timing: TimingReport | None = Field(
         None, description="Why the motion takes as long as it does; null: not told."
     )
-    motion: PathMotion | None = Field(
+    motion: MotionPolynomials | None = Field(
         None, description='The motion as polynomials; only with sampling.form "polynomial".'
     )
     controller: ControllerInfo | None = Field(

@@ -6,7 +6,7 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from ikplan.documents import Matrix, Vector
 
-__all__ = ["BindingLimit", "PathMotion", "TimingReport", "WiderLimit"]
+__all__ = ["BindingLimit", "MotionPolynomials", "TimingReport", "WiderLimit"]
 
 
 class _Result(BaseModel):
@@ -64,7 +64,7 @@ class TimingReport(_Result):
     )
 
 
-class PathMotion(_Result):
+class MotionPolynomials(_Result):
     """The motion as polynomials: joint values cubic in s, s quadratic or cubic in time.
 
     Between knots, q(s) is the cubic with the given values and tangents at both ends. Between

@@ -15,11 +15,11 @@ from ikplan.kinematics.arm import Arm
 from ikplan.kinematics.chain import Chain
 from ikplan.kinematics.target import Target
 
-__all__ = ["Miss", "explain_unreachable"]
+__all__ = ["ClosestApproach", "explain_unreachable"]
 
 
 @dataclass(frozen=True)
-class Miss:
+class ClosestApproach:
     """The closest that the arm gets to a target.
 
     Attributes:
@@ -61,7 +61,7 @@ def _closest(
 
 def explain_unreachable(
     arm: Arm, target: Target, q_best: Array, q_start: Array, *, restarts: int = 60
-) -> tuple[Miss, int]:
+) -> tuple[ClosestApproach, int]:
     """Find out how far off a target stays, and why.
 
     The orientation is held to first order and the distance made least, so that the figure is the
@@ -94,8 +94,10 @@ def explain_unreachable(
         )
     if reason is None:
         reason = f"out of reach by {distance * 1e3:.1f} mm over {restarts + 2} branches tried"
-    miss = Miss(q, float(distance), float(angle) if target.oriented else None, limits, reason)
-    return miss, int(spent)
+    closest = ClosestApproach(
+        q, float(distance), float(angle) if target.oriented else None, limits, reason
+    )
+    return closest, int(spent)
 
 
 def _shell_reason(arm: Arm, target: Target) -> str | None:

@@ -17,7 +17,7 @@ from ikplan.arrays import Array, Flags
 from ikplan.documents.pose_results import IkSolution
 from ikplan.errors import InvalidRequest, Unreachable
 from ikplan.ik.arguments import check_options, check_start, check_tolerances, target_of
-from ikplan.ik.closest_approach import Miss, explain_unreachable
+from ikplan.ik.closest_approach import ClosestApproach, explain_unreachable
 from ikplan.ik.levenberg_marquardt import target_error
 from ikplan.ik.metaheuristic_seeds import Searcher
 from ikplan.ik.nearest_solutions import nearest_solutions
@@ -31,7 +31,7 @@ from ikplan.robots.reach import unit_hint, with_hint
 if TYPE_CHECKING:
     from ikplan.robots import Robot
 
-__all__ = ["NoSolution", "PoseSolver", "Solved", "place", "solve_ik", "solve_pose"]
+__all__ = ["NoSolution", "PoseSolver", "Solved", "solve_ik", "solve_pose", "target_as_data"]
 
 
 _RESCUE_RESTARTS = 2000
@@ -60,9 +60,9 @@ class Solved(NamedTuple):
 class NoSolution(Exception):
     """A target without a solution within tolerance; the caller knows which waypoint it is."""
 
-    def __init__(self, miss: Miss, evaluations: int) -> None:
-        super().__init__(miss.reason)
-        self.miss = miss
+    def __init__(self, closest: ClosestApproach, evaluations: int) -> None:
+        super().__init__(closest.reason)
+        self.closest = closest
         self.evaluations = evaluations
 
 
@@ -198,12 +198,12 @@ class PoseSolver:
             q,
         )
         if distance > self.tolerance_position or angle > self.tolerance_orientation:
-            miss, spent = explain_unreachable(self.arm, target, q, q_start)
+            closest, spent = explain_unreachable(self.arm, target, q, q_start)
             evaluations += spent
-            q, distance, angle = miss.q, miss.position_error, miss.orientation_error or 0.0
+            q, distance, angle = closest.q, closest.position_error, closest.orientation_error or 0.0
             # The verdict searches longer than the solver, and may find what that did not.
             if distance > self.tolerance_position or angle > self.tolerance_orientation:
-                raise NoSolution(miss, evaluations)
+                raise NoSolution(closest, evaluations)
         return Solved(q[None], np.array([distance]), np.array([angle]), evaluations)
 
     def _solve_raw(self, searcher: Searcher, target: Target, q_start: Array) -> Solved:
@@ -281,7 +281,7 @@ def solve_pose(
     try:
         solved = solver.solve(target, q_start)
     except NoSolution as verdict:
-        error = unreachable(robot, verdict.miss, 0, "the pose", target)
+        error = unreachable(robot, verdict.closest, 0, "the pose", target)
         raise with_hint(error, unit_hint(robot, [target.p.tolist()])) from verdict
     q = solved.q[0]
     difference = q - q_start
@@ -294,28 +294,28 @@ def solve_pose(
     )
 
 
-def place(target: Target) -> dict[str, Any]:
+def target_as_data(target: Target) -> dict[str, Any]:
     """Return where a target is, as errors tell it."""
     quaternion = Quaternion(target.R).coeffs().tolist() if target.oriented else None
     return {"position": target.p.tolist(), "quaternion_xyzw": quaternion}
 
 
 def unreachable(
-    robot: Robot, miss: Miss, waypoint: int, subject: str, target: Target
+    robot: Robot, closest: ClosestApproach, waypoint: int, subject: str, target: Target
 ) -> Unreachable:
     """Return the error of a target without a solution, told of ``subject``."""
-    limits = [robot.joint_names[k] for k in miss.limits]
-    error = f"{miss.position_error * 1e3:.3g} mm"
-    if miss.orientation_error is not None:
-        error += f" and {miss.orientation_error:.3g} rad"
+    limits = [robot.joint_names[k] for k in closest.limits]
+    error = f"{closest.position_error * 1e3:.3g} mm"
+    if closest.orientation_error is not None:
+        error += f" and {closest.orientation_error:.3g} rad"
     binding = f"; at its limit there: {', '.join(limits)}" if limits else ""
     return Unreachable(
-        f"{subject} is unreachable, the closest found is {error} away: {miss.reason}{binding}",
+        f"{subject} is unreachable, the closest found is {error} away: {closest.reason}{binding}",
         waypoint=waypoint,
-        position_error=miss.position_error,
-        orientation_error=miss.orientation_error,
-        q=[float(v) for v in miss.q],
-        reason=miss.reason,
+        position_error=closest.position_error,
+        orientation_error=closest.orientation_error,
+        q=[float(v) for v in closest.q],
+        reason=closest.reason,
         limits=limits,
-        target=place(target),
+        target=target_as_data(target),
     )

@@ -8,8 +8,8 @@ from functools import cached_property
 import numpy as np
 
 from ikplan.arrays import Array, Flags, Indices
-from ikplan.path.pieces.piece import Motion, Piece
-from ikplan.path.pieces.steady import SteadyPiece, stack_steady, steady_motion
+from ikplan.path.pieces.piece import PathDerivatives, Piece
+from ikplan.path.pieces.steady import SteadyPiece, stack_steady, steady_derivatives
 from ikplan.path.pieces.steady_kernels import SteadyStack
 
 __all__ = ["Corner", "PathWaypoint", "SegmentRange", "ToolPath"]
@@ -136,17 +136,17 @@ class ToolPath:
 
     def poses(self, s: Array) -> tuple[Array, Array]:
         """Return rotations (m, 3, 3) and positions (m, 3) [m] at path lengths s, shape (m,)."""
-        motion = self.motion(s)
-        return motion.R, motion.p
+        derivatives = self.derivatives(s)
+        return derivatives.R, derivatives.p
 
-    def motion(self, s: Array) -> Motion:
+    def derivatives(self, s: Array) -> PathDerivatives:
         """Return poses and their derivatives by s at path lengths s, shape (m,) [m].
 
         At a corner the derivatives are those after it.
         """
         s = np.asarray(s, dtype=np.float64)
         piece = self.piece_at(s)
-        return self.motion_on(piece, s - self.begins[piece])
+        return self.derivatives_on(piece, s - self.begins[piece])
 
     def piece_at(self, s: Array) -> Indices:
         """Return the index of the piece at path lengths s, shape (m,).
@@ -158,20 +158,20 @@ class ToolPath:
         back = (s == self.begins[piece]) & ~self._oriented[piece] & self._oriented[before]
         return np.where(back, before, piece)
 
-    def motion_on(self, piece: Indices, s: Array) -> Motion:
+    def derivatives_on(self, piece: Indices, s: Array) -> PathDerivatives:
         """Return the motion at lengths s from the begins of pieces, both of shape (m,)."""
         stack, rows = self._steady
         row = rows[piece]
         if len(row) and (row >= 0).all():
-            return steady_motion(stack, row, s)
+            return steady_derivatives(stack, row, s)
         m = len(s)
-        out = Motion(np.empty((m, 3, 3)), *(np.empty((m, 3)) for _ in range(4)))
+        out = PathDerivatives(np.empty((m, 3, 3)), *(np.empty((m, 3)) for _ in range(4)))
         groups = [np.flatnonzero(row >= 0)] if (row >= 0).any() else []
         groups += [np.flatnonzero(piece == k) for k in np.unique(piece[row < 0])]
         for here in groups:
             k = row[here]
             if k[0] >= 0:
-                part = steady_motion(stack, k, s[here])
+                part = steady_derivatives(stack, k, s[here])
             else:
                 part = self.pieces[piece[here[0]]].evaluate(s[here])
             for whole, values in zip(out, part, strict=True):

@@ -45,7 +45,6 @@ def assemble_plan(
     q_start: Array | None,
     path: PathRequest | None = None,
     segments: tuple[RequestedSegment, ...] = (),
-    evaluations: int = 0,
     known_id: str | None = None,
 ) -> Plan:
     """Certify a timed trajectory and return it as the plan of its request.
@@ -60,7 +59,6 @@ def assemble_plan(
         q_start: Start that was asked for, shape (dof,) [rad or m]; None: any.
         path: The path asked for; None: the waypoints are joint values.
         segments: Parts of a joint path with limits of their own.
-        evaluations: Forward-kinematics evaluations spent.
         known_id: The id of the plan, where it is known already.
 
     Raises:
@@ -96,5 +94,5 @@ def assemble_plan(
         timing=timing.report,
         motion=timing.motion,
         controller=None if robot.controller is None else robot.controller.info(),
-        stats=Stats(ik_evaluations=evaluations, seconds=clock.seconds),
+        stats=Stats(ik_evaluations=clock.evaluations, seconds=clock.seconds),
     )

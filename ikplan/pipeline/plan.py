@@ -135,7 +135,6 @@ def make_plan(
         clock,
         q_start=None if start_free else q_start,
         path=request.path,
-        evaluations=route.evaluations,
         known_id=known_id,
     )
 

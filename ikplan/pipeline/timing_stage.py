@@ -10,7 +10,7 @@ import numpy as np
 import pinocchio as pin
 
 from ikplan.documents.limits import SamplingOptions
-from ikplan.documents.timing_report import BindingLimit, PathMotion, TimingReport, WiderLimit
+from ikplan.documents.timing_report import BindingLimit, MotionPolynomials, TimingReport, WiderLimit
 from ikplan.documents.trajectory import Trajectory
 from ikplan.joint_path import JointPath
 from ikplan.limits import JointLimits
@@ -61,7 +61,7 @@ class Timing:
     timed: TimedPath
     samples: Samples
     trajectory: Trajectory
-    motion: PathMotion | None
+    motion: MotionPolynomials | None
     report: TimingReport
 
 
@@ -229,9 +229,9 @@ def _report(
     )
 
 
-def _motion(timed: TimedPath) -> PathMotion:
+def _motion(timed: TimedPath) -> MotionPolynomials:
     path = timed.path
-    return PathMotion(
+    return MotionPolynomials(
         s_knots=path.s_knots,
         q_knots=path.q_knots,
         tangents_start=path.tangents_start,

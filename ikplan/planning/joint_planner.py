@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -38,7 +38,7 @@ def plan_joint_path(problem: JointPathProblem) -> JointRoute:
         InvalidRequest: The path makes no sense.
         Unreachable: A waypoint, or a place on a tool path, has no solution.
         Disconnected: No continuous motion follows a tool path.
-        TrackingFailed: The same, where ``problem.brief`` is set.
+        TrackingFailed: The same, where ``problem.explain`` is false.
         BudgetExceeded: The time budget ran out.
     """
     planner = _JointPathPlanner(problem)
@@ -47,13 +47,13 @@ def plan_joint_path(problem: JointPathProblem) -> JointRoute:
         T = problem.robot.fk(problem.q_start)
         start = Pose(T.rotation.copy(), T.translation.copy())
     legs = legs_of(problem.path, start, planner.fk)
-    problem.clock.expect(sum(map(_waypoint_count, legs)))
+    problem.clock.set_total(sum(map(_waypoint_count, legs)))
     for leg, after in zip(legs, [*legs[1:], None], strict=True):
         if isinstance(leg, JointLeg):
             planner.joint_leg(leg, after)
         else:
             planner.tool_leg(leg)
-        problem.clock.advance(len(planner.waypoints))
+        problem.clock.report(len(planner.waypoints))
     return planner.route()
 
 
@@ -96,7 +96,6 @@ class _JointPathPlanner:
         self.rest: list[int] = []
         self.waypoints: list[RouteWaypoint] = []
         self.segments: list[RouteSegment] = []
-        self.evaluations = 0
         self.opened: _Open | None = None
 
     def fk(self, q: Array) -> tuple[Array, Array]:
@@ -111,7 +110,6 @@ class _JointPathPlanner:
             np.ascontiguousarray(self.q),
             self.rest,
             waypoints,
-            self.evaluations,
             self.segments,
         )
 
@@ -155,7 +153,7 @@ class _JointPathPlanner:
             problem.path.tolerance,
             problem.clock,
             run[0].row,
-            problem.brief,
+            problem.explain,
         )
 
     def _select(self, run: list[JointWaypoint]) -> None:
@@ -163,18 +161,16 @@ class _JointPathPlanner:
         if not run:
             return
         problem = self._waypoint_problem(run)
-        selected = select_configurations(problem, self.problem.options)
-        self.evaluations += selected.evaluations
-        for waypoint, target, q in zip(run, problem.targets, selected.q, strict=True):
+        chosen = select_configurations(problem, self.problem.options)
+        for waypoint, target, q in zip(run, problem.targets, chosen, strict=True):
             self._add(q, waypoint, target)
 
     def _open_pose(self, waypoint: JointWaypoint, pose: Pose) -> None:
         """Offer every branch of a pose to the tool path that begins there."""
         problem = self._waypoint_problem([waypoint])
-        starts, spent = branches(problem)
+        starts = branches(problem)
         costs = np.linalg.norm(starts - self._last_q, axis=1)
         self.opened = _Open(waypoint, self._target(pose), starts, costs)
-        self.evaluations += spent
 
     def tool_leg(self, leg: ToolLeg) -> None:
         """Track a tool path."""
@@ -184,7 +180,7 @@ class _JointPathPlanner:
         try:
             tracked = self.tracker.track(path, starts, costs)
         except TrackingFailed as failure:
-            if self.problem.brief:
+            if not self.problem.explain:
                 raise
             verdict = explain_tracking_failure(
                 self.problem.robot, self.problem.solver, self.tracker, path, failure
@@ -195,7 +191,6 @@ class _JointPathPlanner:
                 tracked = self.tracker.track_global(path, starts, costs)
             except TrackingFailed:
                 raise verdict from failure
-            tracked = replace(tracked, evaluations=tracked.evaluations + failure.evaluations)
         self._append(path, tracked)
 
     def _check_box(self, path: ToolPath) -> None:
@@ -221,15 +216,13 @@ class _JointPathPlanner:
         # What begins without an orientation may begin at a waypoint with one.
         rotations = [w.R for w in path.waypoints if w.s == 0.0 and w.R is not None]
         pose = Pose(R if path.oriented(0.0) else (rotations[0] if rotations else None), p)
-        starts, spent = branches(
+        starts = branches(
             self._waypoint_problem([JointWaypoint(0, "the begin of the path", pose=pose)])
         )
-        self.evaluations += spent
         return starts, np.zeros(len(starts))
 
     def _append(self, path: ToolPath, tracked: TrackedPath) -> None:
         """Add the points of a tracked path; the motion rests where it begins and ends."""
-        self.evaluations += tracked.evaluations
         joined = bool(self.q) and np.array_equal(self.q[-1], tracked.q[0])
         if joined:
             self.q.pop()

@@ -28,8 +28,8 @@ class JointPathProblem:
         start_free: Whether the path may begin anywhere.
         limits: Position limits.
         clock: The time budget.
-        brief: Whether a refusal may leave out why: what holds the arm takes longer to find out
-            than that it is held.
+        explain: Whether a refusal says why: what holds the arm takes longer to find out than
+            that it is held.
     """
 
     robot: Robot
@@ -40,7 +40,7 @@ class JointPathProblem:
     start_free: bool
     limits: JointLimits
     clock: TimeBudget
-    brief: bool = False
+    explain: bool = True
 
 
 @dataclass(frozen=True)
@@ -83,12 +83,10 @@ class JointRoute:
         q: Configurations, shape (k, dof) [rad or m]; the first is where the motion begins.
         rest: Indices of those where the motion stops.
         waypoints: The waypoints of the request, in order.
-        evaluations: Forward-kinematics evaluations spent.
         segments: The segments of the request, in order.
     """
 
     q: Array
     rest: list[int]
     waypoints: list[RouteWaypoint]
-    evaluations: int
     segments: list[RouteSegment]

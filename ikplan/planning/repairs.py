@@ -62,7 +62,7 @@ def find_repairs(
     """
     repairs: list[dict[str, Any]] = []
     try:
-        for repair in _repairs(replace(problem, brief=True), error):
+        for repair in _repairs(replace(problem, explain=False), error):
             repairs.append({"change": repair.change, "detail": repair.detail})
     except BudgetExceeded:
         return repairs
@@ -203,7 +203,7 @@ def _needed_shift(problem: JointPathProblem) -> Array | None:
         try:
             solver.solve(target, problem.q_start)
         except NoSolution as verdict:
-            _, p = forward(problem.solver.arm.chain, verdict.miss.q)
+            _, p = forward(problem.solver.arm.chain, verdict.closest.q)
             way = p - target.p
             if worst is None or np.linalg.norm(way) > np.linalg.norm(worst):
                 worst = np.asarray(way)

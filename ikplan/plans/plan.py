@@ -12,7 +12,7 @@ from ikplan.documents.plan_document import PlanDocument
 
 if TYPE_CHECKING:
     from ikplan.documents.limits import LimitOptions
-    from ikplan.plans.playback import Moment
+    from ikplan.plans.playback import JointState
 
 __all__ = ["Plan"]
 
@@ -20,7 +20,7 @@ __all__ = ["Plan"]
 class Plan(PlanDocument):
     """A certified joint trajectory."""
 
-    def at(self, t: ArrayLike) -> Moment:
+    def at(self, t: ArrayLike) -> JointState:
         """Evaluate the motion at any times.
 
         Exact where the plan has its motion as polynomials (``sampling.form`` "polynomial"),

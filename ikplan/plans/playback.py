@@ -12,16 +12,16 @@ from ikplan.errors import InvalidRequest
 
 if TYPE_CHECKING:
     from ikplan.documents.plan_document import PlanDocument
-    from ikplan.documents.timing_report import PathMotion
+    from ikplan.documents.timing_report import MotionPolynomials
     from ikplan.documents.trajectory import Trajectory
 
-__all__ = ["Moment", "evaluate"]
+__all__ = ["JointState", "evaluate"]
 
-Moment = tuple[Array, Array, Array]
+JointState = tuple[Array, Array, Array]
 """Joint positions, velocities and accelerations."""
 
 
-def evaluate(plan: PlanDocument, t: ArrayLike) -> Moment:
+def evaluate(plan: PlanDocument, t: ArrayLike) -> JointState:
     """Evaluate a plan; see :meth:`ikplan.Plan.at`."""
     try:
         at = np.asarray(t, dtype=np.float64)
@@ -37,7 +37,7 @@ def evaluate(plan: PlanDocument, t: ArrayLike) -> Moment:
     return (q[0], dq[0], ddq[0]) if at.ndim == 0 else (q, dq, ddq)
 
 
-def _exact(motion: PathMotion, t: Array) -> Moment:
+def _exact(motion: MotionPolynomials, t: Array) -> JointState:
     """Put the times into the path's motion, and that into the path."""
     if len(motion.s_knots) == 1:
         q = np.repeat(motion.q_knots, len(t), axis=0)
@@ -64,7 +64,7 @@ def _exact(motion: PathMotion, t: Array) -> Moment:
     return q, qs * v, qs * u + qss * v * v
 
 
-def _cubics(motion: PathMotion, piece: Indices, s: Array) -> Moment:
+def _cubics(motion: MotionPolynomials, piece: Indices, s: Array) -> JointState:
     """Values and derivatives by s of pieces of the path, each of shape (m, dof)."""
     begin, end = motion.s_knots[piece], motion.s_knots[piece + 1]
     ends = motion.q_knots[piece], motion.q_knots[piece + 1]
@@ -72,7 +72,7 @@ def _cubics(motion: PathMotion, piece: Indices, s: Array) -> Moment:
                   motion.tangents_end[piece])  # fmt: skip
 
 
-def _hermite(samples: Trajectory, t: Array) -> Moment:
+def _hermite(samples: Trajectory, t: Array) -> JointState:
     """Join samples by the cubics that have their positions and velocities."""
     time, q, dq = samples.time, samples.q, samples.dq
     if len(time) == 1:
@@ -86,7 +86,7 @@ def _hermite(samples: Trajectory, t: Array) -> Moment:
     return position, velocity, (1.0 - x) * samples.ddq[k] + x * samples.ddq[k + 1]
 
 
-def _cubic(at: Array, length: Array, q0: Array, q1: Array, m0: Array, m1: Array) -> Moment:
+def _cubic(at: Array, length: Array, q0: Array, q1: Array, m0: Array, m1: Array) -> JointState:
     """Cubics by their values and slopes at both ends, and two derivatives.
 
     Args:

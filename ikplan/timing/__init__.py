@@ -2,7 +2,7 @@
 
 from ikplan.timing.binding import Binding, BindingShare, WhatIf, binding, what_if
 from ikplan.timing.constraints.constraints import ConstraintRows, PathConstraint, PathPoints
-from ikplan.timing.constraints.tool_limits import ToolLimits, ToolMotion
+from ikplan.timing.constraints.tool_limits import ToolLimits, ToolRates
 from ikplan.timing.constraints.torque_limits import InverseDynamics, TorqueLimits
 from ikplan.timing.profile import SegmentJointLimits
 from ikplan.timing.sampled_within_limits import sampled_within_limits
@@ -21,7 +21,7 @@ __all__ = [
     "SegmentJointLimits",
     "TimedPath",
     "ToolLimits",
-    "ToolMotion",
+    "ToolRates",
     "TorqueLimits",
     "WhatIf",
     "binding",

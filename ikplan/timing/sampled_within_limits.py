@@ -108,7 +108,7 @@ def _joint_ratio(timed: TimedPath, samples: Samples) -> float:
 def _pieces_at(timed: TimedPath, time: Array) -> tuple[Indices, Indices]:
     """Return the pieces of the path just before and just after times, shape (m,) each."""
     jerk = timed.jerk_limited
-    at = timed.places_at(time) if jerk else time
+    at = timed.positions_at(time) if jerk else time
     ends = timed.path.s_knots if jerk else timed.node_times
     edge = _EDGE * float(ends[-1])
     before, after = (

@@ -64,19 +64,19 @@ class TimedPath:
         """Times of the waypoints [s], shape (n_waypoints,); equal for waypoints that coincide."""
         return self.times_at(self.path.s_waypoints)
 
-    def times_at(self, places: Array) -> Array:
-        """Return when knots of the path are passed [s]; of a jerk-limited motion, any places.
+    def times_at(self, positions: Array) -> Array:
+        """Return when knots of the path are passed [s]; of a jerk-limited motion, any positions.
 
         Args:
-            places: Path positions, shape (m,); clipped to the path.
+            positions: Path positions, shape (m,); clipped to the path.
         """
-        places = np.clip(places, 0.0, self.path.length)
+        positions = np.clip(positions, 0.0, self.path.length)
         if self.sddot is None:
-            after = np.searchsorted(self.s, places)
+            after = np.searchsorted(self.s, positions)
             before = np.maximum(after - 1, 0)
-            nearer = places - self.s[before] < self.s[after] - places
+            nearer = positions - self.s[before] < self.s[after] - positions
             return self.node_times[np.where(nearer, before, after)]
-        return times_of(self.node_times, self.s, self.sdot, self.sddot, places)
+        return times_of(self.node_times, self.s, self.sdot, self.sddot, positions)
 
     def evaluate(self, t: ArrayLike) -> tuple[Array, Array, Array]:
         """Evaluate the motion, exact at both ends.
@@ -107,7 +107,7 @@ class TimedPath:
             at,
         )
 
-    def places_at(self, t: Array) -> Array:
+    def positions_at(self, t: Array) -> Array:
         """Return the path positions of a jerk-limited motion, shape (m,).
 
         Args:

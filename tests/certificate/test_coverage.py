@@ -256,7 +256,7 @@ def test_between_samples_the_tool_goes_by_cubics(speed: Point) -> None:
     first = path.begins[2]
     places = np.linspace(0.0, first, 800)
     piece = path.piece_at(places)
-    p = path.places(piece, places - path.begins[piece]).p[:, :2]
+    p = path.derivatives(piece, places - path.begins[piece]).p[:, :2]
     motion = np.vstack(tool)
     far = max(float(np.linalg.norm(motion - point, axis=1).min()) for point in p)
     found, when = over(made, path, [0.0, first, path.length])

@@ -108,7 +108,7 @@ def test_places_between_matched_samples_are_looked_through(
     path = RequestedPath(pieces, ((float(sum(p.length for p in pieces)), 0),), ())
     s = np.linspace(0.0, path.length, 300)
     piece = path.piece_at(s)
-    p = path.places(piece, s - path.begins[piece]).p
+    p = path.derivatives(piece, s - path.begins[piece]).p
     R = np.tile(UNTURNED, (len(s), 1, 1))
     hint = np.clip(s + 3e-2 * np.sin(7.0 * s / path.length), 0.0, path.length)
     whole = np.full(len(s), path.length)

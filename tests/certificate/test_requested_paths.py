@@ -43,7 +43,7 @@ def along(path: RequestedPath, count: int = 400) -> tuple[Vector, Vector, Vector
     """Path lengths, rotations and positions, evenly along a path."""
     s = np.linspace(0.0, path.length, count)
     piece = path.piece_at(s)
-    places = path.places(piece, s - path.begins[piece])
+    places = path.derivatives(piece, s - path.begins[piece])
     return s, places.R, places.p
 
 
@@ -138,7 +138,7 @@ def test_named_curves_are_drawn_by_their_formulas(segment: Any, formula: Any) ->
     assert leg.path.length - begin == pytest.approx(lengths[-1], rel=1e-6)
     s = np.linspace(begin, leg.path.length, 60)
     piece = leg.path.piece_at(s)
-    p = leg.path.places(piece, s - leg.path.begins[piece]).p
+    p = leg.path.derivatives(piece, s - leg.path.begins[piece]).p
     at = np.stack([np.interp(s - begin, lengths, column) for column in drawn.T], axis=1)
     np.testing.assert_allclose(p, at, atol=1e-6)
 
@@ -273,7 +273,7 @@ def test_a_spline_of_large_turns_over_uneven_ways_is_turned_as_the_planner_turns
     (curve,) = asked.path.pieces
     assert isinstance(curve, CurvePiece)
     s = np.linspace(0.0, curve.length, 4001)
-    R, _, _, w = curve.places(s)
+    R, _, _, w = curve.derivatives(s)
     # The rate is that of the rotations: by Pinocchio, from each to the next.
     steps = [pin.log3(b @ a.T) for a, b in pairwise(R)]
     middle = 0.5 * (w[1:] + w[:-1]) * (s[1] - s[0])
@@ -320,8 +320,8 @@ def assert_same_path(planned: ToolPath, asked: RequestedPath) -> None:
     np.testing.assert_array_equal(oriented, asked.oriented)
     piece = np.repeat(np.arange(len(oriented)), 7)
     share = np.tile(np.linspace(0.0, 1.0, 7), len(oriented))
-    one = planned.motion_on(piece, share * np.diff(planned.begins)[piece])
-    two = asked.places(piece, share * np.diff(asked.begins)[piece])
+    one = planned.derivatives_on(piece, share * np.diff(planned.begins)[piece])
+    two = asked.derivatives(piece, share * np.diff(asked.begins)[piece])
     np.testing.assert_allclose(one.p, two.p, atol=1e-8)
     np.testing.assert_allclose(one.R[oriented[piece]], two.R[oriented[piece]], atol=1e-5)
     marks = sorted((w.row, w.s) for w in planned.waypoints)

@@ -76,7 +76,7 @@ def test_a_blend_joins_with_the_same_direction_curvature_and_angular_rate(rounde
     assert len(path.corners) == 0
     joints = path.begins[1:-1]
     h = 1e-10
-    a, b = path.motion(joints - h), path.motion(joints + h)
+    a, b = path.derivatives(joints - h), path.derivatives(joints + h)
     scale = 1.0 + np.abs(b.bend).max()
     assert_allclose(a.v, b.v, atol=1e-9 * scale)
     assert_allclose(a.w, b.w, atol=1e-7 * scale)
@@ -108,7 +108,7 @@ def test_the_orientation_goes_over_from_one_turning_to_the_other():
     # C2: angular acceleration, 0 on lines, is continuous too.
     h = 1e-5
     for joint in path.begins[1:-1]:
-        w = path.motion(np.array([joint - h, joint, joint + h])).w
+        w = path.derivatives(np.array([joint - h, joint, joint + h])).w
         assert np.linalg.norm(w[2] - w[1]) / h < 0.2
         assert np.linalg.norm(w[1] - w[0]) / h < 0.2
 

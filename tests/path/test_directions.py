@@ -136,7 +136,7 @@ def test_an_axis_longer_by_a_power_of_two_gives_the_same_path_to_the_last_digit(
     axis = np.array([0.3, -0.5, 0.8])
     paths = [_arc(rule, (factor * axis).tolist()) for factor in (1.0, length)]
     s = np.linspace(0.0, paths[0].length, 17)
-    for one, other in zip(paths[0].motion(s), paths[1].motion(s), strict=True):
+    for one, other in zip(paths[0].derivatives(s), paths[1].derivatives(s), strict=True):
         assert np.array_equal(one, other)
 
 

@@ -151,14 +151,14 @@ def test_a_spline_is_c2_and_passes_every_pose(seed, count):
     assert len(path.pieces) == 1
     knots = path.waypoint_s[:-1]
     h = 1e-9
-    before, after = path.motion(knots - h), path.motion(knots + h)
+    before, after = path.derivatives(knots - h), path.derivatives(knots + h)
     scale = 1.0 + np.abs(after.bend).max()
     assert_allclose(before.v, after.v, atol=1e-7 * scale)
     assert_allclose(before.bend, after.bend, atol=1e-5 * scale**2)
     # The same for the angular rate, and its derivative by one-sided differences of second order.
     assert_allclose(before.w, after.w, atol=1e-6 * scale)
     d = 1e-6
-    w = {k: path.motion(knots + k * d).w for k in (-2, -1, 0, 1, 2)}
+    w = {k: path.derivatives(knots + k * d).w for k in (-2, -1, 0, 1, 2)}
     left = (3.0 * w[0] - 4.0 * w[-1] + w[-2]) / (2.0 * d)
     right = (4.0 * w[1] - 3.0 * w[0] - w[2]) / (2.0 * d)
     assert_allclose(left, right, atol=1e-3 * (1.0 + np.abs(right).max()) * scale)
@@ -244,7 +244,7 @@ def test_follow_keeps_the_angle_between_tool_and_direction():
         {"type": "sinusoid", "length": 1.0, "amplitude": 0.2, "wavelength": 0.3},
     ):
         path = curve(**segment, orientation="follow")
-        motion = path.motion(np.linspace(0.0, path.length, 301))
+        motion = path.derivatives(np.linspace(0.0, path.length, 301))
         seen = np.einsum("mji,mj->mi", motion.R, motion.v)
         assert_allclose(seen, np.broadcast_to(seen[0], seen.shape), atol=1e-9)
         # The turn is about the z axis of the curve's frame alone.
@@ -313,11 +313,11 @@ def test_a_large_turn_on_a_short_way_does_not_swing():
     knots = path.waypoint_s[1:-1]
     assert_allclose(log(path.poses(knots)[0])[:, 2], [0.1, 1.1, 1.2], atol=1e-12)
     h, d = 1e-9, 1e-6
-    assert_allclose(path.motion(knots - h).w, path.motion(knots + h).w, atol=1e-4)
-    left = (path.motion(knots).w - path.motion(knots - d).w) / d
-    right = (path.motion(knots + d).w - path.motion(knots).w) / d
+    assert_allclose(path.derivatives(knots - h).w, path.derivatives(knots + h).w, atol=1e-4)
+    left = (path.derivatives(knots).w - path.derivatives(knots - d).w) / d
+    right = (path.derivatives(knots + d).w - path.derivatives(knots).w) / d
     # Angular acceleration is continuous; it changes at a finite rate over 2d.
-    dense = path.motion(np.linspace(0.0, path.length, 20001)).w[:, 2]
+    dense = path.derivatives(np.linspace(0.0, path.length, 20001)).w[:, 2]
     jerk = np.abs(np.diff(dense, 2)).max() / (path.length / 20000) ** 2
     assert_allclose(left, right, atol=4.0 * d * jerk)
 
@@ -358,7 +358,7 @@ def test_tiny_steps_do_no_harm(seed, size, interpolation):
     # A spline swings if it has to turn within nothing; the positions alone are then the test.
     free = "all" if interpolation == "spline" and size < 1e-2 else None
     path = through(poses, interpolation, None, orientation_free=free)
-    motion = path.motion(np.linspace(0.0, path.length, 301))
+    motion = path.derivatives(np.linspace(0.0, path.length, 301))
     assert all(np.isfinite(field).all() for field in motion)
     assert_allclose(
         motion.R @ np.swapaxes(motion.R, 1, 2), np.eye(3)[None].repeat(301, 0), atol=1e-12
@@ -368,7 +368,7 @@ def test_tiny_steps_do_no_harm(seed, size, interpolation):
         assert_allclose(p, waypoint.p, atol=2e-9)
         if waypoint.R is not None:
             # Rounding of s turns the tool by as much as it turns on the way.
-            atol = 1e-12 + 1e-15 * np.linalg.norm(path.motion([waypoint.s]).w)
+            atol = 1e-12 + 1e-15 * np.linalg.norm(path.derivatives([waypoint.s]).w)
             assert_allclose(R, waypoint.R, atol=atol)
 
 
@@ -380,5 +380,5 @@ def test_a_gap_before_a_curve_is_joined_by_a_line_however_short(gap):
     path = of_segments(wave, start=Pose(None, np.zeros(3)))
     assert len(path.pieces) == 2
     assert path.begins[1] == pytest.approx(gap, rel=1e-6)
-    before, after = path.motion(path.begins[1] * np.array([0.999, 1.001])).p
+    before, after = path.derivatives(path.begins[1] * np.array([0.999, 1.001])).p
     assert np.linalg.norm(after - before) <= 0.01 * gap

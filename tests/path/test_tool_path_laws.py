@@ -43,7 +43,7 @@ def path(request):
 
 def test_the_parameter_is_the_arc_length(path):
     s = np.linspace(0.0, path.length, 403)
-    assert_allclose(np.linalg.norm(path.motion(s).v, axis=1), 1.0, rtol=0.0, atol=1e-12)
+    assert_allclose(np.linalg.norm(path.derivatives(s).v, axis=1), 1.0, rtol=0.0, atol=1e-12)
     # Richardson's extrapolation of chords over h and h/2 leaves an error of order h^4.
     h = 2e-5
     inside = s[(s > h) & (s < path.length - h)]
@@ -61,7 +61,7 @@ def test_the_derivatives_are_those_of_the_poses(path):
     s = np.linspace(0.0, path.length, 203)[1:-1]
     joints = np.concatenate([path.begins, path.corners])
     s = s[np.abs(s[:, None] - joints).min(axis=1) > 2 * h]
-    before, at, after = path.motion(s - h), path.motion(s), path.motion(s + h)
+    before, at, after = path.derivatives(s - h), path.derivatives(s), path.derivatives(s + h)
     assert_allclose((after.p - before.p) / (2 * h), at.v, rtol=0.0, atol=1e-6)
     assert_allclose((after.v - before.v) / (2 * h), at.bend, rtol=1e-5, atol=1e-3)
     rate = log(after.R @ np.swapaxes(before.R, 1, 2)) / (2 * h)
@@ -81,7 +81,7 @@ def test_pieces_join_without_a_gap(path):
 def test_the_direction_jumps_at_corners_and_nowhere_else(path):
     h = 1e-9
     joints = path.begins[1:-1]
-    a, b = path.motion(joints - h), path.motion(joints + h)
+    a, b = path.derivatives(joints - h), path.derivatives(joints + h)
     jumps = np.linalg.norm(a.v - b.v, axis=1) + 0.3 * np.linalg.norm(a.w - b.w, axis=1) > 1e-5
     assert_allclose(joints[jumps], path.corners, atol=1e-12)
 

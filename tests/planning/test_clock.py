@@ -142,11 +142,11 @@ def test_progress_goes_on_counting_through_a_stage_within_another() -> None:
     told: list[tuple[str, int, int]] = []
     clock = TimeBudget(10.0, lambda *what: told.append(what))
     with clock.stage("planning"):
-        clock.expect(3)
-        clock.advance(1)
+        clock.set_total(3)
+        clock.report(1)
         with clock.stage("ik"):
-            clock.advance(2)
-        clock.advance(3)
+            clock.report(2)
+        clock.report(3)
     assert told == [
         ("planning", 0, 0),
         ("planning", 0, 3),
@@ -162,9 +162,9 @@ def test_progress_names_the_stage_and_counts_its_waypoints(passing: Time) -> Non
     told: list[tuple[str, int, int]] = []
     clock = TimeBudget(10.0, lambda *what: told.append(what))
     with clock.stage("ik"):
-        clock.expect(3)
+        clock.set_total(3)
         for k in range(4):
-            clock.advance(k)
+            clock.report(k)
     with clock.stage("timing"):
         passing.now = 1.0
     counted = [("ik", k, 3) for k in (0, 0, 1, 2, 3)]

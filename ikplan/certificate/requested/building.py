@@ -136,7 +136,7 @@ class PathReader:
 
     def path(self) -> tuple[RequestedPath, dict[int, float]]:
         """Return the path, and by row the radius of each rounded waypoint [m]."""
-        items = _led(self._items, self._begin.R, self._poses)
+        items = _with_lead_in(self._items, self._begin.R, self._poses)
         return assembled(self._begin, self._first, items, self._blend)
 
     def _axis(self, turn_axis: Sequence[float] | None) -> Array | None:
@@ -216,7 +216,7 @@ def _evenly(pieces: Sequence[Piece], R0: Array, turn: Array) -> list[Piece]:
     return turned
 
 
-def _led(
+def _with_lead_in(
     items: Sequence[PathItem], R0: Array | None, poses: dict[int, RequestedPose]
 ) -> list[PathItem]:
     """Give an orientation to parts without one that lead to a pose that has one.
@@ -224,12 +224,12 @@ def _led(
     The tool turns evenly over the length, from the last orientation; before the first one, it is
     turned as there. What no orientation follows stays free.
     """
-    led: list[PathItem] = []
+    turned_items: list[PathItem] = []
     free: list[PathItem] = []
 
     def lead(R1: Array) -> None:
         start = R1 if R0 is None else R0
-        led.extend(_turned_free(free, start, rotation_between(start, R1)))
+        turned_items.extend(_turned_free(free, start, rotation_between(start, R1)))
         free.clear()
 
     for item in items:
@@ -239,7 +239,7 @@ def _led(
                 R1 = piece.end(0.0).R
                 if R1 is not None:
                     lead(R1)
-            led.append(item)
+            turned_items.append(item)
             R0 = piece.end(piece.length).R
             continue
         free.append(item)
@@ -247,7 +247,7 @@ def _led(
         if R1 is not None:
             lead(R1)
             R0 = R1
-    return led + free
+    return turned_items + free
 
 
 def _turned_free(items: Sequence[PathItem], R0: Array, turn: Array) -> list[PathItem]:

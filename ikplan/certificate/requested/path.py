@@ -11,11 +11,11 @@ from ikplan.arrays import Array, Flags, Indices
 from ikplan.certificate.requested.pieces import BendPiece, CurvePiece, Piece, line
 from ikplan.certificate.requested.rotations import exp
 
-__all__ = ["Places", "RequestedPath", "SegmentRange"]
+__all__ = ["PathDerivatives", "RequestedPath", "SegmentRange"]
 
 
 @dataclass(frozen=True, eq=False)
-class Places:
+class PathDerivatives:
     """Poses of a path and their derivatives by its length.
 
     Attributes:
@@ -124,13 +124,15 @@ class RequestedPath:
         """Return the piece at path lengths s, shape (m,); where two meet, the later one."""
         return np.clip(np.searchsorted(self.begins, s, "right") - 1, 0, len(self.pieces) - 1)
 
-    def places(self, piece: Indices, s: Array) -> Places:
+    def derivatives(self, piece: Indices, s: Array) -> PathDerivatives:
         """Return poses and derivatives at lengths s from the begins of pieces, both (m,) [m]."""
         curved = self._curved[piece]
         if not curved.any():
             return self._on_bends(piece, s)
         m = len(s)
-        out = Places(np.empty((m, 3, 3)), np.empty((m, 3)), np.empty((m, 3)), np.zeros((m, 3)))
+        out = PathDerivatives(
+            np.empty((m, 3, 3)), np.empty((m, 3)), np.empty((m, 3)), np.zeros((m, 3))
+        )
         groups = [np.flatnonzero(piece == k) for k in np.unique(piece[curved])]
         if not curved.all():
             groups.append(np.flatnonzero(~curved))
@@ -142,7 +144,7 @@ class RequestedPath:
             out.v[here], out.w[here] = found.v, found.w
         return out
 
-    def _on_bends(self, piece: Indices, s: Array) -> Places:
+    def _on_bends(self, piece: Indices, s: Array) -> PathDerivatives:
         p0, t, n, c, h, k, R0, w = (stack[piece] for stack in self._bends)
         half = 0.5 * k * s
         chord = h * s * np.sinc(half / np.pi)
@@ -154,12 +156,12 @@ class RequestedPath:
         )
         v = (h * np.cos(k * s))[:, None] * t + (h * np.sin(k * s))[:, None] * n + c
         if not w.any():
-            return Places(R0, p, v, np.zeros_like(p))
+            return PathDerivatives(R0, p, v, np.zeros_like(p))
         R = R0 @ exp(s[:, None] * w)
-        return Places(R, p, v, (R @ w[:, :, None])[:, :, 0])
+        return PathDerivatives(R, p, v, (R @ w[:, :, None])[:, :, 0])
 
-    def _on_curve(self, k: int, s: Array) -> Places:
+    def _on_curve(self, k: int, s: Array) -> PathDerivatives:
         piece = self.pieces[k]
         if not isinstance(piece, CurvePiece):
             raise TypeError(f"piece {k} is no curve")
-        return Places(*piece.places(s))
+        return PathDerivatives(*piece.derivatives(s))

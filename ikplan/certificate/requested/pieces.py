@@ -129,7 +129,7 @@ class CurvePiece:
         """Whether an orientation is asked for."""
         return self.law is not None
 
-    def places(self, s: Array) -> tuple[Array, Array, Array, Array]:
+    def derivatives(self, s: Array) -> tuple[Array, Array, Array, Array]:
         """Return the piece at lengths s, shape (m,) [m].
 
         Returns:
@@ -154,7 +154,7 @@ class CurvePiece:
 
     def end(self, s: float) -> End:
         """Return what the piece does at length s [m]."""
-        R, p, v, w = (found[0] for found in self.places(np.array([s])))
+        R, p, v, w = (found[0] for found in self.derivatives(np.array([s])))
         t = self.arc.parameter(np.array([self.begin + s]))
         _, first, second = (d[0] for d in self.arc.curve.derivatives(t))
         bend = (second - float(v @ second) * v) / float(first @ first)

@@ -31,24 +31,24 @@ def spline_items(poses: Sequence[RequestedPose], rows: Sequence[int], field: str
         rows: Row of each pose but the first.
         field: The field of the request; empty: that of each waypoint.
     """
-    led, items, first = _led(poses), [], 0
-    moves = [float(np.linalg.norm(b.p - a.p)) > SAME_PLACE for a, b in pairwise(led)]
+    turned, items, first = _with_lead_in(poses), [], 0
+    moves = [float(np.linalg.norm(b.p - a.p)) > SAME_PLACE for a, b in pairwise(turned)]
     for k, on in enumerate([*moves, False]):
         if on:
             continue
         if k > first:
-            items += _run(led[first : k + 1], rows[first:k], field)
+            items += _run(turned[first : k + 1], rows[first:k], field)
         if k < len(moves):
-            items.append(_straight(led[k], led[k + 1], rows[k], field))
+            items.append(_straight(turned[k], turned[k + 1], rows[k], field))
         first = k + 1
     return items
 
 
-def _led(poses: Sequence[RequestedPose]) -> list[RequestedPose]:
-    led = list(poses)
+def _with_lead_in(poses: Sequence[RequestedPose]) -> list[RequestedPose]:
+    turned = list(poses)
     known = [k for k, pose in enumerate(poses) if pose.R is not None]
     for k in range(known[0] if known else 0):
-        led[k] = RequestedPose(poses[k].p, poses[known[0]].R)
+        turned[k] = RequestedPose(poses[k].p, poses[known[0]].R)
     for a, b in pairwise(known):
         Ra, Rb = poses[a].R, poses[b].R
         if b == a + 1 or Ra is None or Rb is None:
@@ -59,8 +59,8 @@ def _led(poses: Sequence[RequestedPose]) -> list[RequestedPose]:
         for k in range(a + 1, b):
             way += steps[k - a - 1]
             share = way / whole if whole > SAME_PLACE else 1.0
-            led[k] = RequestedPose(poses[k].p, Ra @ exp(share * turn[None])[0])
-    return led
+            turned[k] = RequestedPose(poses[k].p, Ra @ exp(share * turn[None])[0])
+    return turned
 
 
 def _straight(a: RequestedPose, b: RequestedPose, row: int, field: str) -> PathItem:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from itertools import dropwhile, pairwise
 
-from ikplan.path.build.corners import Joints, blend_radii
+from ikplan.path.build.corners import Junctions, blend_radii
 from ikplan.path.build.items import ItemWaypoint, PathItem
 from ikplan.path.pieces.blend import Blend, blend_corner
 from ikplan.path.pieces.piece import Piece, Pose
@@ -41,8 +41,8 @@ def assemble(
         spot = line(begin.p, begin.p, R)
         return ToolPath((spot,), tuple(waypoints), (), tuple(segments))
     kept = _without_empty(whole)
-    joints = Joints.between(kept)
-    return _lay_out(waypoints, segments, kept, blend_radii(kept, joints, blend), joints)
+    junctions = Junctions.between(kept)
+    return _lay_out(waypoints, segments, kept, blend_radii(kept, junctions, blend), junctions)
 
 
 def _is_empty(item: PathItem) -> bool:
@@ -77,7 +77,7 @@ def _lay_out(
     segments: list[SegmentRange],
     items: Sequence[PathItem],
     radii: Sequence[float],
-    joints: Joints,
+    junctions: Junctions,
 ) -> ToolPath:
     blends = [
         blend_corner(a.piece, b.piece, radius) if radius > 0.0 else None
@@ -108,7 +108,7 @@ def _lay_out(
                 Corner(at, item.field, row, radii[k], after.deviation, after.rotation, False)
             )
             end += after.piece.length
-        elif k + 1 < len(items) and joints.jump[k]:
+        elif k + 1 < len(items) and junctions.jump[k]:
             corners.append(Corner(end, item.field, row, 0.0, 0.0, 0.0, True))
         begin = s if before is None else s - before.piece.length
         _extend_segment(segments, item.field, begin, end)

@@ -12,7 +12,7 @@ from ikplan.documents.segment import ArcSegment, EndOrientation, LineSegment, Or
 from ikplan.errors import InvalidRequest
 from ikplan.path.build.assembly import assemble
 from ikplan.path.build.items import ItemWaypoint, PathItem
-from ikplan.path.build.orientation_lead_in import lead_to_orientations
+from ikplan.path.build.orientation_lead_in import lead_in_orientations
 from ikplan.path.build.path_frame import PathFrame
 from ikplan.path.build.spline_items import spline_items
 from ikplan.path.coincidence import COINCIDENT, joined
@@ -207,7 +207,7 @@ class PathBuilder:
             InvalidRequest: A corner cannot be blended, or a free part leads to an orientation
                 180 degrees away.
         """
-        items = lead_to_orientations(self._items, self._begin, self._first_name, self._free_axis)
+        items = lead_in_orientations(self._items, self._begin, self._first_name, self._free_axis)
         return assemble(self._begin, self._first, items, self._blend)
 
     def _turn_to(

@@ -1,4 +1,4 @@
-"""The joints between the pieces of a path, and the radii within which they are rounded."""
+"""The junctions between the pieces of a path, and the radii within which they are rounded."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from ikplan.path.build.items import PathItem
 from ikplan.path.pieces.piece import TURN_LENGTH, dot
 from ikplan.path.tool_path import ToolPath
 
-__all__ = ["Joints", "blend_radii"]
+__all__ = ["Junctions", "blend_radii"]
 
 
 _JUMP = 1e-6
@@ -25,8 +25,8 @@ _MAX_TURN = 0.9 * np.pi
 _ROUNDING = 1.0 + 1e-12
 
 
-class Joints(NamedTuple):
-    """What the path does where its pieces meet, one row a joint.
+class Junctions(NamedTuple):
+    """What the path does where its pieces meet, one row a junction.
 
     Attributes:
         jump: Whether direction or angular rate jump, so that the motion must stop.
@@ -41,12 +41,12 @@ class Joints(NamedTuple):
     rate: Array
 
     @classmethod
-    def between(cls, items: Sequence[PathItem]) -> Joints:
-        """Return the joints between items, in order."""
+    def between(cls, items: Sequence[PathItem]) -> Junctions:
+        """Return the junctions between items, in order."""
         raw = ToolPath(tuple(item.piece for item in items))
         k = np.arange(len(items) - 1)
-        before = raw.motion_on(k, np.array([item.piece.length for item in items])[:-1])
-        after = raw.motion_on(k + 1, np.zeros(len(k)))
+        before = raw.derivatives_on(k, np.array([item.piece.length for item in items])[:-1])
+        after = raw.derivatives_on(k + 1, np.zeros(len(k)))
         oriented = np.array([item.piece.oriented for item in items])
         spots = np.array([item.piece.turns for item in items])
         both = oriented[1:] & oriented[:-1]
@@ -61,19 +61,19 @@ class Joints(NamedTuple):
         )
 
 
-def blend_radii(items: Sequence[PathItem], joints: Joints, default: float) -> list[float]:
-    """Return the radius within which each joint is rounded [m]; 0: not at all.
+def blend_radii(items: Sequence[PathItem], junctions: Junctions, default: float) -> list[float]:
+    """Return the radius within which each junction is rounded [m]; 0: not at all.
 
     Args:
         items: The items of the path.
-        joints: The joints between them.
-        default: Radius of the corners that have none of their own [m]. Joints that are no
+        junctions: The junctions between them.
+        default: Radius of the corners that have none of their own [m]. Junctions that are no
             corners, turn back or belong to a turn on the spot are then left as they are.
 
     Raises:
         InvalidRequest: A radius does not fit, a corner cannot be rounded, or there is none.
     """
-    radii = [_radius(item, joints, k, default) for k, item in enumerate(items[:-1])]
+    radii = [_radius(item, junctions, k, default) for k, item in enumerate(items[:-1])]
     last = items[-1]
     same = [r for item, r in zip(items, radii, strict=False) if item.field == last.field]
     if last.blend and not any(same):
@@ -86,17 +86,19 @@ def blend_radii(items: Sequence[PathItem], joints: Joints, default: float) -> li
     for k, item in enumerate(items):
         _refuse_overlap(items, k, around[k], around[k + 1], item.blend == items[k - 1].blend)
     for k, radius in enumerate(radii):
-        if radius * joints.rate[k] > _MAX_TURN:
-            _refuse_radius(items, k, radius, _MAX_TURN / float(joints.rate[k]), items[k])
+        if radius * junctions.rate[k] > _MAX_TURN:
+            _refuse_radius(items, k, radius, _MAX_TURN / float(junctions.rate[k]), items[k])
     return radii
 
 
-def _radius(item: PathItem, joints: Joints, k: int, default: float) -> float:
-    sharp = joints.spot[k] or joints.back[k]
+def _radius(item: PathItem, junctions: Junctions, k: int, default: float) -> float:
+    sharp = junctions.spot[k] or junctions.back[k]
     if item.blend is None:
-        return 0.0 if sharp or not joints.jump[k] else default
+        return 0.0 if sharp or not junctions.jump[k] else default
     if item.blend > 0.0 and sharp:
-        why = "the tool turns on the spot there" if joints.spot[k] else "the path turns back there"
+        why = (
+            "the tool turns on the spot there" if junctions.spot[k] else "the path turns back there"
+        )
         raise InvalidRequest(
             f"{item.field}.blend: this corner cannot be rounded: {why}",
             field=f"{item.field}.blend",
@@ -115,7 +117,7 @@ def _refuse_overlap(
     inside = [m.s for m in items[k].waypoints if 0.0 < m.s < length] + list(piece.folds)
     rooms = min(inside, default=length), length - max(inside, default=0.0)
     shared = begin > 0.0 and end > 0.0 and begin + end > length * _ROUNDING
-    for radius, other, room, joint in (
+    for radius, other, room, junction in (
         (begin, end, rooms[0], k - 1),
         (end, begin, rooms[1], k),
     ):
@@ -124,13 +126,13 @@ def _refuse_overlap(
             left = 0.5 * length if alike or other >= length else length - other
             limit = min(room, left)
         if radius > limit * _ROUNDING:
-            _refuse_radius(items, joint, radius, limit, items[k])
+            _refuse_radius(items, junction, radius, limit, items[k])
 
 
 def _refuse_radius(
-    items: Sequence[PathItem], joint: int, radius: float, limit: float, item: PathItem
+    items: Sequence[PathItem], junction: int, radius: float, limit: float, item: PathItem
 ) -> None:
-    before, after = items[joint], items[joint + 1]
+    before, after = items[junction], items[junction + 1]
     name = "path.blend" if before.blend is None else f"{before.field}.blend"
     raise InvalidRequest(
         f"{name}: {radius:.6g} m does not fit at the corner from {before.field} to {after.field}: "

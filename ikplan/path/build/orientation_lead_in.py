@@ -20,10 +20,10 @@ from ikplan.path.pieces.steady import line
 from ikplan.path.rotation.geodesic import shortest_turn
 from ikplan.path.rotation.so3 import exp
 
-__all__ = ["lead_to_orientations"]
+__all__ = ["lead_in_orientations"]
 
 
-def lead_to_orientations(
+def lead_in_orientations(
     items: Sequence[PathItem], begin: Pose, name: str, free_axis: int | None
 ) -> list[PathItem]:
     """Return items whose free parts lead to the orientations that come after them.
@@ -37,7 +37,7 @@ def lead_to_orientations(
     Raises:
         InvalidRequest: Two orientations are 180 degrees apart and nothing tells which way to turn.
     """
-    led: list[PathItem] = []
+    turned_items: list[PathItem] = []
     free_items: list[PathItem] = []
     R0 = begin.R
 
@@ -45,7 +45,7 @@ def lead_to_orientations(
         turn = np.zeros(3)
         if R0 is not None:
             turn = shortest_turn(R0, R1, (name, to), free_axis=free_axis, field=to)
-        led.extend(_turning(free_items, R1 if R0 is None else R0, turn))
+        turned_items.extend(_turning(free_items, R1 if R0 is None else R0, turn))
         free_items.clear()
 
     for item in items:
@@ -54,14 +54,14 @@ def lead_to_orientations(
         if item.piece.oriented:
             if free_items:
                 lead(item.piece.pose(0.0)[0], to)
-            led.append(item)
+            turned_items.append(item)
             R0, name = item.piece.pose(1.0)[0], to
             continue
         free_items.append(item)
         if end is not None and end.pose.R is not None:
             lead(end.pose.R, to)
             R0, name = end.pose.R, to
-    return led + free_items
+    return turned_items + free_items
 
 
 def _turning(free_items: Sequence[PathItem], R0: Array, turn: Array) -> list[PathItem]:

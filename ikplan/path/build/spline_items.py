@@ -41,10 +41,10 @@ def spline_items(
 
     Raises:
         InvalidRequest: Two neighbouring orientations are 180 degrees apart, or the orientations
-            turn too fast to be led through.
+            turn too fast to be turned through.
     """
     steps = [np.linalg.norm(b.p - a.p) > COINCIDENT for a, b in pairwise(poses)]
-    poses = _led(poses, names)
+    poses = _with_lead_in(poses, names)
     items: list[PathItem] = []
     first = 0
     for k, moves in enumerate([*steps, False]):
@@ -58,16 +58,16 @@ def spline_items(
     return items
 
 
-def _led(poses: Sequence[Pose], names: Sequence[str]) -> list[Pose]:
+def _with_lead_in(poses: Sequence[Pose], names: Sequence[str]) -> list[Pose]:
     """Give each pose before one with an orientation one too, turning evenly from the last.
 
     The curve arrives turned as asked without a jump of the angular rate; the poses after the last
     orientation stay free.
     """
-    led = list(poses)
+    turned = list(poses)
     known = [k for k, pose in enumerate(poses) if pose.R is not None]
     for k in range(known[0] if known else 0):
-        led[k] = Pose(poses[known[0]].R, poses[k].p)
+        turned[k] = Pose(poses[known[0]].R, poses[k].p)
     for a, b in pairwise(known):
         Ra, Rb = poses[a].R, poses[b].R
         assert Ra is not None
@@ -78,8 +78,8 @@ def _led(poses: Sequence[Pose], names: Sequence[str]) -> list[Pose]:
         way = np.cumsum([np.linalg.norm(q.p - p.p) for p, q in pairwise(poses[a : b + 1])])
         for k in range(a + 1, b):
             share = way[k - a - 1] / way[-1] if way[-1] > COINCIDENT else 1.0
-            led[k] = Pose(Ra @ exp(share * turn), poses[k].p)
-    return led
+            turned[k] = Pose(Ra @ exp(share * turn), poses[k].p)
+    return turned
 
 
 def _on_the_spot(poses: Sequence[Pose], names: Sequence[str], waypoint: ItemWaypoint) -> PathItem:

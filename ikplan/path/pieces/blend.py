@@ -10,7 +10,7 @@ from ikplan.arrays import Array
 from ikplan.path.curves.arc_length import ArcLength
 from ikplan.path.curves.shapes import QuinticShape
 from ikplan.path.pieces.curved import CurvedPiece
-from ikplan.path.pieces.piece import Motion, Piece
+from ikplan.path.pieces.piece import PathDerivatives, Piece
 from ikplan.path.pieces.turning import BlendTurning
 from ikplan.path.rotation.so3 import angle_between
 
@@ -73,9 +73,11 @@ def blend_corner(before: Piece, after: Piece, radius: float) -> Blend:
     return Blend(piece, reach, nearest, deviation, rotation)
 
 
-def _end(motion: Motion, scale: float) -> Array:
+def _end(derivatives: PathDerivatives, scale: float) -> Array:
     """Position and derivatives by a parameter of which one unit is ``scale`` metres."""
-    return np.array([motion.p[0], scale * motion.v[0], scale * scale * motion.bend[0]])
+    return np.array(
+        [derivatives.p[0], scale * derivatives.v[0], scale * scale * derivatives.bend[0]]
+    )
 
 
 def _nearest(shape: QuinticShape, corner: Array) -> float:

@@ -8,7 +8,7 @@ import numpy as np
 
 from ikplan.arrays import Array
 from ikplan.path.curves.arc_length import ArcLength
-from ikplan.path.pieces.piece import Motion, Piece
+from ikplan.path.pieces.piece import PathDerivatives, Piece
 from ikplan.path.pieces.turning import HeadingTurning, SteadyTurning, Turning
 
 __all__ = ["CurvedPiece"]
@@ -47,14 +47,14 @@ class CurvedPiece(Piece):
         inside = (s - self.begin for s in self.curve.folds)
         return tuple(s for s in inside if 0.0 < s < self.length)
 
-    def evaluate(self, s: Array) -> Motion:
+    def evaluate(self, s: Array) -> PathDerivatives:
         """Return poses and derivatives; see :meth:`Piece.evaluate`."""
         points = self.curve.points(self.begin + s)
         if self.turning is None:
             R, w = np.tile(np.eye(3), (len(s), 1, 1)), np.zeros((len(s), 3))
         else:
             R, w = self.turning.evaluate(points)
-        return Motion(R, points.p, points.v, w, points.bend)
+        return PathDerivatives(R, points.p, points.v, w, points.bend)
 
     def trimmed(self, begin: float, end: float) -> CurvedPiece:
         """Return a part; see :meth:`Piece.trimmed`."""

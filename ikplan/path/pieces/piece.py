@@ -9,7 +9,7 @@ import numpy as np
 
 from ikplan.arrays import Array
 
-__all__ = ["TURN_LENGTH", "Motion", "Piece", "Pose", "dot", "unit"]
+__all__ = ["TURN_LENGTH", "PathDerivatives", "Piece", "Pose", "dot", "unit"]
 
 
 TURN_LENGTH = 0.3
@@ -28,7 +28,7 @@ class Pose(NamedTuple):
     p: Array
 
 
-class Motion(NamedTuple):
+class PathDerivatives(NamedTuple):
     """Poses of a path and their derivatives by the path length s, all in the robot's base.
 
     Attributes:
@@ -62,7 +62,7 @@ class Piece(ABC):
     folds: tuple[float, ...]
 
     @abstractmethod
-    def evaluate(self, s: Array) -> Motion:
+    def evaluate(self, s: Array) -> PathDerivatives:
         """Return poses and derivatives at the lengths s from the piece's begin, shape (m,) [m]."""
 
     @abstractmethod

@@ -17,22 +17,22 @@ from functools import cached_property
 import numpy as np
 
 from ikplan.arrays import Array, Indices
-from ikplan.path.pieces.piece import TURN_LENGTH, Motion, Piece
+from ikplan.path.pieces.piece import TURN_LENGTH, PathDerivatives, Piece
 from ikplan.path.pieces.steady_kernels import SteadyStack, steady_rows
 
-__all__ = ["SteadyPiece", "line", "stack_steady", "steady_motion"]
+__all__ = ["SteadyPiece", "line", "stack_steady", "steady_derivatives"]
 
 
 _ON_THE_SPOT = 1e-6
-"""A motion shorter than this [m] that turns by more counts as a turn."""
+"""A derivatives shorter than this [m] that turns by more counts as a turn."""
 
 
-def steady_motion(stack: SteadyStack, row: Indices, s: Array) -> Motion:
-    """Return the motion of piece ``row[i]`` of the stack at ``s[i]`` [m] from its begin."""
+def steady_derivatives(stack: SteadyStack, row: Indices, s: Array) -> PathDerivatives:
+    """Return the derivatives of piece ``row[i]`` of the stack at ``s[i]`` [m] from its begin."""
     m = len(s)
-    motion = Motion(np.empty((m, 3, 3)), *(np.empty((m, 3)) for _ in range(4)))
-    steady_rows(stack, row, np.ascontiguousarray(s, dtype=np.float64), *motion)
-    return motion
+    derivatives = PathDerivatives(np.empty((m, 3, 3)), *(np.empty((m, 3)) for _ in range(4)))
+    steady_rows(stack, row, np.ascontiguousarray(s, dtype=np.float64), *derivatives)
+    return derivatives
 
 
 @dataclass(frozen=True)
@@ -70,23 +70,23 @@ class SteadyPiece(Piece):
     def _stack(self) -> SteadyStack:
         return stack_steady([self])
 
-    def evaluate(self, s: Array) -> Motion:
+    def evaluate(self, s: Array) -> PathDerivatives:
         """Return poses and derivatives; see :meth:`Piece.evaluate`."""
-        return steady_motion(self._stack, np.zeros(len(s), dtype=np.int64), s)
+        return steady_derivatives(self._stack, np.zeros(len(s), dtype=np.int64), s)
 
     def trimmed(self, begin: float, end: float) -> SteadyPiece:
         """Return a part; see :meth:`Piece.trimmed`."""
         if begin == 0.0:
             return replace(self, length=end)
-        motion = self.evaluate(np.array([begin]))
+        derivatives = self.evaluate(np.array([begin]))
         sine, cosine = math.sin(self.k * begin), math.cos(self.k * begin)
         return replace(
             self,
-            p0=motion.p[0],
+            p0=derivatives.p[0],
             t=cosine * self.t + sine * self.n,
             n=cosine * self.n - sine * self.t,
             length=end - begin,
-            R0=motion.R[0],
+            R0=derivatives.R[0],
         )
 
     def with_turning(self, R0: Array, rate: Array) -> SteadyPiece:

@@ -17,16 +17,16 @@ from ikplan.kinematics.arm import Arm
 from ikplan.kinematics.chain import Chain
 
 __all__ = [
-    "copies_of",
+    "equivalents_of",
     "joints_with_full_turn",
-    "nearest_copy",
+    "nearest_equivalent",
     "shortest_over_equivalents",
     "with_equivalents",
 ]
 
 
 _TURN = 2.0 * math.pi
-_MOST_COPIES = 1024
+_MAX_EQUIVALENTS = 1024
 """Of one solution; further joints go to the copy nearest to where they are."""
 
 
@@ -41,7 +41,7 @@ def joints_with_full_turn(chain: Chain, lower: Array, upper: Array) -> Flags:
 
 
 @kernel
-def nearest_copy(value: float, near: float, lower: float, upper: float) -> float:
+def nearest_equivalent(value: float, near: float, lower: float, upper: float) -> float:
     """Return the 2 pi copy of a value that is nearest to another within the limits."""
     copy = value - _TURN * math.floor((value - near) / _TURN + 0.5)
     if copy > upper:
@@ -52,14 +52,14 @@ def nearest_copy(value: float, near: float, lower: float, upper: float) -> float
 
 
 @kernel
-def copies_of(q: Array, turns: Flags, lower: Array, upper: Array) -> Array:
+def equivalents_of(q: Array, turns: Flags, lower: Array, upper: Array) -> Array:
     """Return a solution with all its copies within the limits, shape (m, dof) [rad or m].
 
     The copies of a joint without limits are the ones nearest to the solution.
     """
     dof = q.shape[0]
     first, number = np.empty(dof), np.ones(dof, dtype=np.int64)
-    total = _count_copies(q, turns, lower, upper, first, number)
+    total = _count_equivalents(q, turns, lower, upper, first, number)
     rows = np.empty((total, dof))
     for i in range(total):
         rest = i
@@ -72,12 +72,12 @@ def copies_of(q: Array, turns: Flags, lower: Array, upper: Array) -> Array:
 def with_equivalents(arm: Arm, rows: Array) -> Array:
     """Return solutions, shape (m, dof), with all their copies within the limits, shape (c, dof)."""
     turns = joints_with_full_turn(arm.chain, arm.lower, arm.upper)
-    copies = [copies_of(q, turns, arm.lower, arm.upper) for q in rows]
+    copies = [equivalents_of(q, turns, arm.lower, arm.upper) for q in rows]
     return np.concatenate(copies) if copies else rows
 
 
 @kernel
-def _count_copies(
+def _count_equivalents(
     q: Array,
     turns: Flags,
     lower: Array,
@@ -93,7 +93,7 @@ def _count_copies(
             continue
         lowest = q[d] - _TURN * math.floor((q[d] - lower[d]) / _TURN)
         copies = 1 + math.floor((upper[d] - lowest) / _TURN)
-        if total * copies <= _MOST_COPIES:
+        if total * copies <= _MAX_EQUIVALENTS:
             first[d], number[d] = lowest, copies
             total *= copies
     return total
@@ -103,7 +103,7 @@ def _count_copies(
 def shortest_over_equivalents(
     q: Array,
     counts: Indices,
-    down: Array,
+    to_go: Array,
     q_start: Array,
     start_free: bool,
     turns: Flags,
@@ -117,7 +117,7 @@ def shortest_over_equivalents(
     Args:
         q: Solutions of each waypoint, shape (n, cap, dof) [rad or m].
         counts: How many each waypoint has, shape (n,).
-        down: Lower bound of the motion from each to the end, shape (n, cap) [rad or m].
+        to_go: Lower bound of the motion from each to the end, shape (n, cap) [rad or m].
         q_start: The start, shape (dof,) [rad or m].
         start_free: Whether the motion may begin anywhere.
         turns: Joints with copies, shape (dof,).
@@ -138,12 +138,12 @@ def shortest_over_equivalents(
     for k in range(n):
         most = 1
         for j in range(counts[k]):
-            most = max(most, _count_copies(q[k, j], turns, lower, upper, first[j], number[j]))
+            most = max(most, _count_equivalents(q[k, j], turns, lower, upper, first[j], number[j]))
         cost = np.full((counts[k], most), np.inf)
         parent = np.zeros((counts[k], most), dtype=np.int64)
         for i in np.argsort(cost_before, kind="mergesort"):
             for j in range(counts[k]):
-                room = known_length - down[k, j] - cost_before[i]
+                room = known_length - to_go[k, j] - cost_before[i]
                 if k == 0 and start_free:
                     room = np.inf
                 if room < 0.0:
@@ -158,7 +158,7 @@ def shortest_over_equivalents(
                         continue
                     value = first[j, d] + _TURN * choice[d]
                     if turns[d] and number[j, d] == 1:
-                        value = nearest_copy(value, q_before[i, d], lower[d], upper[d])
+                        value = nearest_equivalent(value, q_before[i, d], lower[d], upper[d])
                     part[d + 1] = part[d] + (value - q_before[i, d]) ** 2
                     if part[d + 1] > room * room:
                         continue
@@ -176,7 +176,7 @@ def shortest_over_equivalents(
         alive = 0
         for j in range(counts[k]):
             for c in range(most):
-                alive += cost[j, c] + down[k, j] <= known_length
+                alive += cost[j, c] + to_go[k, j] <= known_length
         if alive == 0:
             return known
         here, q_here = np.empty(alive), np.empty((alive, dof))
@@ -187,7 +187,7 @@ def shortest_over_equivalents(
         at = 0
         for j in range(counts[k]):
             for c in range(most):
-                if not cost[j, c] + down[k, j] <= known_length:
+                if not cost[j, c] + to_go[k, j] <= known_length:
                     continue
                 rest, source = c, parent[j, c]
                 for back in range(dof):
@@ -195,7 +195,7 @@ def shortest_over_equivalents(
                     value = first[j, d] + _TURN * (rest % number[j, d])
                     rest //= number[j, d]
                     if turns[d] and number[j, d] == 1:
-                        value = nearest_copy(value, q_before[source, d], lower[d], upper[d])
+                        value = nearest_equivalent(value, q_before[source, d], lower[d], upper[d])
                     q_here[at, d] = value
                 here[at] = cost[j, c]
                 kept_q[begin[k] + at] = q_here[at]

@@ -50,7 +50,7 @@ class IkCandidates(NamedTuple):
     """Solutions of each waypoint.
 
     Attributes:
-        q: Solutions, shape (n, cap, dof) [rad or m].
+        q: Solutions, shape (n, max_solutions, dof) [rad or m].
         counts: How many each waypoint has, shape (n,).
         evaluations: Forward-kinematics evaluations spent, shape (1,).
     """
@@ -97,10 +97,10 @@ def sample_ik_solutions(
     q_start: Array,
     lower: Array,
     upper: Array,
-    cap: int,
-    first: int,
-    fresh: int,
-    shift: float,
+    max_solutions: int,
+    initial_seeds: int,
+    seeds_per_target: int,
+    sequence_offset: float,
     tolerance: float,
 ) -> IkCandidates:
     """Find solutions of every waypoint.
@@ -112,10 +112,11 @@ def sample_ik_solutions(
         q_start: Configuration to be near to, shape (dof,) [rad or m].
         lower: Lower position limits, -inf for a joint without, shape (dof,) [rad or m].
         upper: Upper position limits, inf for a joint without, shape (dof,) [rad or m].
-        cap: Most solutions kept of a waypoint.
-        first: Evenly spread seeds of the first waypoint, and of one far from the one before.
-        fresh: Evenly spread seeds of every other waypoint.
-        shift: Shift of the spread seeds, in [0, 1).
+        max_solutions: Most solutions kept of a waypoint.
+        initial_seeds: Evenly spread seeds of the first waypoint, and of one far from the one
+            before.
+        seeds_per_target: Evenly spread seeds of every other waypoint.
+        sequence_offset: Shift of the spread seeds, in [0, 1).
         tolerance: Error that counts as solved [m and rad].
 
     Returns:
@@ -124,7 +125,7 @@ def sample_ik_solutions(
     """
     n, dof = targets.p.shape[0], q_start.shape[0]
     found = IkCandidates(
-        np.empty((n, cap, dof)), np.zeros(n, dtype=np.int64), np.zeros(1, dtype=np.int64)
+        np.empty((n, max_solutions, dof)), np.zeros(n, dtype=np.int64), np.zeros(1, dtype=np.int64)
     )
     w: Workspace = new_workspace(chain)
     q = np.empty(dof)
@@ -140,8 +141,8 @@ def sample_ik_solutions(
         before = found.counts[k - 1] if k > 0 else 0
         given = before + 1 + seeds.shape[1]
         count, nearest = 0, np.inf
-        for s in range(given + max(first, fresh)):
-            if s == given + fresh and nearest <= _FAR:
+        for s in range(given + max(initial_seeds, seeds_per_target)):
+            if s == given + seeds_per_target and nearest <= _FAR:
                 break
             if s < before:
                 q[:] = found.q[k - 1, s]
@@ -150,7 +151,7 @@ def sample_ik_solutions(
             elif s < given:
                 q[:] = seeds[k, s - before - 1]
             else:
-                restart_into(spread, shift, spread_lower, spread_upper, q)
+                restart_into(spread, sequence_offset, spread_lower, spread_upper, q)
                 spread += 1
             distance, angle, spent = refine(chain, target, q, lower, upper, Effort(25, 5), w)
             found.evaluations[0] += spent

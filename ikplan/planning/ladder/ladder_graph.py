@@ -15,7 +15,7 @@ from ikplan.arrays import Array, Flags, Indices
 from ikplan.kinematics.chain import Chain
 from ikplan.planning.ladder.equivalent_configurations import (
     joints_with_full_turn,
-    nearest_copy,
+    nearest_equivalent,
     shortest_over_equivalents,
 )
 from ikplan.planning.ladder.ik_candidates import IkCandidates
@@ -29,22 +29,22 @@ def _step_to(q: Array, q_before: Array, turns: Flags, lower: Array, upper: Array
     """Return the distance to q, each joint at its copy nearest to where it is."""
     total = 0.0
     for d in range(q.shape[0]):
-        value = nearest_copy(q[d], q_before[d], lower[d], upper[d]) if turns[d] else q[d]
+        value = nearest_equivalent(q[d], q_before[d], lower[d], upper[d]) if turns[d] else q[d]
         total += (value - q_before[d]) ** 2
     return math.sqrt(total)
 
 
 @kernel
-def _turn_to(
+def _nearest_equivalent_into(
     q: Array, q_before: Array, turns: Flags, lower: Array, upper: Array, out: Array
 ) -> None:
     """Write q with each joint at its copy nearest to where it is."""
     for d in range(q.shape[0]):
-        out[d] = nearest_copy(q[d], q_before[d], lower[d], upper[d]) if turns[d] else q[d]
+        out[d] = nearest_equivalent(q[d], q_before[d], lower[d], upper[d]) if turns[d] else q[d]
 
 
 @kernel
-def _climb(
+def _cost_to_come(
     candidates: IkCandidates,
     q_start: Array,
     start_free: bool,
@@ -54,7 +54,7 @@ def _climb(
 ) -> tuple[Array, Indices, Array]:
     """Least joint motion from the start to every candidate, and the candidate before it there.
 
-    Turns are chosen on the way: each joint goes to the copy nearest to where the motion has
+    Turns are chosen as the motion goes: each joint goes to the copy nearest to where the motion has
     brought it.
 
     Returns:
@@ -70,7 +70,9 @@ def _climb(
             cost[0, j] = 0.0
         else:
             cost[0, j] = _step_to(candidates.q[0, j], q_start, turns, lower, upper)
-            _turn_to(candidates.q[0, j], q_start, turns, lower, upper, reached[0, j])
+            _nearest_equivalent_into(
+                candidates.q[0, j], q_start, turns, lower, upper, reached[0, j]
+            )
     for k in range(1, n):
         for j in range(candidates.counts[k]):
             q = candidates.q[k, j]
@@ -80,12 +82,14 @@ def _climb(
                     if total < cost[k, j]:
                         cost[k, j] = total
                         parent[k, j] = i
-            _turn_to(q, reached[k - 1, parent[k, j]], turns, lower, upper, reached[k, j])
+            _nearest_equivalent_into(
+                q, reached[k - 1, parent[k, j]], turns, lower, upper, reached[k, j]
+            )
     return cost, parent, reached
 
 
 @kernel
-def _descend(candidates: IkCandidates, turns: Flags) -> tuple[Array, Indices]:
+def _cost_to_go(candidates: IkCandidates, turns: Flags) -> tuple[Array, Indices]:
     """Least joint motion from every candidate to the end, and the candidate after it there.
 
     As if no limit stood in the way of a turn: where the motion will have brought a joint by then
@@ -118,9 +122,9 @@ def diverse_shortest_paths(
     start_free: bool,
     lower: Array,
     upper: Array,
-    most: int,
-    apart: float,
-    slack: float,
+    max_paths: int,
+    min_separation: float,
+    relative_slack: float,
 ) -> Array:
     """Return the shortest paths over the ladder that really differ, shortest first.
 
@@ -134,26 +138,26 @@ def diverse_shortest_paths(
         start_free: Whether the motion may begin at any candidate of the first waypoint.
         lower: Lower position limits, -inf for a joint without, shape (dof,) [rad or m].
         upper: Upper position limits, inf for a joint without, shape (dof,) [rad or m].
-        most: Most paths to return.
-        apart: Paths differ when some joint is this far apart at some waypoint [rad or m].
-        slack: Paths longer than (1 + slack) times the shortest are left out.
+        max_paths: Most paths to return.
+        min_separation: Paths differ when some joint is this far apart at some waypoint [rad or m].
+        relative_slack: Paths longer than (1 + relative_slack) times the shortest are left out.
 
     Returns:
-        Paths, shape (m, n, dof), 1 <= m <= most [rad or m].
+        Paths, shape (m, n, dof), 1 <= m <= max_paths [rad or m].
     """
     n, cap, dof = candidates.q.shape
     turns = joints_with_full_turn(chain, lower, upper)
-    up, parent, reached = _climb(candidates, q_start, start_free, turns, lower, upper)
-    down, child = _descend(candidates, turns)
-    through = (up + down).reshape(n * cap)
+    to_come, parent, reached = _cost_to_come(candidates, q_start, start_free, turns, lower, upper)
+    to_go, child = _cost_to_go(candidates, turns)
+    through = (to_come + to_go).reshape(n * cap)
     order = np.argsort(through, kind="mergesort")
-    paths = np.empty((most, n, dof))
+    paths = np.empty((max_paths, n, dof))
     found = 0
     for at in order:
-        if found == most or not through[at] <= (1.0 + slack) * through[order[0]]:
+        if found == max_paths or not through[at] <= (1.0 + relative_slack) * through[order[0]]:
             break
         middle, j = at // cap, at % cap
-        if not _away(paths[:found, middle], reached[middle, j], apart):
+        if not _is_distinct(paths[:found, middle], reached[middle, j], min_separation):
             continue  # and where the path through it is away, its candidate there comes by itself
         i = j
         for back in range(middle + 1):
@@ -163,16 +167,18 @@ def diverse_shortest_paths(
         i = j
         for k in range(middle + 1, n):
             i = child[k - 1, i]
-            _turn_to(candidates.q[k, i], paths[found, k - 1], turns, lower, upper, paths[found, k])
+            _nearest_equivalent_into(
+                candidates.q[k, i], paths[found, k - 1], turns, lower, upper, paths[found, k]
+            )
         found += 1
-    if _has_copies(turns, lower, upper):
+    if _has_equivalents(turns, lower, upper):
         best, length = 0, np.inf
         for i in range(found):
             total = joint_path_length(paths[i], q_start, start_free)
             if total < length:
                 best, length = i, total
         shortest = shortest_over_equivalents(
-            candidates.q, candidates.counts, down, q_start, start_free, turns, lower, upper,
+            candidates.q, candidates.counts, to_go, q_start, start_free, turns, lower, upper,
             paths[best].copy(), length * (1.0 + 1e-12)
         )  # fmt: skip
         for i in range(best):
@@ -182,18 +188,18 @@ def diverse_shortest_paths(
 
 
 @kernel
-def _away(rows: Array, q: Array, apart: float) -> bool:
+def _is_distinct(rows: Array, q: Array, min_separation: float) -> bool:
     """Whether a configuration differs from each of the rows by so much in some joint."""
     for i in range(rows.shape[0]):
         largest = 0.0
         for d in range(q.shape[0]):
             largest = max(largest, abs(rows[i, d] - q[d]))
-        if largest < apart:
+        if largest < min_separation:
             return False
     return True
 
 
 @kernel
-def _has_copies(turns: Flags, lower: Array, upper: Array) -> bool:
+def _has_equivalents(turns: Flags, lower: Array, upper: Array) -> bool:
     """Whether a joint with limits has room for a full turn."""
     return bool(np.any(turns & np.isfinite(upper - lower)))

@@ -19,7 +19,6 @@ class TrackedPath:
         rest: Indices of the points where the motion stops.
         waypoint: Indices of the points of the waypoints, shape (n,).
         length: Sum of the joint distances, the move to the first point included.
-        evaluations: Forward-kinematics evaluations spent.
     """
 
     s: Array
@@ -27,7 +26,6 @@ class TrackedPath:
     rest: list[int]
     waypoint: Indices
     length: float
-    evaluations: int
 
 
 class TrackingFailed(Exception):
@@ -36,14 +34,12 @@ class TrackingFailed(Exception):
     Attributes:
         s: Path position of the last point reached.
         q: Its configuration, shape (dof,) [rad or m].
-        evaluations: Forward-kinematics evaluations spent.
         beyond: The configuration next on the path, which it cannot move on to, shape (dof,); None:
             none was found.
     """
 
-    def __init__(self, s: float, q: Array, evaluations: int, beyond: Array | None = None) -> None:
+    def __init__(self, s: float, q: Array, beyond: Array | None = None) -> None:
         super().__init__(f"lost the path at {s:.6g}")
         self.s = s
         self.q = q
-        self.evaluations = evaluations
         self.beyond = beyond

@@ -50,7 +50,7 @@ def explain_tracking_failure(
         solver.solve(target, failure.q)
     except NoSolution as verdict:
         subject = f"waypoint {after} (the path to it is feasible for {where})"
-        return unreachable(robot, verdict.miss, after, subject, target)
+        return unreachable(robot, verdict.closest, after, subject, target)
     ahead = [failure.s + share * path.length for share in _PROBES]
     ahead = [s for s in ahead if s < path.length] or [path.length]
     others = [] if failure.beyond is None else [failure.beyond]
@@ -60,7 +60,7 @@ def explain_tracking_failure(
             solution = solver.solve(target, failure.q).q[0]
         except NoSolution as verdict:
             subject = f"the path to waypoint {after}, from {where} on,"
-            return unreachable(robot, verdict.miss, after, subject, target)
+            return unreachable(robot, verdict.closest, after, subject, target)
         if failure.beyond is None:
             others.append(solution)
     # The nearest solutions ahead may still be of this branch, which ends a little later.

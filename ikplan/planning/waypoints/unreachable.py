@@ -7,8 +7,8 @@ from typing import Any
 from ikplan.arrays import Array
 from ikplan.documents.plan_request import Tolerance
 from ikplan.errors import Unreachable
-from ikplan.ik.closest_approach import Miss
-from ikplan.ik.solve import NoSolution, place, unreachable
+from ikplan.ik.closest_approach import ClosestApproach
+from ikplan.ik.solve import NoSolution, target_as_data, unreachable
 from ikplan.kinematics.target import Target
 from ikplan.planning.waypoints.waypoint_problem import WaypointProblem
 
@@ -19,7 +19,7 @@ _MOST_EXAMINED = 200
 
 
 def unreachable_path(
-    problem: WaypointProblem, first: int, miss: Miss, q_before: Array
+    problem: WaypointProblem, first: int, closest: ClosestApproach, q_before: Array
 ) -> Unreachable:
     """Return the error of a path whose waypoint ``first`` is out of reach.
 
@@ -27,42 +27,42 @@ def unreachable_path(
     is out of reach.
     """
     count = len(problem.targets)
-    misses = {first: miss}
-    most = 0 if problem.brief else _MOST_EXAMINED
+    closest_by_waypoint = {first: closest}
+    most = _MOST_EXAMINED if problem.explain else 0
     examined = range(first + 1, min(count, first + 1 + most))
     for k in examined:
         problem.clock.check({"waypoints_solved": first})
-        problem.clock.advance(problem.first_row + k)
+        problem.clock.report(problem.first_row + k)
         try:
             q_before = problem.solver.solve(problem.targets[k], q_before).q[0]
         except NoSolution as verdict:
-            if not within_tolerance(verdict.miss, problem.tolerance):
-                misses[k] = verdict.miss
+            if not within_tolerance(verdict.closest, problem.tolerance):
+                closest_by_waypoint[k] = verdict.closest
     unexamined = count - 1 - examined[-1] if examined else 0
     row = problem.first_row
     subject = f"waypoint {row + first} of {row + count} (counted from 0)"
-    if len(misses) > 1:
-        others = ", ".join(str(row + k) for k in list(misses)[1:12]) + (
-            ", ..." if len(misses) > 12 else ""
+    if len(closest_by_waypoint) > 1:
+        others = ", ".join(str(row + k) for k in list(closest_by_waypoint)[1:12]) + (
+            ", ..." if len(closest_by_waypoint) > 12 else ""
         )
-        subject += f", as {'are' if len(misses) > 2 else 'is'} {others}"
+        subject += f", as {'are' if len(closest_by_waypoint) > 2 else 'is'} {others}"
         subject += f" ({unexamined} more not examined)," if unexamined else ","
-    error = unreachable(problem.robot, miss, row + first, subject, problem.targets[first])
-    error.waypoints = [_row(row + k, m, problem.targets[k]) for k, m in misses.items()]
+    error = unreachable(problem.robot, closest, row + first, subject, problem.targets[first])
+    error.waypoints = [_row(row + k, m, problem.targets[k]) for k, m in closest_by_waypoint.items()]
     return error
 
 
-def within_tolerance(miss: Miss, tolerance: Tolerance) -> bool:
+def within_tolerance(closest: ClosestApproach, tolerance: Tolerance) -> bool:
     """Whether the closest configuration to a target is close enough."""
-    angle = miss.orientation_error or 0.0
-    return miss.position_error <= tolerance.position and angle <= tolerance.orientation
+    angle = closest.orientation_error or 0.0
+    return closest.position_error <= tolerance.position and angle <= tolerance.orientation
 
 
-def _row(k: int, miss: Miss, target: Target) -> dict[str, Any]:
+def _row(k: int, closest: ClosestApproach, target: Target) -> dict[str, Any]:
     return {
         "waypoint": k,
-        "position_error": miss.position_error,
-        "orientation_error": miss.orientation_error,
-        "reason": miss.reason,
-        "target": place(target),
+        "position_error": closest.position_error,
+        "orientation_error": closest.orientation_error,
+        "reason": closest.reason,
+        "target": target_as_data(target),
     }

@@ -6,15 +6,15 @@ import numpy as np
 
 from ikplan.arrays import Array
 from ikplan.errors import Unreachable
-from ikplan.ik.solve import NoSolution, place
+from ikplan.ik.solve import NoSolution, target_as_data
 from ikplan.planning.waypoints.unreachable import unreachable_path, within_tolerance
 from ikplan.planning.waypoints.waypoint_problem import WaypointProblem
 
 __all__ = ["solve_waypoint"]
 
 
-def solve_waypoint(problem: WaypointProblem, k: int, q_before: Array) -> tuple[Array, int]:
-    """Return a configuration of waypoint k, near to ``q_before``, and the evaluations spent.
+def solve_waypoint(problem: WaypointProblem, k: int, q_before: Array) -> Array:
+    """Return a configuration of waypoint k, near to ``q_before``.
 
     Args:
         problem: The targets.
@@ -29,9 +29,11 @@ def solve_waypoint(problem: WaypointProblem, k: int, q_before: Array) -> tuple[A
     try:
         solved = problem.solver.solve(target, q_before)
     except NoSolution as verdict:
-        if within_tolerance(verdict.miss, tolerance):
-            return verdict.miss.q, verdict.evaluations
-        raise unreachable_path(problem, k, verdict.miss, q_before) from verdict
+        problem.clock.count(verdict.evaluations)
+        if within_tolerance(verdict.closest, tolerance):
+            return verdict.closest.q
+        raise unreachable_path(problem, k, verdict.closest, q_before) from verdict
+    problem.clock.count(solved.evaluations)
     distance, angle = float(solved.position_error[0]), float(solved.orientation_error[0])
     if distance > tolerance.position or angle > tolerance.orientation:
         # Only an unrefined solver ends here: its best is what it is.
@@ -45,9 +47,9 @@ def solve_waypoint(problem: WaypointProblem, k: int, q_before: Array) -> tuple[A
             orientation_error=angle if target.oriented else None,
             q=[float(v) for v in solved.q[0]],
             reason="the solver was not refined and did not converge to the tolerance",
-            target=place(target),
+            target=target_as_data(target),
         )
-    q = solved.q[0]
+    q: Array = solved.q[0]
     robot = problem.robot
     outside = np.flatnonzero((q < robot.lower) | (q > robot.upper))
     if len(outside):
@@ -62,6 +64,6 @@ def solve_waypoint(problem: WaypointProblem, k: int, q_before: Array) -> tuple[A
             q=[float(v) for v in q],
             reason="the solver was not refined and left the position limits",
             limits=[robot.joint_names[j] for j in outside],
-            target=place(target),
+            target=target_as_data(target),
         )
-    return solved.q[0], solved.evaluations
+    return q

@@ -1,4 +1,4 @@
-"""What the choice along the path works on, and what it returns."""
+"""What the choice along the path works on."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from ikplan.kinematics.target import Target
 from ikplan.robots import Robot
 from ikplan.time_budget import TimeBudget
 
-__all__ = ["SelectedConfigurations", "WaypointProblem"]
+__all__ = ["WaypointProblem"]
 
 
 @dataclass(frozen=True)
@@ -27,7 +27,7 @@ class WaypointProblem:
         tolerance: Deviation allowed where a target cannot be met exactly.
         clock: The time budget.
         first_row: Number of the first target among the waypoints of the path.
-        brief: Whether a refusal may name the first waypoint out of reach only.
+        explain: Whether a refusal names every waypoint out of reach; else the first only.
     """
 
     robot: Robot
@@ -38,17 +38,4 @@ class WaypointProblem:
     tolerance: Tolerance
     clock: TimeBudget
     first_row: int = 0
-    brief: bool = False
-
-
-@dataclass(frozen=True)
-class SelectedConfigurations:
-    """One configuration per waypoint.
-
-    Attributes:
-        q: Joint values, shape (n, dof) [rad or m].
-        evaluations: Forward-kinematics evaluations spent.
-    """
-
-    q: Array
-    evaluations: int
+    explain: bool = True

@@ -11,7 +11,7 @@ from ikplan.arrays import Array
 from ikplan.errors import InvalidRequest
 from ikplan.kinematics.arm import arm_of
 from ikplan.timing.constraints.tool_kernels import tool_rates
-from ikplan.timing.constraints.tool_limits import ToolMotion
+from ikplan.timing.constraints.tool_limits import ToolRates
 from ikplan.timing.constraints.torque_kernels import Bodies, joint_torques
 from ikplan.timing.constraints.torque_limits import InverseDynamics
 
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 __all__ = ["inverse_dynamics", "tool_motion"]
 
 
-def tool_motion(robot: Robot) -> ToolMotion:
+def tool_motion(robot: Robot) -> ToolRates:
     """Return the velocity and acceleration of the tool for given joint motions.
 
     Args:

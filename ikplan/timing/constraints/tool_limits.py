@@ -18,11 +18,11 @@ from ikplan.timing.constraints.constraints import (
 )
 from ikplan.timing.constraints.tool_kernels import disc_rows, tool_ratios
 
-__all__ = ["ToolLimits", "ToolMotion"]
+__all__ = ["ToolLimits", "ToolRates"]
 
 # (q, dq, ddq), each (m, dof), to the twists of the tool and their time derivatives, (m, 6) each:
 # linear first [m/s, m/s^2], then angular [rad/s, rad/s^2], in axes that do not turn with the tool.
-ToolMotion = Callable[[Array, Array, Array], tuple[Array, Array]]
+ToolRates = Callable[[Array, Array, Array], tuple[Array, Array]]
 
 # Directions in which an acceleration vector is bounded: a polygon inside the circle, by 0.2 % at
 # most.
@@ -50,7 +50,7 @@ class ToolLimits:
         InvalidRequest: A limit is not positive and finite, or there is none.
     """
 
-    motion: ToolMotion
+    motion: ToolRates
     linear_speed: float | None = None
     angular_speed: float | None = None
     linear_acceleration: float | None = None

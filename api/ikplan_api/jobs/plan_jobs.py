@@ -10,7 +10,7 @@ import logging
 from collections import OrderedDict
 from typing import Any
 
-from ikplan.documents.json_ready import json_ready
+from ikplan.documents.json_text import json_ready
 from ikplan.documents.status import PlanStatus
 from ikplan.errors import (
     BudgetExceeded,

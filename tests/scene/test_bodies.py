@@ -9,8 +9,9 @@ import pinocchio as pin
 import pytest
 from numpy.typing import NDArray
 
+from benchmarks.requests.robots import REFERENCE_ROBOTS
 from ikplan.errors import InvalidRequest
-from ikplan.robots import load_robot, robot_names
+from ikplan.robots import load_robot
 from ikplan.robots.urdf.safe_xml import read_xml
 from ikplan.scene.allowed import SAMPLES, self_pairs, spread_configurations
 from ikplan.scene.body import ConvexPiece
@@ -25,7 +26,7 @@ Array = NDArray[np.float64]
 MESHES = ("panda", "ur5", "ur10", "xarm7", "baxter_left")
 
 
-@pytest.mark.parametrize("name", robot_names())
+@pytest.mark.parametrize("name", REFERENCE_ROBOTS)
 def test_links_stand_where_pinocchio_has_them(name: str) -> None:
     robot = load_robot(name)
     zero = {joint: 0.0 for joint, _ in robot.description.shapes.fixed_joints}
@@ -42,7 +43,7 @@ def test_links_stand_where_pinocchio_has_them(name: str) -> None:
         np.testing.assert_allclose(R[carrier] @ origin + p[carrier], T.translation, atol=1e-12)
 
 
-@pytest.mark.parametrize("name", robot_names())
+@pytest.mark.parametrize("name", REFERENCE_ROBOTS)
 def test_home_is_free_of_contact_with_itself(name: str) -> None:
     robot = load_robot(name)
     found = robot.clearance(robot.home)
@@ -50,7 +51,7 @@ def test_home_is_free_of_contact_with_itself(name: str) -> None:
     assert found.pairs_checked >= 10
 
 
-@pytest.mark.parametrize("name", robot_names())
+@pytest.mark.parametrize("name", REFERENCE_ROBOTS)
 def test_every_moving_link_has_a_shape_or_is_listed(name: str) -> None:
     robot = load_robot(name)
     found = robot_bodies(robot)

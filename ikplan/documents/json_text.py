@@ -41,7 +41,7 @@ def load_json(text: str | bytes) -> Any:
             content = orjson.loads(text)
             if _every_key_is_kept(text, content):
                 return content
-    # What is wrong is told by the parser that says where; a few things are right for it alone.
+    # The parser that says where a fault is reports it; a few things only it accepts.
     try:
         return json.loads(text, parse_constant=_refuse_constant, object_pairs_hook=unique_keys)
     except json.JSONDecodeError as error:

@@ -27,7 +27,7 @@ def _tag(value: Any) -> str:
     return "[object]" if isinstance(value, dict | Document) else "[number]"
 
 
-# Tagged, so that a fault is told of the form the user wrote and not of both.
+# Tagged, so that an error names the form that the user wrote, not both.
 _PositiveList = Annotated[list[Positive], Field(min_length=1, max_length=1000), Tag("[values]")]
 _NegativeList = Annotated[list[Negative], Field(min_length=1, max_length=1000), Tag("[values]")]
 PerJoint = Annotated[

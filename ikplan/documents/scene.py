@@ -148,7 +148,7 @@ def _scene_tag(value: Any) -> str:
     return "[id]" if isinstance(value, str) else "[scene]"
 
 
-# Tagged, so that a fault is told of the form the user wrote and not of both.
+# Tagged, so that an error names the form that the user wrote, not both.
 GivenScene = Annotated[
     Annotated[Scene, Tag("[scene]")]
     | Annotated[Annotated[str, Field(min_length=1, max_length=200)], Tag("[id]")],

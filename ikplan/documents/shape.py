@@ -56,7 +56,7 @@ Metres3 = Annotated[
     Field(min_length=3, max_length=3),
     AfterValidator(_all_metres),
 ]
-"""A position [m]; a coordinate that must be in millimetres is told so."""
+"""A position [m]; the error of a coordinate that must be in millimetres says so."""
 _Point = Annotated[list[float], BeforeValidator(as_list), Field(min_length=3, max_length=3)]
 _Points = Annotated[
     list[_Point],

@@ -192,7 +192,7 @@ def _rows(waypoints: list[list[float]], robot: Robot) -> Array:
     for i, row in enumerate(waypoints):
         if len(row) != robot.dof:
             raise InvalidRequest(
-                f"waypoints[{i}]: {robot.dof} values wanted ({', '.join(robot.joint_names)}), "
+                f"waypoints[{i}]: {robot.dof} values expected ({', '.join(robot.joint_names)}), "
                 f"got {len(row)}",
                 field=f"waypoints[{i}]",
                 allowed=f"{robot.dof} numbers",

@@ -175,7 +175,7 @@ def _floats(text: str, count: int, robot: str, link: str, *, positive: bool = Fa
         what = f"{count} positive numbers" if positive else f"{count} numbers"
         raise InvalidRobot(
             f"{robot}: the collision geometry of link {link!r} has {text[:200]!r} where {what} "
-            "of at most 1000 are wanted",
+            "of at most 1000 are required",
             robot=robot,
             value=text[:200],
         )

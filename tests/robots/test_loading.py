@@ -203,7 +203,7 @@ def test_limits_and_home_that_are_given_replace_all_others(package: Path) -> Non
         load_robot(package, limits={"jx": {"velocity": 1.0}})
     with pytest.raises(InvalidRobot, match="no limit 'speed'"):
         load_robot(package, limits={"j1": {"speed": 1.0}})
-    with pytest.raises(InvalidRobot, match="home: 6 values wanted"):
+    with pytest.raises(InvalidRobot, match="home: 6 values expected"):
         load_robot(package, home=[0.0])
     with pytest.raises(InvalidRobot, match="velocity limit is -1"):
         load_robot(package, limits={"j1": {"velocity": -1.0}})

@@ -32,7 +32,7 @@ LIMIT_S = 60.0
 """Time limit of a task without a time budget [s]."""
 _RETRY_AFTER_S = 1.0
 _MOST_RETRY_S = 60.0
-"""Longest time after which a refused client is told to try again [s]."""
+"""Longest ``Retry-After`` of a refused client [s]."""
 _STOPPING_RETRY_S = 5.0
 """Time after which a service that stops may have been replaced [s]."""
 _SHARE = 0.1

@@ -32,7 +32,7 @@ _SHORT = 0.02
 _ENOUGH, _POINTS = 1.002, 6
 # The same under limits of the tool, whose speed shall hardly vary.
 _ENOUGH_OF_OTHERS = 1.0007
-# Factors of the number of intervals tried, where a motion is not to be had on fewer.
+# Factors of the number of intervals tried, where fewer give no motion.
 _FINER = (1.0, 2.0, 4.0)
 # Weights of the barrier, an interval, as shares of the duration: the first one for a motion that
 # exceeds limits by much, and for another; the last one, which is about what is lost by it, on a

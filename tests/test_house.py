@@ -20,6 +20,7 @@ SOURCE = Path(ikplan.__file__).parent
 API = SOURCE.parent / "api" / "ikplan_api"
 RANK = {
     "_jit": 0,
+    "_lazy": 0,
     "_version": 0,
     "arrays": 0,
     "errors": 0,

@@ -4,16 +4,17 @@ from __future__ import annotations
 
 import contextlib
 import threading
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from typing import Any, Literal
 
 import pinocchio as pin
 
 from ikplan.errors import Unreachable
 from ikplan.ik.registry import find_solver
+from ikplan.pipeline.helpers import helped_by
 from ikplan.robots import Robot, catalogue_robot
 
-__all__ = ["RequestKind", "small_requests", "warm_up"]
+__all__ = ["RequestKind", "small_requests", "warm_up", "warming"]
 
 RequestKind = Literal["fk", "ik", "plan", "time"]
 
@@ -26,6 +27,7 @@ _BUDGET_S = 3600.0
 _lock = threading.RLock()
 _under_way: set[tuple[RequestKind, str, bool]] = set()
 _ready: set[tuple[RequestKind, str, bool]] = set()
+_helping: list[bool] = []
 
 
 def warm_up(
@@ -50,6 +52,10 @@ def warm_up(
     Raises:
         InvalidRequest: No solver of that name.
     """
+    if _helping:
+        return
+    if (kind, method, jerk) not in _ready and not _under_way:
+        helped_by(kind, method, jerk=jerk)
     if jerk:
         warm_up(run, kind, method)
     key = (kind, method, jerk)
@@ -67,6 +73,16 @@ def warm_up(
         finally:
             _under_way.discard(key)
         _ready.add(key)
+
+
+@contextlib.contextmanager
+def warming() -> Iterator[None]:
+    """Within, requests warm up nothing: they are a warm-up themselves."""
+    _helping.append(True)
+    try:
+        yield
+    finally:
+        _helping.pop()
 
 
 def small_requests(

@@ -15,6 +15,7 @@ from typing import Any
 
 from numba.core import caching
 
+from ikplan._kernels.clock import counting
 from ikplan._kernels.pack import pack_key, shipped_pack
 from ikplan._kernels.sources import PACKAGE, digest_of
 from ikplan._kernels.turns import Turn, take_turn
@@ -125,6 +126,10 @@ class _KernelCache(caching.FunctionCache):  # type: ignore[misc]
         self._turns: dict[Any, Turn] = {}
 
     def load_overload(self, sig: Any, target_context: Any) -> Any:
+        with counting():
+            return self._find(sig, target_context)
+
+    def _find(self, sig: Any, target_context: Any) -> Any:
         target_context.refresh()
         found = self._shipped(sig, target_context)
         if found is None:
@@ -186,7 +191,8 @@ def keep(dispatcher: Any, function: Callable[..., Any]) -> None:
         collects = gc.isenabled()
         gc.disable()
         try:
-            return compiled(args, return_type)
+            with counting():
+                return compiled(args, return_type)
         except BaseException:
             cache.give_up(args)
             raise

@@ -1,7 +1,9 @@
-"""A helper that compiles kernels: ``python -m ikplan.pipeline.compile_ahead KIND METHOD JERK N M``.
+"""A helper that compiles kernels beside a process that waits for them.
 
-It runs the small requests of a warm-up from their other end, so that it meets the process that it
-helps in the middle. Kernels that are being compiled elsewhere are waited for, not compiled twice.
+Started as a module, with kind of the requests, name of the solver, 1 for limits of jerks, number of
+this helper and how many there are. It runs small requests of the kind, those first that use what a
+request uses last, so that it meets the process that it helps in the middle. Kernels that are being
+compiled elsewhere are waited for, not compiled twice.
 """
 
 from __future__ import annotations
@@ -18,7 +20,7 @@ from ikplan.errors import IkplanError
 from ikplan.pipeline.plan import plan
 from ikplan.pipeline.poses import solve_ik_request
 from ikplan.pipeline.retime import time_request
-from ikplan.pipeline.warm_up import small_requests, warming
+from ikplan.pipeline.warm_up import small_requests
 
 __all__ = ["main"]
 
@@ -41,7 +43,7 @@ def main(arguments: Sequence[str]) -> None:
         work = _work(kind, method, jerk == "1")
         first = len(work) * int(number) // int(count)
         for run, request in (*work[first:], *work[:first]):
-            with contextlib.suppress(IkplanError), warming():
+            with contextlib.suppress(IkplanError):
                 run(request)
             if os.getppid() == 1:
                 return  # nobody waits any more
@@ -50,16 +52,18 @@ def main(arguments: Sequence[str]) -> None:
 
 
 def _work(kind: str, method: str, jerk: bool) -> list[tuple[Run, dict[str, Any]]]:
-    """Small requests and what runs them, those first that are far from where a warm-up begins."""
+    """Small requests, and what runs them."""
     if kind == "ik":
-        return [(solve_ik_request, r) for r in reversed(small_requests("ik", method))]
-    flags = (True, False) if jerk else (False,)
-    work: list[tuple[Run, dict[str, Any]]] = [
-        (time_request, r) for flag in flags for r in small_requests("time", method, jerk=flag)
+        return [(solve_ik_request, request) for request in small_requests("ik", method)]
+    timings = small_requests("time", jerk=jerk)
+    if kind == "time":
+        return [(time_request, request) for request in timings]
+    # Timing, certificate and the proof of no contact, which come last in a plan.
+    checked: dict[str, Any] = {"scene": {"self_collision": True}}
+    return [
+        *((time_request, {**request, **checked}) for request in timings),
+        *((plan, request) for request in small_requests("plan", method)[:1]),
     ]
-    if kind == "plan":
-        work += [(plan, r) for r in reversed(small_requests("plan", method))]
-    return work
 
 
 if __name__ == "__main__":

@@ -22,18 +22,17 @@ _arguments: list[str] = []
 _helpers: list[subprocess.Popen[bytes]] = []
 
 
-def helped_by(kind: str, method: str, *, jerk: bool) -> None:
-    """Say what helpers are to compile, should something have to be compiled.
+def helped_by(kind: str, method: str = "ik-ba", *, jerk: bool = False) -> None:
+    """Say what helpers are to compile, should this process have to compile something.
 
     Args:
-        kind: Which requests are warmed up.
+        kind: Which requests follow: ik, time or plan.
         method: Name of their solver.
         jerk: Whether they have limits of jerks.
     """
     if not _arguments:
         _listen(_start)
-    if _arguments != [kind, method, "1"]:  # which is asked for before what it builds on
-        _arguments[:] = [kind, method, str(int(jerk))]
+    _arguments[:] = [kind, method, str(int(jerk))]
 
 
 def _listen(start: Callable[[], None]) -> None:

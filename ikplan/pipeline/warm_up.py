@@ -1,20 +1,19 @@
-"""Small requests that load, or compile, the kernels before a request's clock begins."""
+"""Small requests that load, or compile, the kernels before anybody waits for an answer."""
 
 from __future__ import annotations
 
 import contextlib
 import threading
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from typing import Any, Literal
 
 import pinocchio as pin
 
 from ikplan.errors import Unreachable
 from ikplan.ik.registry import find_solver
-from ikplan.pipeline.helpers import helped_by
 from ikplan.robots import Robot, catalogue_robot
 
-__all__ = ["RequestKind", "small_requests", "warm_up", "warming"]
+__all__ = ["RequestKind", "small_requests", "warm_up"]
 
 RequestKind = Literal["fk", "ik", "plan", "time"]
 
@@ -27,7 +26,6 @@ _BUDGET_S = 3600.0
 _lock = threading.RLock()
 _under_way: set[tuple[RequestKind, str, bool]] = set()
 _ready: set[tuple[RequestKind, str, bool]] = set()
-_helping: list[bool] = []
 
 
 def warm_up(
@@ -39,8 +37,9 @@ def warm_up(
 ) -> None:
     """Make every kernel that requests of a kind use ready, once a process.
 
-    Compiling takes tens of seconds on the first use after an installation and is no part of any
-    request's budget; loading what was compiled takes about a second.
+    For a service, and for processes that are forked: a request by itself compiles and loads what
+    it uses, outside its budget. Compiling takes tens of seconds on the first use after an
+    installation; loading what was compiled takes about a second.
 
     Args:
         run: Answers a request of this kind. It may warm up itself: within a warm-up, a further
@@ -52,10 +51,6 @@ def warm_up(
     Raises:
         InvalidRequest: No solver of that name.
     """
-    if _helping:
-        return
-    if (kind, method, jerk) not in _ready and not _under_way:
-        helped_by(kind, method, jerk=jerk)
     if jerk:
         warm_up(run, kind, method)
     key = (kind, method, jerk)
@@ -73,16 +68,6 @@ def warm_up(
         finally:
             _under_way.discard(key)
         _ready.add(key)
-
-
-@contextlib.contextmanager
-def warming() -> Iterator[None]:
-    """Within, requests warm up nothing: they are a warm-up themselves."""
-    _helping.append(True)
-    try:
-        yield
-    finally:
-        _helping.pop()
 
 
 def small_requests(

@@ -19,7 +19,9 @@ import ikplan
 SOURCE = Path(ikplan.__file__).parent
 API = SOURCE.parent / "api" / "ikplan_api"
 RANK = {
+    "_kernels": -1,
     "_jit": 0,
+    "_lazy": 0,
     "_version": 0,
     "arrays": 0,
     "errors": 0,

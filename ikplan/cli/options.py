@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import argparse
 
-from ikplan.points.choices import INTERPOLATIONS
-from ikplan.points.poses import TOOL_AXES
+from ikplan.points.names import INTERPOLATIONS, TOOL_AXES
 from ikplan.points.units import ANGLES, LENGTHS
 
 __all__ = [
@@ -42,7 +41,12 @@ def add_json(parser: argparse.ArgumentParser) -> None:
 
 def add_server(parser: argparse.ArgumentParser) -> None:
     """Who plans."""
-    parser.add_argument("--server", metavar="URL", help="let the service at that address plan")
+    parser.add_argument(
+        "--server",
+        metavar="URL",
+        help="let the service at that address plan; absent: that of IKPLAN_SERVER, if it runs",
+    )
+    parser.set_defaults(may_use_service=True)
 
 
 def add_robot_frames(parser: argparse.ArgumentParser) -> None:

@@ -20,16 +20,16 @@ from ikplan.kinematics.arm import arm_of
 from ikplan.limits.motion_limits import LimitedSegment, MotionLimits
 from ikplan.pipeline.assemble import assemble_plan, joint_steps
 from ikplan.pipeline.collisions import requested_model, with_meshes
+from ikplan.pipeline.helpers import helped_by
 from ikplan.pipeline.identity import plan_id
 from ikplan.pipeline.poses import pose_solver
+from ikplan.pipeline.request_budget import RequestBudget
 from ikplan.pipeline.resolve import resolve_robot
 from ikplan.pipeline.timing_stage import joint_limits, time_motion
-from ikplan.pipeline.warm_up import warm_up
 from ikplan.planning import (
     JointPathProblem,
     JointRoute,
     Progress,
-    TimeBudget,
     find_repairs,
     plan_joint_path,
 )
@@ -100,8 +100,8 @@ def make_plan(
     limits = MotionLimits.of(robot, request.limits)
     limits_of = _segment_limits(robot, request, limits)
     jerk = any(x.jerk is not None for x in (limits, *limits_of.values()))
-    warm_up(plan, "plan", request.ik.method, jerk=jerk)
-    clock = TimeBudget(request.budget_s, progress)
+    helped_by("plan", request.ik.method, jerk=jerk)
+    clock = RequestBudget(request.budget_s, progress)
     start_free = request.start == "free"
     asked = None if request.start == "free" else request.start
     q_start = check_start(robot, robot.home if asked is None else asked)

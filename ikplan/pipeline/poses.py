@@ -18,9 +18,10 @@ from ikplan.ik.solve import PoseSolver, pose_distance, solve_pose
 from ikplan.kinematics.arm import arm_of
 from ikplan.path import rotation_of
 from ikplan.pipeline.collisions import requested_model, with_meshes
+from ikplan.pipeline.helpers import helped_by
+from ikplan.pipeline.request_budget import RequestBudget
 from ikplan.pipeline.resolve import resolve_robot
-from ikplan.pipeline.warm_up import warm_up
-from ikplan.planning import Progress, TimeBudget
+from ikplan.planning import Progress
 from ikplan.planning.waypoints.free_solutions import free_solutions
 from ikplan.planning.waypoints.waypoint_problem import WaypointProblem
 from ikplan.robots import Robot
@@ -71,8 +72,8 @@ def solve_ik_request(
         BudgetExceeded: ``budget_s`` ran out.
     """
     request = with_meshes(parse(IkRequest, request))
-    warm_up(solve_ik_request, "ik", request.ik.method)
-    clock = TimeBudget(request.budget_s, progress)
+    helped_by("ik", request.ik.method)
+    clock = RequestBudget(request.budget_s, progress)
     robot = resolve_robot(request, robot)
     pose: Any = np.array(request.position)
     if request.quaternion_xyzw is not None:

@@ -1,4 +1,4 @@
-"""Small requests that load, or compile, the kernels before a request's clock begins."""
+"""Small requests that load, or compile, the kernels before anybody waits for an answer."""
 
 from __future__ import annotations
 
@@ -37,8 +37,9 @@ def warm_up(
 ) -> None:
     """Make every kernel that requests of a kind use ready, once a process.
 
-    Compiling takes tens of seconds on the first use after an installation and is no part of any
-    request's budget; loading what was compiled takes about a second.
+    For a service, and for processes that are forked: a request by itself compiles and loads what
+    it uses, outside its budget. Compiling takes tens of seconds on the first use after an
+    installation; loading what was compiled takes about a second.
 
     Args:
         run: Answers a request of this kind. It may warm up itself: within a warm-up, a further

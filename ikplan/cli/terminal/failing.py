@@ -3,21 +3,13 @@
 from __future__ import annotations
 
 import sys
-import traceback
 from typing import Any
 
+from ikplan.cli.terminal.exit_codes import INTERNAL, NO_PLAN, WRONG_INPUT
 from ikplan.cli.terminal.output import say_json
-from ikplan.documents.json_text import json_ready
 from ikplan.errors import IkplanError, InvalidInput, NoPlan
 
 __all__ = ["INTERNAL", "NO_PLAN", "WRONG_INPUT", "fail", "fail_of_fault", "fail_of_file"]
-
-NO_PLAN = 1
-"""The request makes sense, and there is no plan; or not one for all of a batch."""
-WRONG_INPUT = 2
-"""Wrong usage or input."""
-INTERNAL = 3
-"""The service cannot be reached or refuses, or a fault of ours."""
 
 
 def fail(error: IkplanError, *, as_json: bool) -> int:
@@ -37,6 +29,8 @@ def fail(error: IkplanError, *, as_json: bool) -> int:
     if repairs:
         _write("  (--repair N applies one and plans)\n")
     if as_json:
+        from ikplan.documents.json_ready import json_ready
+
         say_json(json_ready(error.to_problem()))
     if isinstance(error, InvalidInput):
         return WRONG_INPUT
@@ -55,6 +49,8 @@ def fail_of_file(error: OSError, *, as_json: bool) -> int:
 
 def fail_of_fault(error: Exception, *, as_json: bool) -> int:
     """Tell a fault of ours, with what is needed to find it."""
+    import traceback
+
     traceback.print_exception(error)
     _line(
         "internal-fault", f"{type(error).__name__}: {error}; please report it with the lines above"

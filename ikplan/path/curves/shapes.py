@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
-from scipy.interpolate import CubicSpline
 
 from ikplan.arrays import Array
 
@@ -40,6 +39,8 @@ class CubicShape:
     """
 
     def __init__(self, points: Array) -> None:
+        from scipy.interpolate import CubicSpline  # slow to import
+
         chords = np.linalg.norm(np.diff(points, axis=0), axis=1)
         self.breaks: Array = np.concatenate([[0.0], np.cumsum(chords)])
         spline = CubicSpline(self.breaks, points, axis=0, bc_type="natural")

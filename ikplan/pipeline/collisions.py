@@ -64,14 +64,18 @@ def with_meshes(request: R) -> R:
         InvalidRequest: A mesh cannot be read.
     """
     update: dict[str, Any] = {}
-    if isinstance(request.scene, Scene) and _has_mesh(
-        [*request.scene.obstacles, *request.scene.attached]
-    ):
-        update["scene"] = resolve_scene(request.scene, Path.cwd())
+    if (read := _with_meshes(request.scene)) is not request.scene:
+        update["scene"] = read
     if _has_mesh(request.tool.geometry):
         shapes = resolve_geometry(request.tool.geometry, Path.cwd())
         update["tool"] = request.tool.model_copy(update={"geometry": shapes})
     return request.model_copy(update=update) if update else request
+
+
+def _with_meshes(scene: Scene | str | None) -> Scene | str | None:
+    if isinstance(scene, Scene) and _has_mesh([*scene.obstacles, *scene.attached]):
+        return resolve_scene(scene, Path.cwd())
+    return scene
 
 
 def _has_mesh(parts: Sequence[Obstacle | AttachedBody | ToolGeometry]) -> bool:

@@ -102,8 +102,8 @@ def _clearance_rows(c: Certificate) -> list[tuple[str, str]]:
 
 def _nearest(place: NearestPlace) -> str:
     """A distance, rounded down since more must not stand for a little less, and when."""
-    distance = math.floor((place.least or 0.0) * 1e4 + 1e-9) / 10
-    return f"{distance:.1f} mm at {place.time or 0.0:.2f} s"
+    distance = math.floor((place.least or 0.0) * 1e5 + 1e-9) / 100
+    return f"{distance:.2f} mm at {place.time or 0.0:.2f} s"
 
 
 def _both(position: float, orientation: float | None) -> str:

@@ -76,7 +76,7 @@ def test_the_clearance_told_is_the_least_proven_with_pair_and_time(
     assert clearance.pair is not None
     (line,) = (line for line in done.out.splitlines() if line.startswith("  clearance "))
     told = float(line.split("at least ")[1].split(" mm")[0]) * 1e-3
-    assert clearance.least - 1.01e-4 <= told <= clearance.least
+    assert clearance.least - 1.01e-5 <= told <= clearance.least
     assert f"at {clearance.time:.2f} s" in line
     assert f"{clearance.pair[0]}, {clearance.pair[1]}" in done.out
     off = ask("plan", asked, "--set", "scene.self_collision=false")

@@ -38,8 +38,8 @@ if TYPE_CHECKING:
         Unreachable,
         WorkerLost,
     )
-    from ikplan.ik import solve_ik
     from ikplan.pipeline.plan import plan
+    from ikplan.pipeline.poses import solve_ik
     from ikplan.pipeline.retime import time_path, time_request
     from ikplan.plans.plan import Plan
     from ikplan.points import read_waypoints
@@ -87,7 +87,7 @@ else:
             "read_scene": "scene.read_scene",
             "read_waypoints": "points",
             "robot_names": "robots",
-            "solve_ik": "ik",
+            "solve_ik": "pipeline.poses",
             "time_path": "pipeline.retime",
             "time_request": "pipeline.retime",
         },

@@ -62,13 +62,14 @@ SERVICE_RANK = {
     "jobs": 2,
     "middleware": 2,
     "robots": 2,
+    "scenes": 2,
     "handlers": 3,
     "routes": 4,
     "app": 5,
 }
-"""app -> routes -> handlers -> connections, jobs, middleware, robots -> http, store, workers ->
-settings, telemetry: a room of the service imports rooms of a lower rank only, never one beside
-it."""
+"""app -> routes -> handlers -> connections, jobs, middleware, robots, scenes -> http, store,
+workers -> settings, telemetry: a room of the service imports rooms of a lower rank only, never
+one beside it."""
 MOST_FILES = 15
 """Most modules in a folder of the service."""
 

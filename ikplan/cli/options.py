@@ -14,6 +14,7 @@ __all__ = [
     "add_path",
     "add_robot",
     "add_robot_frames",
+    "add_scene",
     "add_server",
     "add_talk",
 ]
@@ -86,6 +87,17 @@ def add_robot(parser: argparse.ArgumentParser) -> None:
         "the request",
     )
     add_robot_frames(parser)
+
+
+def add_scene(parser: argparse.ArgumentParser) -> None:
+    """What stands around the arm."""
+    parser.add_argument(
+        "--scene",
+        metavar="FILE",
+        help="what the arm must not touch, instead of the request's scene: a scene in JSON or "
+        "YAML, a planning scene of MoveIt, or the URDF of a cell; with --server, also the id of "
+        "an uploaded one",
+    )
 
 
 def add_outputs(parser: argparse.ArgumentParser) -> None:

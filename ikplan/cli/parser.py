@@ -17,6 +17,7 @@ from ikplan.cli.options import (
     add_path,
     add_robot,
     add_robot_frames,
+    add_scene,
     add_server,
     add_talk,
 )
@@ -157,6 +158,7 @@ def make_parser() -> argparse.ArgumentParser:
         metavar="Q",
         help="joint values to stay close to [rad or m]; absent: the robot's home",
     )
+    add_scene(ik)
     ik.add_argument("--method", help="a solver (see ikplan solvers)")
     ik.add_argument("--seed", type=int, help="seed of every random choice")
     add_json(ik)
@@ -171,6 +173,7 @@ def make_parser() -> argparse.ArgumentParser:
     )
     add_outputs(plan)
     add_robot(plan)
+    add_scene(plan)
     add_changes(plan)
     plan.add_argument(
         "--repair",
@@ -214,6 +217,7 @@ def make_parser() -> argparse.ArgumentParser:
         help="a request document, or with a robot: joint values as a JSON list of rows, or CSV",
     )
     add_robot(time)
+    add_scene(time)
     add_changes(time)
     time.add_argument("--angles", metavar="UNIT", help="unit of angles in a CSV file: rad, deg")
     time.add_argument("--units", metavar="UNIT", help="unit of lengths in a CSV file: m, mm, ...")

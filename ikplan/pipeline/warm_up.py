@@ -9,7 +9,7 @@ from typing import Any, Literal
 
 import pinocchio as pin
 
-from ikplan.errors import Unreachable
+from ikplan.errors import InCollision, Unreachable
 from ikplan.ik.registry import find_solver
 from ikplan.robots import Robot, catalogue_robot
 
@@ -62,8 +62,8 @@ def warm_up(
         _under_way.add(key)
         try:
             for request in small_requests(kind, method, jerk=jerk):
-                # One pose is out of reach: the explanation has kernels of its own.
-                with contextlib.suppress(Unreachable):
+                # Some are out of reach or in contact: the explanation has kernels of its own.
+                with contextlib.suppress(Unreachable, InCollision):
                     run(request)
         finally:
             _under_way.discard(key)
@@ -92,7 +92,11 @@ def small_requests(
     if kind == "time":
         waypoints = [home, [value + 0.1 for value in home]]
         timed = {"robot": _ROBOT, "waypoints": waypoints, "budget_s": _BUDGET_S}
-        return [{**timed, "limits": each} for each in limits]
+        requests = [{**timed, "limits": each} for each in limits]
+        if not jerk:
+            tool = catalogue_robot(_ROBOT).fk(home).translation.tolist()
+            requests += [{**requests[-1], "scene": scene} for scene in _scenes(tool)]
+        return requests
     paths = _paths(method)
     limited = [{**paths[0], "limits": each} for each in limits]
     return limited if jerk else [*limited, *paths[1:]]
@@ -105,6 +109,13 @@ def _targets(robot: Robot) -> tuple[dict[str, Any], dict[str, Any], dict[str, An
     return {"position": pose[:3]}, full, {**full, "position": [9.0, 0.0, 0.0]}
 
 
+def _scenes(place: list[float]) -> tuple[dict[str, Any], dict[str, Any]]:
+    """A scene far from a place, and one with an obstacle there."""
+    ball = {"name": "ball", "shape": {"type": "sphere", "radius": 0.1}}
+    far = {**ball, "position": [0.0, 0.0, 9.0]}
+    return {"obstacles": [far]}, {"obstacles": [{**ball, "position": place}]}
+
+
 def _poses(method: str) -> list[dict[str, Any]]:
     """What is asked for of a single pose."""
     robot = catalogue_robot(_ROBOT)
@@ -113,6 +124,8 @@ def _poses(method: str) -> list[dict[str, Any]]:
     start = robot.home.tolist()
     requests = [{**asked, **target} for target in (point, full, far)]
     requests += [{**asked, **target, "start": start} for target in (point, full)]
+    scenes = _scenes(point["position"])
+    requests += [{**asked, **full, "scene": scene} for scene in scenes]
     if any(parameter.name == "decouple" for parameter in find_solver(method).parameters):
         _, full, _ = _targets(catalogue_robot(_WRIST))
         ik = {"method": method, "params": {"decouple": True}}
@@ -139,6 +152,8 @@ def _paths(method: str) -> list[dict[str, Any]]:
         {**asked, "path": {"waypoints": [full]}, "start": "free"},
         {**asked, "ik": {"method": method, "elongation": "greedy"}},
         {**asked, "path": {**asked["path"], "interpolation": "line"}},
+        {**asked, "path": {**asked["path"], "interpolation": "line"}, "start": "free"},
+        {**asked, "path": {"waypoints": [point]}, "scene": _scenes(point["position"])[1]},
         {**asked, "path": {**asked["path"], "interpolation": "spline"}},
         {**asked, "path": {"waypoints": [far]}},
     ]

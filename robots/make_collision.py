@@ -29,9 +29,9 @@ Array = NDArray[np.float64]
 
 SPLIT_BEYOND = 0.015
 """Excess of a hull from which on a mesh is split [m]."""
-THRESHOLD = 0.05
-"""CoACD's measure of concavity at which it stops."""
-MOST_PIECES = 6
+SPLITS = ((0.1, 3), (0.05, 4), (0.05, 6), (0.03, 8))
+"""CoACD's measure of concavity at which it stops, and the most pieces: tried in this order until
+the excess is small enough."""
 HULL_POINTS = 128
 PIECE_POINTS = 64
 TOLERANCE = 5e-4
@@ -62,7 +62,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("robots", nargs="+", choices=sorted(LICENCES))
     parser.add_argument("--out", type=Path, default=Path(__file__).parent)
-    parser.add_argument("--hulls", action="store_true", help="hulls only, excess not measured")
+    parser.add_argument("--hulls", action="store_true", help="hulls only: no mesh is split")
     arguments = parser.parse_args()
     for name in arguments.robots:
         file = arguments.out / name / "collision.json"
@@ -76,7 +76,7 @@ def _text(document: dict[str, Any]) -> str:
 
 
 def make(name: str, *, hulls: bool = False) -> dict[str, Any]:
-    """Return the file of a robot; with ``hulls``, nothing is split and no excess measured."""
+    """Return the file of a robot; with ``hulls``, no mesh is split."""
     source = load_robot(name).description.shapes
     links: dict[str, list[MeshGeometry]] = {}
     for mesh in link_meshes(source.urdf, source.folder, name):
@@ -90,19 +90,19 @@ def make(name: str, *, hulls: bool = False) -> dict[str, Any]:
 
 
 def _link(link: str, meshes: list[MeshGeometry], hulls: bool) -> dict[str, Any]:
-    if hulls:
-        made = [_thinned(mesh.vertices, HULL_POINTS) for mesh in meshes]
-        source = "convex hulls of the meshes of example-robot-data 6.0.0, excess not measured"
-        return {"source": source, "pieces": _entries(made)}
     pieces: list[Piece] = []
     excess, split = 0.0, 0
     for mesh in meshes:
         made = [_thinned(mesh.vertices, HULL_POINTS)]
         reach = hull_reach = _excess(made, mesh)
-        if reach > SPLIT_BEYOND:
-            parts = [_thinned(part, PIECE_POINTS) for part in _split(mesh)]
-            reach = _excess(parts, mesh)
-            made, split = parts, split + 1
+        for split_to in () if hulls else SPLITS:
+            if reach <= SPLIT_BEYOND:
+                break
+            parts = [_thinned(part, PIECE_POINTS) for part in _split(mesh, *split_to)]
+            beyond = _excess(parts, mesh)
+            if beyond < reach:
+                made, reach = parts, beyond
+        split += len(made) > 1
         print(
             f"{link}: {len(made)} piece(s), {sum(len(p[0]) for p in made)} points, "
             f"excess {1e3 * reach:.1f} mm, of the hull {1e3 * hull_reach:.1f} mm",
@@ -133,15 +133,15 @@ def _thinned(points: Array, most: int) -> Piece:
     return kept, radius + ROUNDING
 
 
-def _split(mesh: MeshGeometry) -> list[Array]:
+def _split(mesh: MeshGeometry, threshold: float, most: int) -> list[Array]:
     """Points of convex pieces that cover every triangle of a mesh."""
     import coacd
 
     coacd.set_log_level("error")
     parts = coacd.run_coacd(
         coacd.Mesh(mesh.vertices, mesh.triangles),
-        threshold=THRESHOLD,
-        max_convex_hull=MOST_PIECES,
+        threshold=threshold,
+        max_convex_hull=most,
         seed=0,
     )
     hulls = [hull_of(np.array(vertices)) for vertices, _ in parts]

@@ -17,6 +17,7 @@ from ikplan.collision.check import Contact
 from ikplan.planning.ladder.joint_length import joint_path_length
 from ikplan.planning.ladder.path_shortening import shorten_sequence
 from ikplan.planning.tracking.densify import densify
+from ikplan.planning.tracking.dodge import dodged_sequence
 from ikplan.planning.tracking.global_redundancy import resolve_redundancy_globally
 from ikplan.planning.tracking.reference_path import (
     ReferencePath,
@@ -103,12 +104,17 @@ class PathTracker(TrackedArm):
             BudgetExceeded: The time budget ran out.
         """
         for step, share in _GLOBAL_STEPS if self.redundant(reference) else ():
-            sequences = self._resolve_globally(
-                reference, starts, costs, max(step, share * reference.length)
-            )
+            spacing = max(step, share * reference.length)
+            sequences = self._resolve_globally(reference, starts, costs, spacing)
             if sequences:
                 with contextlib.suppress(TrackingFailed):
                     return self._densify_first(reference, sequences[:_TRIED])
+            if self.contact is not None:
+                s = initial_points(reference, spacing)
+                q = dodged_sequence(self, reference, starts, costs, s)
+                if q is not None:
+                    with contextlib.suppress(TrackingFailed):
+                        return self._densify_first(reference, [(_length(q), s, q)])
         raise TrackingFailed(0.0, starts[0].copy())
 
     def _densify_first(
@@ -127,7 +133,7 @@ class PathTracker(TrackedArm):
                 continue
             waypoint = nearest_points(s, reference.waypoint_s)
             return TrackedPath(s, q, rest, waypoint, length)
-        raise max(broken, key=lambda failure: failure.s)
+        raise max(broken, key=lambda failure: (failure.contact is not None, failure.s))
 
     def _track_starts(
         self, reference: ReferencePath, starts: Array, costs: Array, step: float
@@ -261,8 +267,13 @@ def _in_contact(contact: Contact, s: Array) -> TrackingFailed:
 
 
 def _farthest_failure(a: TrackingFailed | None, b: TrackingFailed | None) -> TrackingFailed | None:
-    """Whichever got farther along the path; the first of those that got equally far."""
-    return b if a is None or (b is not None and b.s > a.s) else a
+    """Whichever got farther along the path; the first of those that got equally far.
+
+    What is tracked to the end but for contact counts before what is not: obstacles hold it alone.
+    """
+    if a is None or b is None:
+        return b if a is None else a
+    return b if (b.contact is not None, b.s) > (a.contact is not None, a.s) else a
 
 
 def _length(q: Array) -> float:

@@ -8,6 +8,8 @@ drawn taut among solutions near to it, still clear of contact.
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from ikplan.arrays import Array
@@ -34,6 +36,8 @@ _LONGEST = 0.7
 """How far a joint may move from point to point [rad or m]."""
 _TAUT = (0.12, 0.06, 0.06, 0.03, 0.03, 0.015)
 """How far beside the way solutions are tried to make it shorter, round by round [rad or m]."""
+_WIDE = (0.01, 0.003, 0.0)
+"""Gaps on top of what is asked for that are tried, the widest first [m]."""
 _NEAR = 5
 """Such solutions of a point in a round."""
 
@@ -53,6 +57,19 @@ def dodged_sequence(
     Returns:
         Shape (m, dof) [rad or m]; None: none was found.
     """
+    assert arm.contact is not None
+    for extra in _WIDE:
+        wider = replace(arm, contact=arm.contact.wider(extra))
+        q = _sequence(wider, reference, starts, costs, s)
+        if q is not None:
+            return q
+    return None
+
+
+def _sequence(
+    arm: TrackedArm, reference: ReferencePath, starts: Array, costs: Array, s: Array
+) -> Array | None:
+    """Configurations along a path, shape (m, dof), or None; see above."""
     ladder = _Ladder(arm, reference, s)
     rungs = [np.ascontiguousarray(starts)]
     for k in range(1, len(s) // 2 + 1):

@@ -9,6 +9,7 @@ the path, and nowhere else.
 from __future__ import annotations
 
 import contextlib
+from collections.abc import Iterator
 
 import numpy as np
 
@@ -105,17 +106,21 @@ class PathTracker(TrackedArm):
         """
         for step, share in _GLOBAL_STEPS if self.redundant(reference) else ():
             spacing = max(step, share * reference.length)
-            sequences = self._resolve_globally(reference, starts, costs, spacing)
-            if sequences:
-                with contextlib.suppress(TrackingFailed):
-                    return self._densify_first(reference, sequences[:_TRIED])
-            if self.contact is not None:
-                s = initial_points(reference, spacing)
-                q = dodged_sequence(self, reference, starts, costs, s)
-                if q is not None:
+            for sequences in self._global_sequences(reference, starts, costs, spacing):
+                if sequences:
                     with contextlib.suppress(TrackingFailed):
-                        return self._densify_first(reference, [(_length(q), s, q)])
+                        return self._densify_first(reference, sequences[:_TRIED])
         raise TrackingFailed(0.0, starts[0].copy())
+
+    def _global_sequences(
+        self, reference: ReferencePath, starts: Array, costs: Array, spacing: float
+    ) -> Iterator[list[_JointSequence]]:
+        """Yield sequences chosen over all points; where there are obstacles, around them first."""
+        if self.contact is not None:
+            s = initial_points(reference, spacing)
+            q = dodged_sequence(self, reference, starts, costs, s)
+            yield [] if q is None else [(_length(q), s, q)]
+        yield self._resolve_globally(reference, starts, costs, spacing)
 
     def _densify_first(
         self, reference: ReferencePath, sequences: list[_JointSequence]

@@ -29,14 +29,14 @@ Array = NDArray[np.float64]
 SPLIT_BEYOND = 0.015
 """Excess of a hull from which on a mesh is split [m]."""
 MOST_PIECES = 6
-GAIN = 0.015
+GAIN = 0.005
 """Least share of a mesh's hull that a further division has to take away."""
 PLANES = 16
 """Places at which a part is tried to be divided across each axis."""
 GRID = 0.003
 """About the distance of the triangles that planes are chosen by [m]."""
 HULL_POINTS = 128
-PIECE_POINTS = 64
+PIECE_POINTS = 96
 TOLERANCE = 5e-4
 EDGE = 0.005
 """Longest edge of the triangles that are given to pieces [m]."""
@@ -99,8 +99,10 @@ def _link(link: str, meshes: list[MeshGeometry], hulls: bool) -> dict[str, Any]:
         made = [_thinned(mesh.vertices, HULL_POINTS)]
         reach = hull_reach = _excess(made, mesh)
         if reach > SPLIT_BEYOND and not hulls:
-            made = [_thinned(part, PIECE_POINTS) for part in _split(mesh)]
-            reach = _excess(made, mesh)
+            parts = [_thinned(part, PIECE_POINTS) for part in _split(mesh)]
+            beyond = _excess(parts, mesh)
+            if beyond < reach:
+                made, reach = parts, beyond
         split += len(made) > 1
         print(
             f"{link}: {len(made)} piece(s), {sum(len(p[0]) for p in made)} points, "

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 from typing import NamedTuple
 
 import numpy as np
@@ -12,7 +13,7 @@ from ikplan.collision.capsules import enclosing_capsule
 from ikplan.collision.frames import link_frames
 from ikplan.kinematics.chain import Chain
 from ikplan.robots import Robot
-from ikplan.scene.body import CollisionModel
+from ikplan.scene.body import Body, CollisionModel
 
 __all__ = ["Bodies", "flat_bodies"]
 
@@ -59,26 +60,23 @@ def flat_bodies(robot: Robot, chain: Chain, model: CollisionModel) -> Bodies:
     to_chain = _chain_frames_in_joint_frames(robot, chain)
     points: list[Array] = []
     first, carrier = [0], list[int]()
-    radius, centre, bound = list[float](), list[Array](), list[float]()
-    axis, around = list[Array](), list[float]()
+    radius, spheres, capsules = list[float](), list[Array](), list[Array]()
     pieces_of: list[list[int]] = []
     for body in model.bodies:
-        rows = []
         T = to_chain[body.carrier]
-        for piece in body.pieces:
-            moved = np.asarray(piece.points, dtype=np.float64) @ T.rotation.T + T.translation
-            middle = 0.5 * (moved.min(axis=0) + moved.max(axis=0))
+        placed = _placed_link if body.kind == "link" else _placed
+        rows = []
+        for k, moved in enumerate(placed(body, T.rotation.tobytes("F"), T.translation.tobytes())):
             rows.append(len(radius))
-            points.append(moved)
-            first.append(first[-1] + len(moved))
-            radius.append(piece.radius)
-            centre.append(middle)
-            bound.append(float(np.linalg.norm(moved - middle, axis=1).max()) + piece.radius)
-            begin, end, wide = enclosing_capsule(moved)
-            axis.append(np.concatenate([begin, end]))
-            around.append(wide + piece.radius)
+            points.append(moved.points)
+            first.append(first[-1] + len(moved.points))
+            radius.append(body.pieces[k].radius)
+            spheres.append(moved.sphere)
+            capsules.append(moved.capsule)
             carrier.append(body.carrier)
         pieces_of.append(rows)
+    sphere = np.array(spheres, dtype=np.float64).reshape(-1, 4)
+    capsule = np.array(capsules, dtype=np.float64).reshape(-1, 7)
     pairs, pair_of = [], []
     for row, (a, b) in enumerate(np.asarray(model.pairs, dtype=np.int64).reshape(-1, 2)):
         if model.bodies[a].carrier > model.bodies[b].carrier:
@@ -91,15 +89,52 @@ def flat_bodies(robot: Robot, chain: Chain, model: CollisionModel) -> Bodies:
         np.ascontiguousarray(np.vstack(points) if points else np.empty((0, 3))),
         np.array(first, dtype=np.int64),
         np.array(radius, dtype=np.float64),
-        np.array(centre, dtype=np.float64).reshape(-1, 3),
-        np.array(bound, dtype=np.float64),
-        np.array(axis, dtype=np.float64).reshape(-1, 6),
-        np.array(around, dtype=np.float64),
+        np.ascontiguousarray(sphere[:, :3]),
+        np.ascontiguousarray(sphere[:, 3]),
+        np.ascontiguousarray(capsule[:, :6]),
+        np.ascontiguousarray(capsule[:, 6]),
         np.array(carrier, dtype=np.int64),
         np.array(pairs, dtype=np.int64).reshape(-1, 2),
         np.array(pair_of, dtype=np.int64),
         model.clearance,
     )
+
+
+class _PlacedPiece(NamedTuple):
+    """A convex piece in the frame of its carrier.
+
+    Attributes:
+        points: Its points, shape (n, 3) [m].
+        sphere: Centre and radius of a sphere about it, shape (4,) [m].
+        capsule: Both ends and the radius of a capsule about it, shape (7,) [m].
+    """
+
+    points: Array
+    sphere: Array
+    capsule: Array
+
+
+def _placed(body: Body, rotation: bytes, translation: bytes) -> tuple[_PlacedPiece, ...]:
+    """The pieces of a body, moved into the frame of the chain's link."""
+    R, p = np.frombuffer(rotation).reshape(3, 3, order="F"), np.frombuffer(translation)
+    found = []
+    for piece in body.pieces:
+        moved = np.asarray(piece.points, dtype=np.float64) @ R.T + p
+        middle = 0.5 * (moved.min(axis=0) + moved.max(axis=0))
+        bound = float(np.linalg.norm(moved - middle, axis=1).max()) + piece.radius
+        begin, end, wide = enclosing_capsule(moved)
+        found.append(
+            _PlacedPiece(
+                moved,
+                np.array([*middle, bound]),
+                np.concatenate([begin, end, [wide + piece.radius]]),
+            )
+        )
+    return tuple(found)
+
+
+_placed_link = functools.lru_cache(maxsize=1024)(_placed)
+"""The same of the links of robots, which are the same bodies from request to request."""
 
 
 def _chain_frames_in_joint_frames(robot: Robot, chain: Chain) -> list[pin.SE3]:

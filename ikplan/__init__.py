@@ -39,6 +39,7 @@ if TYPE_CHECKING:
         WorkerLost,
     )
     from ikplan.ik import solve_ik
+    from ikplan.pipeline.move import move
     from ikplan.pipeline.plan import plan
     from ikplan.pipeline.retime import time_path, time_request
     from ikplan.plans.plan import Plan
@@ -80,6 +81,7 @@ _HOMES = {
     "Unreachable": "errors",
     "WorkerLost": "errors",
     "load_robot": "robots",
+    "move": "pipeline.move",
     "plan": "pipeline.plan",
     "read_waypoints": "points",
     "robot_names": "robots",
@@ -124,6 +126,7 @@ __all__ = [
     "WorkerLost",
     "__version__",
     "load_robot",
+    "move",
     "plan",
     "read_waypoints",
     "robot_names",

@@ -12,7 +12,7 @@ from ikplan.certificate import Claim, RequestedSegment, certify
 from ikplan.documents.path import PathRequest
 from ikplan.documents.plan_request import PlanRequest
 from ikplan.documents.timing_request import TimingRequest
-from ikplan.documents.trajectory import Stats, WaypointResults
+from ikplan.documents.trajectory import MoveReport, Stats, WaypointResults
 from ikplan.limits.motion_limits import MotionLimits
 from ikplan.pipeline.collisions import prove_motion
 from ikplan.pipeline.timing_stage import Timing
@@ -49,6 +49,7 @@ def assemble_plan(
     path: PathRequest | None = None,
     segments: tuple[RequestedSegment, ...] = (),
     evaluations: int = 0,
+    moves: Sequence[MoveReport] = (),
     model: CollisionModel | None = None,
     segment_times: Sequence[tuple[float, float]] | None = None,
     plan_id: str,
@@ -66,6 +67,7 @@ def assemble_plan(
         path: The path asked for; None: the waypoints are joint values.
         segments: Parts of a joint path with limits of their own.
         evaluations: Forward-kinematics evaluations spent.
+        moves: What is told of the moves around obstacles.
         model: Bodies that must not touch; None: nothing is checked.
         segment_times: When each segment begins and ends [s], for attached bodies.
         plan_id: The id of the plan.
@@ -107,5 +109,5 @@ def assemble_plan(
         timing=timing.report,
         motion=timing.motion,
         controller=None if robot.controller is None else robot.controller.info(),
-        stats=Stats(ik_evaluations=evaluations, seconds=clock.seconds),
+        stats=Stats(ik_evaluations=evaluations, moves=list(moves), seconds=clock.seconds),
     )

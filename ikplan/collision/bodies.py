@@ -9,6 +9,7 @@ import pinocchio as pin
 
 from ikplan.arrays import Array, Indices
 from ikplan.collision.capsules import enclosing_capsule
+from ikplan.collision.coverings import covering_spheres, enclosing_box
 from ikplan.collision.frames import link_frames
 from ikplan.kinematics.chain import Chain
 from ikplan.robots import Robot
@@ -29,6 +30,12 @@ class Bodies(NamedTuple):
         axis: Both ends of the axis of a capsule about each piece, in the frame of its carrier,
             shape (k, 6) [m].
         around: Radius of that capsule, shape (k,) [m].
+        spheres: Spheres that cover the pieces, in the frames of their carriers: centre and
+            radius, shape (s, 4) [m].
+        first_sphere: Indices of each piece's first sphere, shape (k + 1,); the last entry is s.
+        box: Axes, one a row, and centre of a box about the points of each piece, in the frame of
+            its carrier, shape (k, 12) [m].
+        half: Half the edges of that box, shape (k, 3) [m].
         carrier: Link of the chain that carries each piece, 0 for the base, shape (k,).
         pairs: Two pieces each, that of the lower carrier first, shape (m, 2).
         pair_of: Row of the model's pairs that each belongs to, shape (m,).
@@ -42,6 +49,10 @@ class Bodies(NamedTuple):
     bound: Array
     axis: Array
     around: Array
+    spheres: Array
+    first_sphere: Indices
+    box: Array
+    half: Array
     carrier: Indices
     pairs: Indices
     pair_of: Indices
@@ -61,6 +72,8 @@ def flat_bodies(robot: Robot, chain: Chain, model: CollisionModel) -> Bodies:
     first, carrier = [0], list[int]()
     radius, centre, bound = list[float](), list[Array](), list[float]()
     axis, around = list[Array](), list[float]()
+    spheres, first_sphere = list[Array](), [0]
+    box, half = list[Array](), list[Array]()
     pieces_of: list[list[int]] = []
     for body in model.bodies:
         rows = []
@@ -74,9 +87,19 @@ def flat_bodies(robot: Robot, chain: Chain, model: CollisionModel) -> Bodies:
             radius.append(piece.radius)
             centre.append(middle)
             bound.append(float(np.linalg.norm(moved - middle, axis=1).max()) + piece.radius)
-            begin, end, wide = enclosing_capsule(moved)
+            standing = body.carrier == 0  # what stands is bounded by its box
+            about = middle, middle, bound[-1] - piece.radius
+            begin, end, wide = about if standing else enclosing_capsule(moved)
             axis.append(np.concatenate([begin, end]))
             around.append(wide + piece.radius)
+            ball = np.append(middle, bound[-1] - piece.radius)[None]
+            cover = ball if standing else covering_spheres(moved)
+            cover = cover + np.array([0.0, 0.0, 0.0, piece.radius])
+            spheres.append(cover)
+            first_sphere.append(first_sphere[-1] + len(cover))
+            axes, place, edges = enclosing_box(moved)
+            box.append(np.append(axes.ravel(), place))
+            half.append(edges)
             carrier.append(body.carrier)
         pieces_of.append(rows)
     pairs, pair_of = [], []
@@ -95,6 +118,10 @@ def flat_bodies(robot: Robot, chain: Chain, model: CollisionModel) -> Bodies:
         np.array(bound, dtype=np.float64),
         np.array(axis, dtype=np.float64).reshape(-1, 6),
         np.array(around, dtype=np.float64),
+        np.ascontiguousarray(np.vstack(spheres) if spheres else np.empty((0, 4))),
+        np.array(first_sphere, dtype=np.int64),
+        np.array(box, dtype=np.float64).reshape(-1, 12),
+        np.array(half, dtype=np.float64).reshape(-1, 3),
         np.array(carrier, dtype=np.int64),
         np.array(pairs, dtype=np.int64).reshape(-1, 2),
         np.array(pair_of, dtype=np.int64),

@@ -7,7 +7,7 @@ import math
 from ikplan._jit import leaf_kernel
 from ikplan.arrays import Array, Flags, Indices
 from ikplan.collision.bodies import Bodies
-from ikplan.collision.pair_gaps import farther, pair_gap, place_pieces, sphere_gap
+from ikplan.collision.pair_gaps import bounded_gap, pair_gap, place_pieces, sphere_gap
 from ikplan.collision.scratch import Scratch
 from ikplan.kinematics.chain import Chain
 
@@ -24,7 +24,7 @@ def first_pair(
         if not active[row]:
             continue
         i, j = bodies.pairs[row, 0], bodies.pairs[row, 1]
-        if farther(bodies, i, j, need, w):
+        if bounded_gap(bodies, i, j, need, w) > need:
             continue
         if not pair_gap(bodies, row, need, need, w)[0] > need:
             return row

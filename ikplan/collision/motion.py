@@ -12,13 +12,16 @@ from ikplan._jit import kernel, leaf_kernel
 from ikplan.arrays import Array, Flags, Indices
 from ikplan.collision.bodies import Bodies
 from ikplan.collision.contact import first_pair
-from ikplan.collision.pair_gaps import farther, move_pieces, pair_gap, place_pieces
+from ikplan.collision.pair_gaps import bounded_gap, motion_of, pair_gap, place_pieces
 from ikplan.collision.scratch import Queue, Scratch, new_queue
 from ikplan.kinematics.chain import Chain
 
 __all__ = ["curve_contacts", "motion_contact"]
 
 
+_LOOSE = 0.04
+"""By how much the gap of hulls is at times larger than its cheap bound [m]: a guess that decides
+when they are compared, never what is proven."""
 _FINEST = 2e-5
 """Motion of the outer body within an interval below which it is not halved any more [m]."""
 
@@ -71,21 +74,23 @@ def _halve(
         t, h = queue.middle[at], queue.half[at]
         _reach_of(chain, queue, t, h)
         place_pieces(chain, bodies, queue.q, w)
-        move_pieces(chain, bodies, queue.reach, w)
         left = size
         if size + queue.end[at] - queue.begin[at] > queue.rows.shape[0]:
             return -2, 0.0
         for k in range(queue.begin[at], queue.end[at]):
             row = queue.rows[k]
             i, j = bodies.pairs[row, 0], bodies.pairs[row, 1]
-            motion = w.motion[j, bodies.carrier[i]]
-            if farther(bodies, i, j, need + motion, w):
+            motion = motion_of(chain, bodies, j, bodies.carrier[i], queue.reach, w)
+            bound = bounded_gap(bodies, i, j, need + motion, w)
+            if bound > need + motion:
                 continue
-            lower, upper = pair_gap(bodies, row, need + motion, need, w)
-            if lower > need + motion:
-                continue
-            if upper <= need or not lower > need or motion < _FINEST:
-                return row, t
+            # Far from being proven, but not in contact here: not worth the hulls.
+            if bound <= need or need + motion < bound + _LOOSE:
+                lower, upper = pair_gap(bodies, row, need + motion, need, w)
+                if lower > need + motion:
+                    continue
+                if upper <= need or not lower > need or motion < _FINEST:
+                    return row, t
             queue.rows[size] = row
             size += 1
         if size > left:

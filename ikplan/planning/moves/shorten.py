@@ -2,7 +2,7 @@
 
 R. Geraerts and M. H. Overmars, "Creating high-quality paths for motion planning", 2007. Corners
 are left out where a straight motion goes past them; then shortcuts between two random places are
-taken, and between two places of one joint alone.
+taken, those that would gain next to nothing left untried.
 """
 
 from __future__ import annotations
@@ -17,6 +17,10 @@ from ikplan.collision.scratch import Scratch
 from ikplan.planning.moves.connect import SearchSpace, is_free
 
 __all__ = ["path_length", "shorten"]
+
+
+_LEAST_GAIN = 1e-3
+"""Share of the whole length below which a shortcut is not worth its proof."""
 
 
 @kernel
@@ -85,7 +89,12 @@ def shorten(
             s0, s1 = s1, s0
         i, a = _place(q, lengths, s0)
         j, b = _place(q, lengths, s1)
-        if i == j or not is_free(space, a, b, w):
+        if i == j:
+            continue
+        square = 0.0
+        for d in range(a.shape[0]):
+            square += (b[d] - a[d]) ** 2
+        if s1 - s0 - math.sqrt(square) < _LEAST_GAIN * total or not is_free(space, a, b, w):
             continue
         q = np.concatenate((q[: i + 1], a.reshape(1, -1), b.reshape(1, -1), q[j + 1 :]))
         # Ends of the shortcut that coincide with a corner would be there twice.

@@ -45,6 +45,7 @@ if TYPE_CHECKING:
     from ikplan.plans.plan import Plan
     from ikplan.points import read_waypoints
     from ikplan.robots import Robot, load_robot, robot_names
+    from ikplan.scene.read_scene import read_scene
 
 _HOMES = {
     "AccessDenied": "errors",
@@ -83,6 +84,7 @@ _HOMES = {
     "load_robot": "robots",
     "move": "pipeline.move",
     "plan": "pipeline.plan",
+    "read_scene": "scene.read_scene",
     "read_waypoints": "points",
     "robot_names": "robots",
     "solve_ik": "ik",
@@ -128,6 +130,7 @@ __all__ = [
     "load_robot",
     "move",
     "plan",
+    "read_scene",
     "read_waypoints",
     "robot_names",
     "solve_ik",

@@ -1,7 +1,8 @@
 """The problems of MotionBenchMaker, as requests of ikplan.
 
 C. Chamzas et al., "MotionBenchMaker: A tool to generate and benchmark motion planning datasets",
-IEEE Robotics and Automation Letters 7 (2), 2022; a subset as shipped in KavrakiLab/vamp, Apache-2.0.
+IEEE Robotics and Automation Letters 7 (2), 2022; a subset, as shipped in KavrakiLab/vamp
+(Apache-2.0).
 """
 
 from __future__ import annotations

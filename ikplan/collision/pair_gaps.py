@@ -92,14 +92,14 @@ def bounded_gap(bodies: Bodies, i: int, j: int, need: float, w: Scratch) -> floa
     The spheres about them, then their capsules, then the spheres that cover j, that of the outer
     carrier, against the box about i; the first of these that is larger than ``need`` is returned.
     """
-    best = sphere_gap(bodies, i, j, w)
+    best: float = sphere_gap(bodies, i, j, w)
     if best > need:
         return best
     _place_rest(bodies, i, w)
     _place_rest(bodies, j, w)
     if bodies.carrier[i] > 0:
         around = bodies.around[i] + bodies.around[j]
-        best = max(best, segment_distance(w.ends, i, j) - around)
+        best = max(best, float(segment_distance(w.ends, i, j) - around))
         if best > need:
             return best
     least = math.inf
@@ -110,7 +110,7 @@ def bounded_gap(bodies: Bodies, i: int, j: int, need: float, w: Scratch) -> floa
             least = gap
             if least <= best:
                 return best
-    return max(best, least - bodies.radius[i])
+    return float(max(best, least - bodies.radius[i]))
 
 
 @leaf_kernel

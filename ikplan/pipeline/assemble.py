@@ -48,7 +48,6 @@ def assemble_plan(
     q_start: Array | None,
     path: PathRequest | None = None,
     segments: tuple[RequestedSegment, ...] = (),
-    evaluations: int = 0,
     moves: Sequence[MoveReport] = (),
     model: CollisionModel | None = None,
     segment_times: Sequence[tuple[float, float]] | None = None,
@@ -66,7 +65,6 @@ def assemble_plan(
         q_start: Start that was asked for, shape (dof,) [rad or m]; None: any.
         path: The path asked for; None: the waypoints are joint values.
         segments: Parts of a joint path with limits of their own.
-        evaluations: Forward-kinematics evaluations spent.
         moves: What is told of the moves around obstacles.
         model: Bodies that must not touch; None: nothing is checked.
         segment_times: When each segment begins and ends [s], for attached bodies.
@@ -109,5 +107,5 @@ def assemble_plan(
         timing=timing.report,
         motion=timing.motion,
         controller=None if robot.controller is None else robot.controller.info(),
-        stats=Stats(ik_evaluations=evaluations, moves=list(moves), seconds=clock.seconds),
+        stats=Stats(ik_evaluations=clock.evaluations, moves=list(moves), seconds=clock.seconds),
     )

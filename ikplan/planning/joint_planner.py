@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -133,7 +133,6 @@ class _JointPathPlanner:
         self.rest: list[int] = []
         self.waypoints: list[RouteWaypoint] = []
         self.segments: list[RouteSegment] = []
-        self.evaluations = 0
         self.moves: list[RouteMove] = []
         self.move_planner = MovePlanner(problem)
         self.opened: _Open | None = None
@@ -156,7 +155,6 @@ class _JointPathPlanner:
             np.ascontiguousarray(self.q),
             self.rest,
             waypoints,
-            self.evaluations,
             self.segments,
             self.moves,
         )
@@ -212,24 +210,21 @@ class _JointPathPlanner:
         if not run:
             return
         problem = self._waypoint_problem(run)
-        selected = select_configurations(problem, self.problem.options)
-        self.evaluations += selected.evaluations
-        for waypoint, target, q in zip(run, problem.targets, selected.q, strict=True):
+        chosen = select_configurations(problem, self.problem.options)
+        for waypoint, target, q in zip(run, problem.targets, chosen, strict=True):
             self._add(q, waypoint, target)
 
     def _open_pose(self, waypoint: JointWaypoint, pose: Pose) -> None:
         """Offer every branch of a pose to the tool path that begins there."""
         problem = self._waypoint_problem([waypoint])
-        starts, spent = branches(problem)
+        starts = branches(problem)
         costs = np.linalg.norm(starts - self._last_q, axis=1)
         self.opened = _Open(waypoint, self._target(pose), starts, costs)
-        self.evaluations += spent
 
     def move_leg(self, leg: MoveLeg, after: Leg | None) -> None:
         """Plan a move around obstacles; its branch is left to a tool path that begins there."""
         problems = [self._waypoint_problem([target]) for target in leg.targets]
         goals = self.move_planner.goals(leg, problems)
-        self.evaluations += goals.evaluations
         last = leg.targets[0]
         if isinstance(after, ToolLeg) and last.q is None and self.problem.options.refine:
             costs = np.linalg.norm(goals.q - self._last_q, axis=1)
@@ -273,7 +268,6 @@ class _JointPathPlanner:
                 if not left.any():
                     raise
                 starts, costs = np.ascontiguousarray(starts[left]), costs[left]
-                self.evaluations += tracked.evaluations
         self._append(path, tracked)
 
     def _tracked(self, path: ToolPath, starts: Array, costs: Array) -> TrackedPath:
@@ -289,7 +283,6 @@ class _JointPathPlanner:
                 tracked = self.tracker.track_global(path, starts, costs)
             except TrackingFailed:
                 raise verdict from failure
-            tracked = replace(tracked, evaluations=tracked.evaluations + failure.evaluations)
         return tracked
 
     def _check_free(self, q: Array, waypoint: JointWaypoint) -> None:
@@ -308,15 +301,13 @@ class _JointPathPlanner:
         # What begins without an orientation may begin at a waypoint with one.
         rotations = [w.R for w in path.waypoints if w.s == 0.0 and w.R is not None]
         pose = Pose(R if path.oriented(0.0) else (rotations[0] if rotations else None), p)
-        starts, spent = branches(
+        starts = branches(
             self._waypoint_problem([JointWaypoint(0, "the begin of the path", pose=pose)])
         )
-        self.evaluations += spent
         return starts, np.zeros(len(starts))
 
     def _append(self, path: ToolPath, tracked: TrackedPath) -> None:
         """Add the points of a tracked path; the motion rests where it begins and ends."""
-        self.evaluations += tracked.evaluations
         joined = bool(self.q) and np.array_equal(self.q[-1], tracked.q[0])
         if joined:
             self.q.pop()

@@ -106,7 +106,6 @@ class JointRoute:
         q: Configurations, shape (k, dof) [rad or m]; the first is where the motion begins.
         rest: Indices of those where the motion stops.
         waypoints: The waypoints of the request, in order.
-        evaluations: Forward-kinematics evaluations spent.
         segments: The segments of the request, in order.
         moves: The moves around obstacles, in order.
     """
@@ -114,6 +113,5 @@ class JointRoute:
     q: Array
     rest: list[int]
     waypoints: list[RouteWaypoint]
-    evaluations: int
     segments: list[RouteSegment]
     moves: list[RouteMove] = field(default_factory=list)

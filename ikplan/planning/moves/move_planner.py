@@ -34,12 +34,10 @@ class MoveGoals:
     Attributes:
         q: Shape (g, dof), g >= 1 [rad or m].
         targets: What each meets, length g.
-        evaluations: Forward-kinematics evaluations spent.
     """
 
     q: Array
     targets: list[Target]
-    evaluations: int
 
 
 @dataclass(frozen=True, eq=False)
@@ -84,12 +82,10 @@ class MovePlanner:
         rows: list[Array] = []
         targets: list[Target] = []
         refused: InCollision | Unreachable | None = None
-        evaluations = 0
         for waypoint, problem in zip(leg.targets, problems, strict=True):
             try:
                 if waypoint.q is None:
-                    found, spent = branches(problem)
-                    evaluations += spent
+                    found = branches(problem)
                     target = problem.targets[0]
                 else:
                     found = self._joint_values(waypoint, problem)[None]
@@ -105,7 +101,7 @@ class MovePlanner:
             targets += [target] * len(found)
         if refused is not None and not rows:
             raise refused
-        return MoveGoals(np.concatenate(rows), targets, evaluations)
+        return MoveGoals(np.concatenate(rows), targets)
 
     def _joint_values(self, waypoint: JointWaypoint, problem: WaypointProblem) -> Array:
         assert waypoint.q is not None

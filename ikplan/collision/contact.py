@@ -24,7 +24,7 @@ def first_pair(
         if not active[row]:
             continue
         i, j = bodies.pairs[row, 0], bodies.pairs[row, 1]
-        if bounded_gap(bodies, i, j, need, w) > need:
+        if sphere_gap(bodies, i, j, w) > need or bounded_gap(bodies, i, j, need, w) > need:
             continue
         if not pair_gap(bodies, row, need, need, w)[0] > need:
             return row

@@ -12,7 +12,7 @@ from ikplan._jit import kernel, leaf_kernel
 from ikplan.arrays import Array, Flags, Indices
 from ikplan.collision.bodies import Bodies
 from ikplan.collision.contact import first_pair
-from ikplan.collision.pair_gaps import bounded_gap, motion_of, pair_gap, place_pieces
+from ikplan.collision.pair_gaps import bounded_gap, move_pieces, pair_gap, place_pieces, sphere_gap
 from ikplan.collision.scratch import Queue, Scratch, new_queue
 from ikplan.kinematics.chain import Chain
 
@@ -74,13 +74,16 @@ def _halve(
         t, h = queue.middle[at], queue.half[at]
         _reach_of(chain, queue, t, h)
         place_pieces(chain, bodies, queue.q, w)
+        move_pieces(chain, bodies, queue.reach, w)
         left = size
         if size + queue.end[at] - queue.begin[at] > queue.rows.shape[0]:
             return -2, 0.0
         for k in range(queue.begin[at], queue.end[at]):
             row = queue.rows[k]
             i, j = bodies.pairs[row, 0], bodies.pairs[row, 1]
-            motion = motion_of(chain, bodies, j, bodies.carrier[i], queue.reach, w)
+            motion = w.motion[j, bodies.carrier[i]]
+            if sphere_gap(bodies, i, j, w) > need + motion:
+                continue
             bound = bounded_gap(bodies, i, j, need + motion, w)
             if bound > need + motion:
                 continue

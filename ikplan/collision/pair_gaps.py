@@ -14,7 +14,7 @@ from ikplan.collision.gjk import gap_between
 from ikplan.collision.scratch import Scratch
 from ikplan.kinematics.chain import Chain
 
-__all__ = ["bounded_gap", "motion_of", "pair_gap", "place_pieces", "sphere_gap"]
+__all__ = ["bounded_gap", "move_pieces", "pair_gap", "place_pieces", "sphere_gap"]
 
 
 @leaf_kernel
@@ -87,17 +87,24 @@ def sphere_gap(bodies: Bodies, i: int, j: int, w: Scratch) -> float:
 
 @leaf_kernel
 def bounded_gap(bodies: Bodies, i: int, j: int, need: float, w: Scratch) -> float:
-    """Return a lower bound of the gap of two pieces [m], without their hulls.
+    """Return a lower bound of the gap of two pieces whose spheres meet [m], without their hulls.
 
-    The spheres about them, then their capsules, then the spheres that cover j, that of the outer
-    carrier, against the box about i; the first of these that is larger than ``need`` is returned.
+    Of their capsules, or, where i stands, of the sphere about j and the box about i; then of the
+    spheres that cover j, that of the outer carrier, and the box about i. The first of these that
+    is larger than ``need`` is returned. Loops look at the spheres about both first, themselves:
+    the call costs more than that.
     """
-    best: float = sphere_gap(bodies, i, j, w)
-    if best > need:
-        return best
+    best = -math.inf
     _place_rest(bodies, i, w)
-    _place_rest(bodies, j, w)
-    if bodies.carrier[i] > 0:
+    if bodies.carrier[i] == 0:
+        x, y, z = w.centre[j, 0], w.centre[j, 1], w.centre[j, 2]
+        about = bodies.bound[j] + bodies.radius[i]
+        best = max(best, float(sphere_box_gap(x, y, z, w.box[i], bodies.half[i]) - about))
+        if best > need:
+            return best
+        _place_rest(bodies, j, w)
+    else:
+        _place_rest(bodies, j, w)
         around = bodies.around[i] + bodies.around[j]
         best = max(best, float(segment_distance(w.ends, i, j) - around))
         if best > need:
@@ -135,34 +142,29 @@ def pair_gap(
 
 
 @leaf_kernel
-def motion_of(chain: Chain, bodies: Bodies, i: int, link: int, reach: Array, w: Scratch) -> float:
-    """Return how far a piece can move against a link inwards of its carrier [m].
+def move_pieces(chain: Chain, bodies: Bodies, reach: Array, w: Scratch) -> None:
+    """Write how far each piece can move against each link inwards of its carrier [m].
 
     Args:
         chain: The chain.
         bodies: The bodies.
-        i: The piece.
-        link: The link.
         reach: How far each serial joint moves from the placed configuration, shape (n,).
-        w: Work space.
+        w: Work space; its ``motion`` is written.
     """
-    if w.moved[i] == w.now[0]:
-        return float(w.motion[i, link])
-    w.moved[i] = w.now[0]
-    total = 0.0
-    outer = bodies.carrier[i]
-    w.motion[i, outer] = 0.0
-    for back in range(outer):
-        joint = outer - back
-        if chain.prismatic[joint - 1]:
-            total += reach[joint - 1]
-        elif reach[joint - 1] > 0.0:
-            along, square = 0.0, 0.0
-            for k in range(3):
-                d = w.centre[i, k] - w.p[joint, k]
-                along += d * w.R[joint, k, 2]
-                square += d * d
-            arm = math.sqrt(max(square - along * along, 0.0)) + bodies.bound[i]
-            total += reach[joint - 1] * (arm + total)
-        w.motion[i, joint - 1] = total
-    return float(w.motion[i, link])
+    for i in range(bodies.radius.shape[0]):
+        total = 0.0
+        outer = bodies.carrier[i]
+        w.motion[i, outer] = 0.0
+        for back in range(outer):
+            joint = outer - back
+            if chain.prismatic[joint - 1]:
+                total += reach[joint - 1]
+            elif reach[joint - 1] > 0.0:
+                along, square = 0.0, 0.0
+                for k in range(3):
+                    d = w.centre[i, k] - w.p[joint, k]
+                    along += d * w.R[joint, k, 2]
+                    square += d * d
+                arm = math.sqrt(max(square - along * along, 0.0)) + bodies.bound[i]
+                total += reach[joint - 1] * (arm + total)
+            w.motion[i, joint - 1] = total

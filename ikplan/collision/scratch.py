@@ -51,7 +51,6 @@ class Scratch(NamedTuple):
         spheres: Centres of the covering spheres in the base, shape (s, 3) [m].
         box: Axes and centre of the boxes in the base, shape (k, 12) [m].
         placed: When the rest of each piece was placed last, shape (k,).
-        moved: When its ``motion`` was written last, shape (k,).
         now: Shape (1,): a number for the configuration that the links are at.
         motion: How far each piece can move against each link, shape (k, n + 1) [m].
         axis: Separating axis of each pair when it was last looked at, shape (m, 3).
@@ -66,7 +65,6 @@ class Scratch(NamedTuple):
     spheres: Array
     box: Array
     placed: Indices
-    moved: Indices
     now: Indices
     motion: Array
     axis: Array
@@ -102,7 +100,6 @@ def new_scratch(chain: Chain, bodies: Bodies) -> Scratch:
         np.zeros((bodies.radius.shape[0], 6)),
         np.zeros((bodies.spheres.shape[0], 3)),
         np.zeros((bodies.radius.shape[0], 12)),
-        np.zeros(bodies.radius.shape[0], dtype=np.int64),
         np.zeros(bodies.radius.shape[0], dtype=np.int64),
         np.zeros(1, dtype=np.int64),
         np.zeros((bodies.radius.shape[0], n)),

@@ -38,6 +38,7 @@ if TYPE_CHECKING:
         Unreachable,
         WorkerLost,
     )
+    from ikplan.pipeline.move import move
     from ikplan.pipeline.plan import plan
     from ikplan.pipeline.poses import solve_ik
     from ikplan.pipeline.retime import time_path, time_request
@@ -83,6 +84,7 @@ else:
             "Unreachable": "errors",
             "WorkerLost": "errors",
             "load_robot": "robots",
+            "move": "pipeline.move",
             "plan": "pipeline.plan",
             "read_scene": "scene.read_scene",
             "read_waypoints": "points",
@@ -129,6 +131,7 @@ __all__ = [
     "WorkerLost",
     "__version__",
     "load_robot",
+    "move",
     "plan",
     "read_scene",
     "read_waypoints",

@@ -1,6 +1,6 @@
 """The path asked for: poses, segments, and what must hold along them."""
 
-from ikplan.path.build.legs import JointLeg, JointWaypoint, Leg, ToolLeg, legs_of
+from ikplan.path.build.legs import JointLeg, JointWaypoint, Leg, MoveLeg, ToolLeg, legs_of
 from ikplan.path.pieces.piece import TURN_LENGTH, PathDerivatives, Piece, Pose
 from ikplan.path.rotation.so3 import rotation_of
 from ikplan.path.tool_path import Corner, PathWaypoint, SegmentRange, ToolPath
@@ -11,6 +11,7 @@ __all__ = [
     "JointLeg",
     "JointWaypoint",
     "Leg",
+    "MoveLeg",
     "PathDerivatives",
     "PathWaypoint",
     "Piece",

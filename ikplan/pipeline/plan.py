@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -12,7 +13,7 @@ from ikplan.collision.checker import CollisionChecker
 from ikplan.documents import parse
 from ikplan.documents.plan_request import PlanRequest
 from ikplan.documents.trajectory import WaypointResults
-from ikplan.errors import Disconnected, Unreachable
+from ikplan.errors import Disconnected, InCollision, Unreachable
 from ikplan.ik.arguments import check_start
 from ikplan.ik.solve import pose_distance
 from ikplan.joint_path import JointPath
@@ -37,12 +38,15 @@ from ikplan.planning.segment_number import segment_number
 from ikplan.plans.plan import Plan
 from ikplan.robots import Robot
 from ikplan.robots.narrowing import narrowed
+from ikplan.scene.body import CollisionModel
 
 __all__ = ["make_plan", "plan"]
 
 CONTACT_MARGIN = 1e-4
 """Gap that the planner keeps on top of the clearance [m]: the spline through its configurations
 leaves the straight motions that it checks by a little, and the proof has the last word."""
+_MOVE_REPAIRS = 3
+"""How often a move on which that proof fails is rounded anew, with a gap that grows."""
 _EXACT = 1e-9
 """What counts as a solution of a waypoint, whatever the path tolerates [m and rad]."""
 
@@ -112,25 +116,52 @@ def make_plan(
     contact = None
     if model is not None and len(model.pairs):
         contact = CollisionChecker(robot, model, CONTACT_MARGIN)
-    with clock.stage("planning"), clock.cutting(solver.cut, solver.search_evaluations):
-        arm_limits = joint_limits(robot, limits)
-        problem = JointPathProblem(
-            robot,
-            solver,
-            request.path,
-            request.ik,
-            q_start,
-            start_free,
-            arm_limits,
-            clock,
-            contact=contact,
+    problem = JointPathProblem(
+        robot,
+        solver,
+        request.path,
+        request.ik,
+        q_start,
+        start_free,
+        joint_limits(robot, limits),
+        clock,
+        contact=contact,
+    )
+    margins: dict[str, float] = {}
+    for repair in range(_MOVE_REPAIRS + 1):
+        motion = _motion(
+            request, replace(problem, move_margins=margins), limits, limits_of, model, known_id
         )
+        if isinstance(motion, Plan):
+            return motion
+        name, violation = motion
+        if repair == _MOVE_REPAIRS:
+            raise violation
+        margins = {**margins, name: max(4.0 * margins.get(name, 0.0), CONTACT_MARGIN)}
+    raise AssertionError("the loop returns or raises")
+
+
+def _motion(
+    request: PlanRequest,
+    problem: JointPathProblem,
+    limits: MotionLimits,
+    limits_of: Mapping[str, MotionLimits],
+    model: CollisionModel | None,
+    known_id: str,
+) -> Plan | tuple[str, InCollision]:
+    """Plan, time and certify; where the proof fails on a move, its name and the violation.
+
+    Raises:
+        InCollision: The proof fails elsewhere.
+    """
+    robot, clock, solver = problem.robot, problem.clock, problem.solver
+    with clock.stage("planning"), clock.cutting(solver.cut, solver.search_evaluations):
         try:
             route = plan_joint_path(problem)
         except (Unreachable, Disconnected) as error:
             error.repairs = find_repairs(problem, error)
             raise
-        path = JointPath.through(route.q, arm_limits, rest_at=route.rest)
+        path = JointPath.through(route.q, problem.limits, rest_at=route.rest)
         # Configurations too close to tell apart are passed as one.
         passed = path.q_knots[path.knot_of_waypoint]
         waypoint_q = passed[[w.index for w in route.waypoints]]
@@ -141,19 +172,28 @@ def make_plan(
             if x.field in limits_of
         ]
         timing = time_motion(path, robot, limits, request.sampling, segments, clock.check)
-    return assemble_plan(
-        request,
-        robot,
-        limits,
-        _waypoint_results(robot, route, waypoint_q, timing.timed.times, start_free),
-        timing,
-        clock,
-        q_start=None if start_free else q_start,
-        path=request.path,
-        model=model,
-        segment_times=_segment_times(route, timing.timed.times),
-        plan_id=known_id,
-    )
+    times = timing.timed.times
+    try:
+        return assemble_plan(
+            request,
+            robot,
+            limits,
+            _waypoint_results(robot, route, waypoint_q, times, problem.start_free),
+            timing,
+            clock,
+            q_start=None if problem.start_free else problem.q_start,
+            path=request.path,
+            moves=[move.report for move in route.moves],
+            model=model,
+            segment_times=_segment_times(route, times),
+            plan_id=known_id,
+        )
+    except InCollision as violation:
+        for move in route.moves:
+            begin, end = float(times[move.first]), float(times[move.last])
+            if violation.time is not None and begin <= violation.time <= end:
+                return move.report.field, violation
+        raise
 
 
 def _segment_times(

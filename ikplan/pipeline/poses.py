@@ -25,7 +25,7 @@ from ikplan.pipeline.collisions import requested_model, with_meshes
 from ikplan.pipeline.helpers import helped_by
 from ikplan.pipeline.request_budget import RequestBudget
 from ikplan.pipeline.resolve import resolve_robot
-from ikplan.planning import Progress
+from ikplan.planning import Progress, TimeBudget
 from ikplan.planning.waypoints.free_solutions import free_solutions
 from ikplan.planning.waypoints.waypoint_problem import WaypointProblem
 from ikplan.robots import Robot

@@ -24,8 +24,8 @@ _WRIST = "iiwa14"
 _LIMITS = {"jerk": False, "tool_speed": 1.0, "tool_acceleration": 50.0, "torque": True}
 _BUDGET_S = 3600.0
 _lock = threading.RLock()
-_under_way: set[tuple[RequestKind, str, bool]] = set()
-_ready: set[tuple[RequestKind, str, bool]] = set()
+_under_way: set[tuple[RequestKind, str, bool, bool]] = set()
+_ready: set[tuple[RequestKind, str, bool, bool]] = set()
 
 
 def warm_up(
@@ -34,6 +34,7 @@ def warm_up(
     method: str = "ik-ba",
     *,
     jerk: bool = False,
+    moves: bool = False,
 ) -> None:
     """Make every kernel that requests of a kind use ready, once a process.
 
@@ -47,13 +48,14 @@ def warm_up(
         kind: Which requests.
         method: Name of the solver that they use.
         jerk: Whether those with limits of jerks too.
+        moves: Whether those with moves around obstacles too.
 
     Raises:
         InvalidRequest: No solver of that name.
     """
-    if jerk:
-        warm_up(run, kind, method)
-    key = (kind, method, jerk)
+    if jerk or moves:
+        warm_up(run, kind, method, jerk=jerk and moves)
+    key = (kind, method, jerk, moves)
     if key in _ready:
         return
     with _lock:  # a second thread waits for the first
@@ -61,7 +63,8 @@ def warm_up(
             return
         _under_way.add(key)
         try:
-            for request in small_requests(kind, method, jerk=jerk):
+            asked = [_move(method)] if moves else small_requests(kind, method, jerk=jerk)
+            for request in asked:
                 # Some are out of reach or in contact: the explanation has kernels of its own.
                 with contextlib.suppress(Unreachable, InCollision):
                     run(request)
@@ -114,6 +117,27 @@ def _scenes(place: list[float]) -> tuple[dict[str, Any], dict[str, Any]]:
     ball = {"name": "ball", "shape": {"type": "sphere", "radius": 0.1}}
     far = {**ball, "position": [0.0, 0.0, 9.0]}
     return {"obstacles": [far]}, {"obstacles": [{**ball, "position": place}]}
+
+
+def _move(method: str) -> dict[str, Any]:
+    """A move around a box that is midway between its ends."""
+    robot = catalogue_robot(_ROBOT)
+    goal, middle = robot.home.copy(), robot.home.copy()
+    goal[0], middle[0] = robot.home[0] + 1.0, robot.home[0] + 0.5
+    box = {
+        "name": "box",
+        "shape": {"type": "box", "size": [0.05, 0.05, 0.05]},
+        "position": robot.fk(middle).translation.tolist(),
+    }
+    return {
+        "robot": _ROBOT,
+        "start": robot.home.tolist(),
+        "scene": {"obstacles": [box]},
+        "path": {"segments": [{"type": "move", "q": goal.tolist()}]},
+        "ik": {"method": method},
+        "limits": {"jerk": False},
+        "budget_s": _BUDGET_S,
+    }
 
 
 def _poses(method: str) -> list[dict[str, Any]]:

@@ -82,7 +82,7 @@ class ToolSegment(BaseSegment):
         ge=0,
         le=10,
         description="Radius of the ball around the corner at the end of the segment within which "
-        "the corner is rounded [m]; 0: exact, the motion stops there; null: that of the path.",
+        "the corner is rounded [m]; 0: exact, the motion stops there; null: as the path says.",
     )
 
 

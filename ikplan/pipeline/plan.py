@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -14,7 +15,7 @@ from ikplan.documents import parse
 from ikplan.documents.plan_request import IkOptions, IkRequest, PlanRequest
 from ikplan.documents.pose_results import IkSolution
 from ikplan.documents.trajectory import WaypointResults
-from ikplan.errors import Disconnected, Unreachable
+from ikplan.errors import BudgetExceeded, Disconnected, NoPlan, Unreachable
 from ikplan.ik.arguments import check_start
 from ikplan.ik.solve import PoseSolver, pose_distance, solve_pose
 from ikplan.joint_path import JointPath
@@ -25,7 +26,7 @@ from ikplan.pipeline.assemble import assemble_plan, joint_steps
 from ikplan.pipeline.collisions import requested_model
 from ikplan.pipeline.identity import plan_id
 from ikplan.pipeline.resolve import resolve_robot
-from ikplan.pipeline.timing_stage import joint_limits, time_motion
+from ikplan.pipeline.timing_stage import Timing, joint_limits, time_motion
 from ikplan.pipeline.warm_up import warm_up
 from ikplan.planning import (
     JointPathProblem,
@@ -132,17 +133,13 @@ def make_plan(
         except (Unreachable, Disconnected) as error:
             error.repairs = find_repairs(problem, error)
             raise
-        path = JointPath.through(route.q, arm_limits, rest_at=route.rest)
-        # Configurations too close to tell apart are passed as one.
-        passed = path.q_knots[path.knot_of_waypoint]
-        waypoint_q = passed[[w.index for w in route.waypoints]]
-    with clock.stage("timing"):
-        segments = [
-            LimitedSegment(x.field, x.first, x.last, limits_of[x.field])
-            for x in route.segments
-            if x.field in limits_of
-        ]
-        timing = time_motion(path, robot, limits, request.sampling, segments, clock.check)
+    stages = _Stages(request, robot, limits, limits_of, solver)
+    path, timing = stages.timed(problem, route)
+    if route.sharp:
+        route, path, timing = stages.faster(problem, route, path, timing)
+    # Configurations too close to tell apart are passed as one.
+    passed = path.q_knots[path.knot_of_waypoint]
+    waypoint_q = passed[[w.index for w in route.waypoints]]
     return assemble_plan(
         request,
         robot,
@@ -157,6 +154,53 @@ def make_plan(
         segment_times=_segment_times(route, timing.timed.times),
         plan_id=known_id,
     )
+
+
+@dataclass(frozen=True, eq=False)
+class _Stages:
+    """What the stages after the first planning of a request share."""
+
+    request: PlanRequest
+    robot: Robot
+    limits: MotionLimits
+    limits_of: dict[str, MotionLimits]
+    solver: PoseSolver
+
+    def timed(self, problem: JointPathProblem, route: JointRoute) -> tuple[JointPath, Timing]:
+        """Lay the joint path of a route and time it."""
+        clock = problem.clock
+        with clock.stage("planning"):
+            path = JointPath.through(route.q, problem.limits, rest_at=route.rest)
+        with clock.stage("timing"):
+            segments = [
+                LimitedSegment(x.field, x.first, x.last, self.limits_of[x.field])
+                for x in route.segments
+                if x.field in self.limits_of
+            ]
+            sampling = self.request.sampling
+            timing = time_motion(path, self.robot, self.limits, sampling, segments, clock.check)
+        return path, timing
+
+    def faster(
+        self, problem: JointPathProblem, route: JointRoute, path: JointPath, timing: Timing
+    ) -> tuple[JointRoute, JointPath, Timing]:
+        """Return the motion that stops at sharp corners, where that is faster than to round them.
+
+        Within a small tolerance a sharp corner is passed so slowly that a stop may take no longer.
+        """
+        exact = replace(problem, rounding="slight")
+        clock, solver = problem.clock, self.solver
+        try:
+            with clock.stage("planning"), clock.cutting(solver.cut, solver.search_evaluations):
+                other = plan_joint_path(exact)
+            other_path, other_timing = self.timed(exact, other)
+        except NoPlan as error:
+            if isinstance(error, BudgetExceeded):
+                raise
+            return route, path, timing
+        if other_timing.timed.duration < timing.timed.duration:
+            return other, other_path, other_timing
+        return route, path, timing
 
 
 def _segment_times(

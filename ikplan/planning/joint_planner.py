@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ikplan.arrays import Array
-from ikplan.errors import Disconnected, InCollision, InvalidRequest, NoPlan
+from ikplan.errors import Disconnected, InCollision, InvalidRequest, NoPlan, Unreachable
 from ikplan.ik.arguments import check_start
 from ikplan.kinematics.target import Freedom, Target, pose_target
 from ikplan.path import JointLeg, JointWaypoint, Leg, Pose, ToolLeg, ToolPath, legs_of
@@ -50,7 +50,20 @@ def plan_joint_path(problem: JointPathProblem) -> JointRoute:
         planner.check_start_free()
         T = problem.robot.fk(problem.q_start)
         start = Pose(T.rotation.copy(), T.translation.copy())
-    legs = legs_of(problem.path, start, planner.fk)
+    legs = legs_of(problem.path, start, planner.fk, problem.rounding)
+    try:
+        return _planned(planner, legs)
+    except (Unreachable, Disconnected, InCollision, TrackingFailed):
+        if not any(isinstance(leg, ToolLeg) and leg.path.rounded for leg in legs):
+            raise
+    # The path itself may be passed where its rounded corners are not, and is what was asked for.
+    problem = replace(problem, rounding="none")
+    planner = _JointPathPlanner(problem)
+    return _planned(planner, legs_of(problem.path, start, planner.fk, "none"))
+
+
+def _planned(planner: _JointPathPlanner, legs: list[Leg]) -> JointRoute:
+    problem = planner.problem
     problem.clock.set_total(sum(map(_waypoint_count, legs)))
     for leg, after in zip(legs, [*legs[1:], None], strict=True):
         if isinstance(leg, JointLeg):
@@ -107,6 +120,7 @@ class _JointPathPlanner:
         self.waypoints: list[RouteWaypoint] = []
         self.segments: list[RouteSegment] = []
         self.evaluations = 0
+        self.sharp = False
         self.opened: _Open | None = None
 
     def check_start_free(self) -> None:
@@ -129,6 +143,7 @@ class _JointPathPlanner:
             waypoints,
             self.evaluations,
             self.segments,
+            self.sharp,
         )
 
     @property
@@ -214,6 +229,7 @@ class _JointPathPlanner:
                 raise verdict from failure
             tracked = replace(tracked, evaluations=tracked.evaluations + failure.evaluations)
         self._append(path, tracked)
+        self.sharp |= path.sharp
 
     def _verdict(self, path: ToolPath, failure: TrackingFailed) -> NoPlan:
         """Why a tool path cannot be tracked to its end."""

@@ -10,6 +10,7 @@ from ikplan.documents.plan_request import IkOptions, PathRequest
 from ikplan.ik.solve import PoseSolver
 from ikplan.kinematics.target import Target
 from ikplan.limits import JointLimits
+from ikplan.path import Rounding
 from ikplan.robots import Robot
 from ikplan.time_budget import TimeBudget
 
@@ -32,6 +33,7 @@ class JointPathProblem:
         explain: Whether a refusal says why: what holds the arm takes longer to find out than
             that it is held.
         contact: Refuses configurations and motions in contact; None: nothing is checked.
+        rounding: Which corners are rounded within the tolerance, if the path asks for it.
     """
 
     robot: Robot
@@ -44,6 +46,7 @@ class JointPathProblem:
     clock: TimeBudget
     explain: bool = True
     contact: ContactCheck | None = None
+    rounding: Rounding = "all"
 
 
 @dataclass(frozen=True)
@@ -88,6 +91,7 @@ class JointRoute:
         waypoints: The waypoints of the request, in order.
         evaluations: Forward-kinematics evaluations spent.
         segments: The segments of the request, in order.
+        sharp: Whether sharp corners are rounded within the tolerance.
     """
 
     q: Array
@@ -95,3 +99,4 @@ class JointRoute:
     waypoints: list[RouteWaypoint]
     evaluations: int
     segments: list[RouteSegment]
+    sharp: bool = False

@@ -5,7 +5,7 @@ BIN    := $(VENV)/bin
 STAMP  := $(VENV)/.ready
 DOCS   := $(VENV)/.docs-ready
 
-.PHONY: help setup demo page picture test coverage check docs serve bench papers mutants clean
+.PHONY: help setup demo page picture test coverage check docs serve bench papers mutants lock sbom audit clean
 help:            ## list the targets
 	@grep -E '^[a-z]+: .*##|^[a-z]+:  *##' $(MAKEFILE_LIST) | sed 's/:.*##/\t/'
 
@@ -56,6 +56,16 @@ papers: $(STAMP) ## run a reduced version of the papers' experiments into out/pa
 
 mutants: $(STAMP) ## plant faults and print those that no test finds; up to 30 minutes
 	$(BIN)/python -m benchmarks.mutants
+
+lock: $(STAMP)   ## write what the container installs, with hashes, from constraints.txt
+	$(BIN)/python docker/lock.py
+
+sbom: $(STAMP)   ## write the bill of materials of the container (CycloneDX) to out/sbom.cdx.json
+	mkdir -p out
+	$(BIN)/python docker/sbom.py out/sbom.cdx.json
+
+audit: $(STAMP)  ## look for known faults of what the container installs; says if the data cannot be reached
+	$(BIN)/python docker/audit.py
 
 clean:           ## remove the environment and every output
 	rm -rf $(VENV) out build dist web/dist web/node_modules

@@ -44,6 +44,7 @@ if TYPE_CHECKING:
     from ikplan.plans.plan import Plan
     from ikplan.points import read_waypoints
     from ikplan.robots import Robot, load_robot, robot_names
+    from ikplan.scene.read_scene import read_scene
 
 _HOMES = {
     "AccessDenied": "errors",
@@ -81,6 +82,7 @@ _HOMES = {
     "WorkerLost": "errors",
     "load_robot": "robots",
     "plan": "pipeline.plan",
+    "read_scene": "scene.read_scene",
     "read_waypoints": "points",
     "robot_names": "robots",
     "solve_ik": "ik",
@@ -125,6 +127,7 @@ __all__ = [
     "__version__",
     "load_robot",
     "plan",
+    "read_scene",
     "read_waypoints",
     "robot_names",
     "solve_ik",

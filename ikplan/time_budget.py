@@ -26,17 +26,22 @@ class SearchCut(Exception):
 
 
 class TimeBudget:
-    """Counts a plan's time. It decides whether there is a plan, never which one.
+    """Counts a plan's time and evaluations. It decides whether there is a plan, never which one.
 
     Args:
         budget_s: The time budget [s].
         progress: Is told how far the plan is; None: nobody is.
+
+    Attributes:
+        seconds: How long each stage took [s].
+        evaluations: Forward-kinematics evaluations spent.
     """
 
     def __init__(self, budget_s: float, progress: Progress | None = None) -> None:
         self.budget_s = budget_s
         self._progress = progress
         self.seconds: dict[str, float] = {}
+        self.evaluations = 0
         self._begin = time.perf_counter()
         self._stage = ""
         self._since = self._begin
@@ -80,6 +85,10 @@ class TimeBudget:
         if stage:
             self.seconds[stage] = self.seconds.get(stage, 0.0) + now - self._since
         self._since = now
+
+    def count(self, evaluations: int) -> None:
+        """Count forward-kinematics evaluations that were spent."""
+        self.evaluations += int(evaluations)
 
     def set_total(self, waypoints: int) -> None:
         """Tell how many waypoints there are to do."""

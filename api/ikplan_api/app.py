@@ -85,6 +85,7 @@ def create_app(
         settings.max_queued,
         memory_bytes=settings.worker_memory_bytes,
         grace_s=settings.grace_s,
+        max_wait_s=settings.max_wait_s,
     )
     app.state.connections = Connections(_connection_limits(settings))
     app.state.metrics = Metrics(planner, app.state.connections)

@@ -57,13 +57,17 @@ def link_bodies(robot: Robot, rng: np.random.Generator) -> list[Body]:
 
 
 def draw_motion(robot: Robot, rng: np.random.Generator, reach: float, knots: int) -> JointCurve:
-    """Cubics between a few random joint values around one, at most ``reach`` away [rad or m]."""
+    """Cubics between a few random joint values around one, at most ``reach`` away [rad or m].
+
+    Every other motion begins and ends at speed, as a part of a longer one.
+    """
     centre = robot.random_configuration(rng)
     span = np.where(robot.prismatic, 0.3, 1.0) * reach
     q = robot.clip(centre) + rng.uniform(-span, span, (knots, robot.dof))
     time = np.linspace(0.0, 5.0, knots)
-    dq = np.gradient(q, time, axis=0) if knots > 2 else np.zeros_like(q)
-    dq[0] = dq[-1] = 0.0
+    dq = np.gradient(q, time, axis=0)
+    if rng.random() < 0.5:
+        dq[0] = dq[-1] = 0.0
     return JointCurve.of_samples(time, q, dq)
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -81,13 +81,23 @@ def judge(
 
 
 def falsify(
-    count: int, *, seed: int = 0, prover: Prover = prove_clearance, reach: float = 0.6,
-    step: float = STEP,
+    count: int, *, seed: int = 0, first: int = 0, prover: Prover = prove_clearance,
+    reach: float = 0.6, step: float = STEP, robots: Sequence[Robot] = (),
 ) -> Verdicts:  # fmt: skip
-    """Draw motions over six robots and hold what is proven of them to dense distances."""
-    robots = [load_robot(name) for name in ROBOTS]
+    """Draw motions and hold what is proven of them to dense distances.
+
+    Args:
+        count: How many motions.
+        seed: Of the random numbers.
+        first: Number of the first motion; each has random numbers of its own.
+        prover: What is held to them.
+        reach: Most that joint values leave those in the middle of a motion [rad or m].
+        step: Most that a joint moves between instants [rad or m].
+        robots: Taken in turn; none: six of the catalogue.
+    """
+    robots = robots or [load_robot(name) for name in ROBOTS]
     verdicts = Verdicts()
-    for i in range(count):
+    for i in range(first, first + count):
         rng = np.random.default_rng([seed, i])
         robot = robots[i % len(robots)]
         knots = int(rng.integers(2, 6))

@@ -29,7 +29,9 @@ def mesh_bodies(name: str) -> tuple[Robot, CollisionModel]:
     robot = load_robot(name)
     full = pin.buildModelFromUrdf(str(urdf))
     root = str(urdf.parents[4])
-    geometry = pin.buildGeomFromUrdf(full, str(urdf), pin.GeometryType.COLLISION, root)
+    geometry = pin.buildGeomFromUrdf(
+        full, str(urdf), pin.GeometryType.COLLISION, package_dirs=[root]
+    )
     geometry.addAllCollisionPairs()
     pin.removeCollisionPairs(full, geometry, str(srdf))
     neutral = pin.neutral(full)

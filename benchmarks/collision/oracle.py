@@ -14,9 +14,13 @@ from ikplan.scene.body import CollisionModel, ConvexPiece
 __all__ = ["COAL_ERROR", "Oracle", "coal_shape", "dense_parameters"]
 
 Array = NDArray[np.float64]
+Ints = NDArray[np.int64]
 
 COAL_ERROR = 5e-6
 """What coal's distances may be off by [m]."""
+_COARSE = 8
+_BODY = 0.5
+"""No body reaches farther from its joint [m]."""
 
 
 def coal_shape(piece: ConvexPiece) -> tuple[coal.CollisionGeometry, pin.SE3]:
@@ -73,23 +77,38 @@ class Oracle:
         self.geometry_data = self.geometry.createData()
         self.data = robot.model.createData()
 
-    def distances(self, q: Array) -> Array:
-        """Return the distance of every pair of pieces, shape (pairs,) [m]; 0 in contact."""
+    def distances(self, q: Array, pairs: Ints | None = None) -> Array:
+        """Return the distance of every pair of pieces, or of some, 0 in contact [m]."""
         configuration = self.robot.configurations(q[None])[0]
-        pin.computeDistances(
+        pin.updateGeometryPlacements(
             self.robot.model, self.data, self.geometry, self.geometry_data, configuration
         )
-        found = np.array([r.min_distance for r in self.geometry_data.distanceResults])
+        chosen = range(len(self.group)) if pairs is None else pairs.tolist()
+        found = [
+            pin.computeDistance(self.geometry, self.geometry_data, k).min_distance for k in chosen
+        ]
         return np.asarray(np.maximum(found, 0.0))
 
     def least(self, curve: JointCurve, step: float) -> Array:
-        """Return the least distance of each group over instants a step apart, shape (2,) [m]."""
+        """Return the least distance of each group over instants a step apart, shape (2,) [m].
+
+        Instants farther apart come first; between two of them, the finer ones are left out where
+        no body of the robot's size can come as near as the nearest place by then.
+        """
+        coarse = dense_parameters(curve, _COARSE * step)
+        rows = np.array([self.distances(curve.at(float(u))) for u in coarse])
         least = np.full(2, np.inf)
-        for u in dense_parameters(curve, step):
-            found = self.distances(curve.at(float(u)))
-            for g in range(2):
-                if (self.group == g).any():
-                    least[g] = min(least[g], found[self.group == g].min())
+        np.minimum.at(least, self.group, rows.min(axis=0))
+        reach = sum(float(np.linalg.norm(m.translation)) for m in self.robot.model.jointPlacements)
+        size = 2.0 * (reach + _BODY + float(np.abs(self.robot.upper[self.robot.prismatic]).sum()))
+        moved = np.abs(self.robot.coupling) @ np.full(self.robot.dof, _COARSE * step)
+        slack = max(size, 1.0) * float(moved.sum())
+        for k in range(len(coarse) - 1):
+            near = np.flatnonzero(rows[k] - slack < least[self.group])
+            if len(near):
+                for u in np.linspace(coarse[k], coarse[k + 1], _COARSE + 1)[1:-1]:
+                    found = self.distances(curve.at(float(u)), near)
+                    np.minimum.at(least, self.group[near], found)
         return least
 
 

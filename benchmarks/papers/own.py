@@ -89,8 +89,8 @@ def _plan(case: Case, series: Series, run: int, count: int | None = None) -> lis
         TimeBudget(float("inf")),
     )
     chosen = select_configurations(problem, IkOptions(elongation=mode))
-    spent = (chosen.evaluations, 0.0, time.perf_counter() - wall, time.thread_time() - cpu)
-    q_of = dict(zip(inside.tolist(), chosen.q, strict=True))
+    spent = (problem.clock.evaluations, 0.0, time.perf_counter() - wall, time.thread_time() - cpu)
+    q_of = dict(zip(inside.tolist(), chosen, strict=True))
     q, q_before = [], case.q_start
     for k in range(n):
         # Out of reach: the closest configuration.

@@ -17,7 +17,7 @@ from ikplan.cli.terminal.output import say
 from ikplan.cli.terminal.progress import progress_bar
 from ikplan.cli.terminal.telling import tell_start
 from ikplan.documents import load_json
-from ikplan.documents.json_ready import json_ready
+from ikplan.documents.json_text import json_ready
 from ikplan.errors import IkplanError, InvalidRequest
 
 __all__ = ["batch"]

@@ -6,6 +6,7 @@ import argparse
 import math
 from typing import TYPE_CHECKING
 
+from ikplan.cli.bodies import body_lines
 from ikplan.cli.controllers import controller_lines
 from ikplan.cli.requests.robot import named_or_loaded
 from ikplan.cli.terminal.output import number, say, say_json, table
@@ -32,7 +33,9 @@ def robots(options: argparse.Namespace) -> None:
 
 
 def _robot(options: argparse.Namespace) -> None:
-    info = named_or_loaded(options, options.robot).info()
+    from ikplan.scene.describe import info_with_bodies
+
+    info = info_with_bodies(named_or_loaded(options, options.robot))
     if options.json:
         say_json(info.model_dump(mode="json"))
         return
@@ -40,6 +43,8 @@ def _robot(options: argparse.Namespace) -> None:
     say_joints(info)
     if info.controller is not None:
         say("", *controller_lines(info.controller))
+    if info.collision is not None:
+        say("", *body_lines(info.collision))
     if info.notes:
         say("", *(f"- {note}" for note in info.notes))
     if info.sources:

@@ -101,7 +101,7 @@ def _all_within(robot: Robot, q: Array) -> bool:
 def ik(options: argparse.Namespace) -> None:
     """Find joint values."""
     tell_start(options, "loading")
-    from ikplan.pipeline.plan import solve_ik_request
+    from ikplan.pipeline.poses import solve_ik_request
 
     robot = named_or_loaded(options, options.robot)
     settings = {"method": options.method, "seed": options.seed}

@@ -66,6 +66,4 @@ def read_line(line: str, url: str) -> Plan | IkplanError:
 
 
 def _foreign(url: str) -> ServiceUnavailable:
-    return ServiceUnavailable(
-        f"{url} told something else than expected: is it an ikplan service?", url=url
-    )
+    return ServiceUnavailable(f"{url} sent an unexpected answer: is it an ikplan service?", url=url)

@@ -1,18 +1,19 @@
-"""JSON text as documents arrive in: strict, and with the place of a fault."""
+"""JSON: the text that documents arrive in, read strictly, and what it can hold of any data."""
 
 from __future__ import annotations
 
 import contextlib
 import json
+import math
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any, NoReturn
 
 import orjson
 
 from ikplan.errors import InvalidRequest
 
-__all__ = ["load_json", "shortened", "unique_keys"]
+__all__ = ["json_ready", "load_json", "shortened", "unique_keys"]
 
 _LONGEST_ECHO = 100
 _MOST_MEMBERS = 1000
@@ -40,7 +41,7 @@ def load_json(text: str | bytes) -> Any:
             content = orjson.loads(text)
             if _every_key_is_kept(text, content):
                 return content
-    # What is wrong is told by the parser that says where; a few things are right for it alone.
+    # The parser that says where a fault is reports it; a few things only it accepts.
     try:
         return json.loads(text, parse_constant=_refuse_constant, object_pairs_hook=unique_keys)
     except json.JSONDecodeError as error:
@@ -123,3 +124,18 @@ def _refuse_constant(name: str) -> NoReturn:
     raise InvalidRequest(
         f"{name} is not JSON and no number a robot can follow", allowed="finite numbers"
     )
+
+
+def json_ready(value: Any) -> Any:
+    """Return what JSON can hold of an error's data: a number that is not finite becomes null."""
+    if isinstance(value, Mapping):
+        return {str(k): json_ready(v) for k, v in value.items()}
+    if isinstance(value, list | tuple):
+        return [json_ready(v) for v in value]
+    if hasattr(value, "tolist"):  # numpy
+        return json_ready(value.tolist())
+    if isinstance(value, float):
+        return value if math.isfinite(value) else None
+    if value is None or isinstance(value, bool | int | str):
+        return value
+    return str(value)

@@ -9,7 +9,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BeforeValidator, Discriminator, Field, Tag
 
-from ikplan.documents import Document, Number, Vec3, as_list
+from ikplan.documents import Document, IfGiven, Number, Vec3, as_list
 
 __all__ = ["LimitOptions", "OwnLimits", "Payload", "SamplingOptions", "SegmentLimits", "ToolRate"]
 
@@ -27,7 +27,7 @@ def _tag(value: Any) -> str:
     return "[object]" if isinstance(value, dict | Document) else "[number]"
 
 
-# Tagged, so that a fault is told of the form the user wrote and not of both.
+# Tagged, so that an error names the form that the user wrote, not both.
 _PositiveList = Annotated[list[Positive], Field(min_length=1, max_length=1000), Tag("[values]")]
 _NegativeList = Annotated[list[Negative], Field(min_length=1, max_length=1000), Tag("[values]")]
 PerJoint = Annotated[
@@ -140,7 +140,9 @@ class OwnLimits(Document):
 class LimitOptions(_Limits):
     """Limits of the motion, on top of the robot's own: the strictest of all holds."""
 
-    joints: dict[Annotated[str, Field(min_length=1, max_length=200)], OwnLimits] | None = Field(
+    joints: Annotated[
+        dict[Annotated[str, Field(min_length=1, max_length=200)], OwnLimits] | None, IfGiven()
+    ] = Field(
         None,
         max_length=64,
         description="Limits of single joints by name, position limits among them, as if they were "

@@ -104,7 +104,7 @@ def _free_tag(value: Any) -> str:
     return "[name]" if isinstance(value, str) else "[axis]"
 
 
-# Tagged, so that a fault is told of the form the user wrote and not of both.
+# Tagged, so that an error names the form that the user wrote, not both.
 OrientationFree = Annotated[
     Annotated[Literal["all"], Tag("[name]")] | Annotated[AxisFreedom, Tag("[axis]")],
     Discriminator(_free_tag),

@@ -36,7 +36,7 @@ def _start_tag(value: Any) -> str:
     return "[free]" if isinstance(value, str) else "[values]"
 
 
-# Tagged, so that a fault is told of the form the user wrote and not of both.
+# Tagged, so that an error names the form that the user wrote, not both.
 Start = Annotated[
     Annotated[Floats, Tag("[values]")] | Annotated[Literal["free"], Tag("[free]")],
     Discriminator(_start_tag),

@@ -117,7 +117,7 @@ class Scene(Document):
     """What stands around the arm, what it carries, and what must not touch."""
 
     obstacles: Annotated[
-        list[Obstacle], BeforeValidator(as_list), Field(max_length=MAX_OBSTACLES)
+        list[Obstacle], Field(max_length=MAX_OBSTACLES), BeforeValidator(as_list)
     ] = Field([], description="What stands still, in the robot's base frame.")
     clearance: float = Field(
         0.0, ge=0, le=1, description="Least gap asked for between any two bodies checked [m]."
@@ -125,11 +125,11 @@ class Scene(Document):
     self_collision: bool = Field(
         True, description="Whether the arm is checked against itself as well."
     )
-    allow: Annotated[list[_Pair], BeforeValidator(as_list), Field(max_length=10_000)] = Field(
+    allow: Annotated[list[_Pair], Field(max_length=10_000), BeforeValidator(as_list)] = Field(
         [], description="Pairs of names of bodies that may touch, in either order."
     )
     attached: Annotated[
-        list[AttachedBody], BeforeValidator(as_list), Field(max_length=MAX_ATTACHED)
+        list[AttachedBody], Field(max_length=MAX_ATTACHED), BeforeValidator(as_list)
     ] = Field([], description="What the tool carries, in the tool frame.")
 
     @model_validator(mode="after")
@@ -148,7 +148,7 @@ def _scene_tag(value: Any) -> str:
     return "[id]" if isinstance(value, str) else "[scene]"
 
 
-# Tagged, so that a fault is told of the form the user wrote and not of both.
+# Tagged, so that an error names the form that the user wrote, not both.
 GivenScene = Annotated[
     Annotated[Scene, Tag("[scene]")]
     | Annotated[Annotated[str, Field(min_length=1, max_length=200)], Tag("[id]")],

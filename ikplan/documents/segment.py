@@ -56,7 +56,7 @@ def _orientation_tag(value: Any) -> str:
     return "[rule]" if isinstance(value, str) else "[end]"
 
 
-# Tagged, so that a fault is told of the form the user wrote and not of both.
+# Tagged, so that an error names the form that the user wrote, not both.
 OrientationRule = Annotated[
     Annotated[Literal["constant", "follow", "free"], Tag("[rule]")]
     | Annotated[EndOrientation, Tag("[end]")],

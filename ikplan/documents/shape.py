@@ -56,12 +56,12 @@ Metres3 = Annotated[
     Field(min_length=3, max_length=3),
     AfterValidator(_all_metres),
 ]
-"""A position [m]; a coordinate that must be in millimetres is told so."""
+"""A position [m]; the error of a coordinate that must be in millimetres says so."""
 _Point = Annotated[list[float], BeforeValidator(as_list), Field(min_length=3, max_length=3)]
 _Points = Annotated[
     list[_Point],
-    BeforeValidator(as_list),
     Field(min_length=1, max_length=MAX_POINTS),
+    BeforeValidator(as_list),
     AfterValidator(_points_metres),
 ]
 

@@ -303,7 +303,7 @@ def target_as_data(target: Target) -> dict[str, Any]:
 def unreachable(
     robot: Robot, closest: ClosestApproach, waypoint: int, subject: str, target: Target
 ) -> Unreachable:
-    """Return the error of a target without a solution, told of ``subject``."""
+    """Return the error of a target without a solution; ``subject`` names the target."""
     limits = [robot.joint_names[k] for k in closest.limits]
     error = f"{closest.position_error * 1e3:.3g} mm"
     if closest.orientation_error is not None:

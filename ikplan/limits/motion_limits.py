@@ -150,7 +150,7 @@ def _each(robot: Robot, value: float | list[float], field: str) -> Array:
     """One value for each joint, shape (dof,)."""
     if isinstance(value, list) and len(value) != robot.dof:
         raise InvalidRequest(
-            f"{field}: {robot.dof} values wanted ({', '.join(robot.joint_names)}), "
+            f"{field}: {robot.dof} values expected ({', '.join(robot.joint_names)}), "
             f"got {len(value)}",
             field=field,
             allowed=f"{robot.dof} numbers",

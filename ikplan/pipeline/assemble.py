@@ -49,7 +49,6 @@ def assemble_plan(
     q_start: Array | None,
     path: PathRequest | None = None,
     segments: tuple[RequestedSegment, ...] = (),
-    evaluations: int = 0,
     model: CollisionModel | None = None,
     segment_times: Sequence[tuple[float, float]] | None = None,
     joint_waypoints: Array | None = None,
@@ -69,7 +68,6 @@ def assemble_plan(
         q_start: Start that was asked for, shape (dof,) [rad or m]; None: any.
         path: The path asked for; None: the waypoints are joint values.
         segments: Parts of a joint path with limits of their own.
-        evaluations: Forward-kinematics evaluations spent.
         model: Bodies that must not touch; None: nothing is checked.
         segment_times: When each segment begins and ends [s], for attached bodies.
         joint_waypoints: Joint values that a timing asks for, shape (n, dof); None: a path is.
@@ -117,5 +115,5 @@ def assemble_plan(
         timing=timing.report.model_copy(update={"hints": [*hints, *stop_hints(certificate, path)]}),
         motion=timing.motion,
         controller=None if robot.controller is None else robot.controller.info(),
-        stats=Stats(ik_evaluations=evaluations, seconds=clock.seconds),
+        stats=Stats(ik_evaluations=clock.evaluations, seconds=clock.seconds),
     )

@@ -3,17 +3,24 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import TypeVar
 
 from ikplan.certificate.clearance import JointCurve, prove_clearance
 from ikplan.documents.clearance import Clearance
+from ikplan.documents.plan_request import IkRequest, PlanRequest
 from ikplan.documents.scene import Scene, ToolFrame
+from ikplan.documents.timing_request import TimingRequest
 from ikplan.errors import InCollision
 from ikplan.pipeline.timing_stage import Timing
 from ikplan.robots import Robot
 from ikplan.scene.body import CollisionModel
 from ikplan.scene.model import collision_model
+from ikplan.scene.resolve import resolve_scene
 
-__all__ = ["prove_motion", "requested_model"]
+__all__ = ["prove_motion", "requested_model", "with_meshes"]
+
+R = TypeVar("R", PlanRequest, TimingRequest, IkRequest)
 
 
 def requested_model(
@@ -39,9 +46,27 @@ def requested_model(
     """
     if scene is None and not always:
         return None
-    if isinstance(scene, Scene) and not (scene.self_collision or scene.obstacles or scene.attached):
-        return None
+    if isinstance(scene, Scene):
+        if not (scene.self_collision or scene.obstacles or scene.attached):
+            return None
+        scene = resolve_scene(scene, None)  # a file that is left is refused
     return collision_model(robot, scene, fixed_joints, tool.geometry)
+
+
+def with_meshes(request: R) -> R:
+    """Return a request whose scene's mesh files are read, relative to the working folder.
+
+    Args:
+        request: A request with or without a scene.
+
+    Raises:
+        InvalidRequest: A mesh cannot be read.
+    """
+    scene = request.scene
+    if not isinstance(scene, Scene):
+        return request
+    resolved = resolve_scene(scene, Path.cwd())
+    return request if resolved == scene else request.model_copy(update={"scene": resolved})
 
 
 def prove_motion(

@@ -6,6 +6,7 @@ from typing import NamedTuple
 
 from ikplan._version import __version__
 from ikplan.documents.plan_request import PlanRequest
+from ikplan.documents.scene import Scene
 from ikplan.documents.timing_request import TimingRequest
 from ikplan.robots import Robot
 
@@ -38,4 +39,14 @@ def plan_id(request: PlanRequest | TimingRequest, robot: Robot) -> str:
     Returns:
         32 hexadecimal digits.
     """
-    return request.content_hash(robot.fingerprint, __version__)
+    context = [robot.fingerprint, __version__]
+    if asks_for_checks(request):
+        context.append(robot.description.shapes.fingerprint())
+    return request.content_hash(*context)
+
+
+def asks_for_checks(request: PlanRequest | TimingRequest) -> bool:
+    """Whether a request has something checked for contact: plans do unless they switch it off."""
+    if request.scene is None:
+        return isinstance(request, PlanRequest)
+    return request.scene != Scene(self_collision=False)

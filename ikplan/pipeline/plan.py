@@ -7,24 +7,22 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-import pinocchio as pin
 from numpy.typing import NDArray
 
 from ikplan.collision.checker import CollisionChecker
 from ikplan.documents import parse
-from ikplan.documents.plan_request import IkOptions, IkRequest, PlanRequest
-from ikplan.documents.pose_results import IkSolution
+from ikplan.documents.plan_request import PlanRequest
 from ikplan.documents.trajectory import WaypointResults
 from ikplan.errors import BudgetExceeded, Disconnected, NoPlan, Unreachable
 from ikplan.ik.arguments import check_start
-from ikplan.ik.solve import PoseSolver, pose_distance, solve_pose
+from ikplan.ik.solve import PoseSolver, pose_distance
 from ikplan.joint_path import JointPath
 from ikplan.kinematics.arm import arm_of
 from ikplan.limits.motion_limits import LimitedSegment, MotionLimits
-from ikplan.path import rotation_of
 from ikplan.pipeline.assemble import assemble_plan, joint_steps
-from ikplan.pipeline.collisions import requested_model
+from ikplan.pipeline.collisions import requested_model, with_meshes
 from ikplan.pipeline.identity import plan_id
+from ikplan.pipeline.poses import pose_solver
 from ikplan.pipeline.resolve import resolve_robot
 from ikplan.pipeline.timing_stage import Timing, joint_limits, time_motion
 from ikplan.pipeline.warm_up import warm_up
@@ -41,7 +39,7 @@ from ikplan.plans.plan import Plan
 from ikplan.robots import Robot
 from ikplan.robots.narrowing import narrowed
 
-__all__ = ["make_plan", "plan", "solve_ik_request"]
+__all__ = ["make_plan", "plan"]
 
 CONTACT_MARGIN = 1e-4
 """Gap that the planner keeps on top of the clearance [m]: the spline through its configurations
@@ -79,7 +77,7 @@ def plan(
         BudgetExceeded: ``budget_s`` ran out.
         CertificateViolated: The finished plan broke a promise: a bug.
     """
-    return make_plan(parse(PlanRequest, request), robot, progress)
+    return make_plan(with_meshes(parse(PlanRequest, request)), robot, progress)
 
 
 def make_plan(
@@ -110,7 +108,7 @@ def make_plan(
     q_start = check_start(robot, robot.home if asked is None else asked)
 
     with clock.stage("ik"):
-        solver = _pose_solver(robot, request.ik, _EXACT, _EXACT)
+        solver = pose_solver(robot, request.ik, _EXACT, _EXACT)
     model = requested_model(robot, request.scene, request.fixed_joints, request.tool, always=True)
     contact = None
     if model is not None and len(model.pairs):
@@ -149,7 +147,6 @@ def make_plan(
         clock,
         q_start=None if start_free else q_start,
         path=request.path,
-        evaluations=route.evaluations,
         model=model,
         segment_times=_segment_times(route, timing.timed.times),
         plan_id=known_id,
@@ -257,46 +254,3 @@ def _waypoint_results(
         ],
         elongation=joint_steps(q[0] if start_free else route.q[0], q),
     )
-
-
-def _pose_solver(
-    robot: Robot, ik: IkOptions, tolerance_position: float, tolerance_orientation: float
-) -> PoseSolver:
-    return PoseSolver(
-        arm_of(robot),
-        ik.method,
-        ik.seed,
-        ik.population,
-        ik.iterations,
-        ik.params,
-        ik.refine,
-        tolerance_position=tolerance_position,
-        tolerance_orientation=tolerance_orientation,
-    )
-
-
-def solve_ik_request(
-    request: Mapping[str, Any] | IkRequest,
-    *,
-    robot: Robot | None = None,
-    progress: Progress | None = None,
-) -> IkSolution:
-    """Solve the single pose of an IK request, see :func:`ikplan.solve_ik`; robot as in plan.
-
-    Raises:
-        InvalidRequest: A field of the request is wrong.
-        RobotNotFound: No robot of that name.
-        Unreachable: No solution within tolerance.
-        BudgetExceeded: ``budget_s`` ran out.
-    """
-    request = parse(IkRequest, request)
-    warm_up(solve_ik_request, "ik", request.ik.method)
-    clock = TimeBudget(request.budget_s, progress)
-    robot = resolve_robot(request, robot)
-    pose: Any = np.array(request.position)
-    if request.quaternion_xyzw is not None:
-        pose = pin.SE3(rotation_of(request.quaternion_xyzw), pose)
-    tolerance = request.tolerance
-    solver = _pose_solver(robot, request.ik, tolerance.position, tolerance.orientation)
-    with clock.stage("ik"), clock.cutting(solver.cut, solver.search_evaluations):
-        return solve_pose(robot, solver, pose, request.start)

@@ -18,7 +18,7 @@ from ikplan.errors import InvalidRequest
 from ikplan.joint_path import JointPath
 from ikplan.limits.motion_limits import LimitedSegment, MotionLimits
 from ikplan.pipeline.assemble import assemble_plan, joint_steps
-from ikplan.pipeline.collisions import requested_model
+from ikplan.pipeline.collisions import requested_model, with_meshes
 from ikplan.pipeline.hints import noise_hints
 from ikplan.pipeline.identity import plan_id
 from ikplan.pipeline.near_path import Nearness, NearPath, smooth_path
@@ -118,7 +118,7 @@ def time_request(
         BudgetExceeded: ``budget_s`` ran out.
         CertificateViolated: The finished trajectory broke a promise: a bug.
     """
-    return make_timing(parse(TimingRequest, request), robot, progress)
+    return make_timing(with_meshes(parse(TimingRequest, request)), robot, progress)
 
 
 def make_timing(
@@ -282,7 +282,7 @@ def _rows(waypoints: list[list[float]], robot: Robot) -> Array:
     for i, row in enumerate(waypoints):
         if len(row) != robot.dof:
             raise InvalidRequest(
-                f"waypoints[{i}]: {robot.dof} values wanted ({', '.join(robot.joint_names)}), "
+                f"waypoints[{i}]: {robot.dof} values expected ({', '.join(robot.joint_names)}), "
                 f"got {len(row)}",
                 field=f"waypoints[{i}]",
                 allowed=f"{robot.dof} numbers",

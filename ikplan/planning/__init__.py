@@ -4,7 +4,7 @@ from ikplan.planning.joint_planner import plan_joint_path
 from ikplan.planning.joint_route import JointPathProblem, JointRoute, RouteWaypoint
 from ikplan.planning.repairs import find_repairs
 from ikplan.planning.waypoints.select import select_configurations
-from ikplan.planning.waypoints.waypoint_problem import SelectedConfigurations, WaypointProblem
+from ikplan.planning.waypoints.waypoint_problem import WaypointProblem
 from ikplan.time_budget import Progress, TimeBudget
 
 __all__ = [
@@ -12,7 +12,6 @@ __all__ = [
     "JointRoute",
     "Progress",
     "RouteWaypoint",
-    "SelectedConfigurations",
     "TimeBudget",
     "WaypointProblem",
     "find_repairs",

@@ -119,7 +119,6 @@ class _JointPathPlanner:
         self.rest: list[int] = []
         self.waypoints: list[RouteWaypoint] = []
         self.segments: list[RouteSegment] = []
-        self.evaluations = 0
         self.sharp = False
         self.opened: _Open | None = None
 
@@ -141,7 +140,6 @@ class _JointPathPlanner:
             np.ascontiguousarray(self.q),
             self.rest,
             waypoints,
-            self.evaluations,
             self.segments,
             self.sharp,
         )
@@ -197,18 +195,16 @@ class _JointPathPlanner:
         if not run:
             return
         problem = self._waypoint_problem(run)
-        selected = select_configurations(problem, self.problem.options)
-        self.evaluations += selected.evaluations
-        for waypoint, target, q in zip(run, problem.targets, selected.q, strict=True):
+        chosen = select_configurations(problem, self.problem.options)
+        for waypoint, target, q in zip(run, problem.targets, chosen, strict=True):
             self._add(q, waypoint, target)
 
     def _open_pose(self, waypoint: JointWaypoint, pose: Pose) -> None:
         """Offer every branch of a pose to the tool path that begins there."""
         problem = self._waypoint_problem([waypoint])
-        starts, spent = branches(problem)
+        starts = branches(problem)
         costs = np.linalg.norm(starts - self._last_q, axis=1)
         self.opened = _Open(waypoint, self._target(pose), starts, costs)
-        self.evaluations += spent
 
     def tool_leg(self, leg: ToolLeg) -> None:
         """Track a tool path."""
@@ -227,7 +223,6 @@ class _JointPathPlanner:
                 tracked = self.tracker.track_global(path, starts, costs)
             except TrackingFailed:
                 raise verdict from failure
-            tracked = replace(tracked, evaluations=tracked.evaluations + failure.evaluations)
         self._append(path, tracked)
         self.sharp |= path.sharp
 
@@ -273,15 +268,13 @@ class _JointPathPlanner:
         # What begins without an orientation may begin at a waypoint with one.
         rotations = [w.R for w in path.waypoints if w.s == 0.0 and w.R is not None]
         pose = Pose(R if path.oriented(0.0) else (rotations[0] if rotations else None), p)
-        starts, spent = branches(
+        starts = branches(
             self._waypoint_problem([JointWaypoint(0, "the begin of the path", pose=pose)])
         )
-        self.evaluations += spent
         return starts, np.zeros(len(starts))
 
     def _append(self, path: ToolPath, tracked: TrackedPath) -> None:
         """Add the points of a tracked path; the motion rests where it begins and ends."""
-        self.evaluations += tracked.evaluations
         joined = bool(self.q) and np.array_equal(self.q[-1], tracked.q[0])
         if joined:
             self.q.pop()

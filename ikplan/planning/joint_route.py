@@ -89,7 +89,6 @@ class JointRoute:
         q: Configurations, shape (k, dof) [rad or m]; the first is where the motion begins.
         rest: Indices of those where the motion stops.
         waypoints: The waypoints of the request, in order.
-        evaluations: Forward-kinematics evaluations spent.
         segments: The segments of the request, in order.
         sharp: Whether sharp corners are rounded within the tolerance.
     """
@@ -97,6 +96,5 @@ class JointRoute:
     q: Array
     rest: list[int]
     waypoints: list[RouteWaypoint]
-    evaluations: int
     segments: list[RouteSegment]
     sharp: bool = False

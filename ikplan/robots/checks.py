@@ -40,7 +40,7 @@ def finite_vector(
         got = f"{array.size} values" if array.ndim == 1 else f"an array of shape {array.shape}"
         of = f" ({', '.join(names)})" if names else ""
         raise InvalidRequest(
-            f"{field}: {length} values wanted{of}, got {got}",
+            f"{field}: {length} values expected{of}, got {got}",
             field=field,
             allowed=f"{length} finite numbers",
         )

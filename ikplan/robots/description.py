@@ -101,6 +101,14 @@ class ShapeSource:
     srdf: bytes = b""
     fixed_joints: tuple[tuple[str, float], ...] = ()
 
+    def fingerprint(self) -> str:
+        """SHA-256 over what the shapes come from; files of meshes are not read for it."""
+        digest = hashlib.sha256()
+        for part in (self.urdf, self.shapes, self.file, self.srdf):
+            digest.update(len(part).to_bytes(8, "big") + part)
+        digest.update(repr(self.fixed_joints).encode())
+        return digest.hexdigest()
+
 
 @dataclass(frozen=True)
 class RobotDescription:

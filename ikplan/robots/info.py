@@ -9,7 +9,16 @@ from pydantic import BaseModel, ConfigDict, Field
 from ikplan.documents.controller import Controller
 from ikplan.robots.description import RobotDescription
 
-__all__ = ["CouplingInfo", "JointInfo", "LimitSourceInfo", "RobotInfo", "robot_info"]
+__all__ = [
+    "AllowedPairInfo",
+    "BodyInfo",
+    "CollisionInfo",
+    "CouplingInfo",
+    "JointInfo",
+    "LimitSourceInfo",
+    "RobotInfo",
+    "robot_info",
+]
 
 
 class JointInfo(BaseModel):
@@ -48,6 +57,46 @@ class CouplingInfo(BaseModel):
     offset: list[float] = Field(description="one number a serial joint [rad or m]")
 
 
+class BodyInfo(BaseModel):
+    """The shape of a link: convex pieces that enclose it."""
+
+    model_config = ConfigDict(extra="forbid")
+
+    name: str
+    joint: str | None = Field(description="the joint that moves it; null: it stands with the base")
+    pieces: int
+    points: int = Field(description="points of all pieces")
+    source: str = Field(description="where the shape comes from")
+    excess: float = Field(description="how far the pieces reach beyond what they enclose [m]")
+
+
+class AllowedPairInfo(BaseModel):
+    """Two links that may touch, and why."""
+
+    model_config = ConfigDict(extra="forbid")
+
+    pair: list[str]
+    reason: str
+
+
+class CollisionInfo(BaseModel):
+    """What is checked for collisions of the arm with itself."""
+
+    model_config = ConfigDict(extra="forbid")
+
+    bodies: list[BodyInfo]
+    pairs_checked: int = Field(description="pairs of links that are kept apart")
+    allowed: list[AllowedPairInfo] = Field(
+        description="pairs that may touch; those on one joint, which never move against each "
+        "other, are not listed"
+    )
+    unchecked: list[str] = Field(description="links of which no shape is known")
+    fixed_joints: dict[str, float] = Field(
+        description="where the joints beside the chain stand [rad or m]"
+    )
+    notes: list[str]
+
+
 class RobotInfo(BaseModel):
     """A robot: names, limits, frames and where they come from."""
 
@@ -73,6 +122,9 @@ class RobotInfo(BaseModel):
         None, description="The controller: cycle, jerk limits, languages; null: none is known."
     )
     inertias_sourced: bool = Field(description="whether dynamics may be computed from the model")
+    collision: CollisionInfo | None = Field(
+        None, description="the shapes of its links; null: not asked for"
+    )
     fingerprint: str = Field(description="SHA-256 over all that can change a plan")
 
 

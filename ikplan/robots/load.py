@@ -11,6 +11,7 @@ from pathlib import Path
 
 from ikplan.errors import InvalidRobot
 from ikplan.robots.definition.chains import axes_tree, dh_tree
+from ikplan.robots.definition.collision import FileOf
 from ikplan.robots.definition.describe import describe_file
 from ikplan.robots.definition.schema import RobotFile, read_robot_file
 from ikplan.robots.description import ShapeSource
@@ -184,18 +185,28 @@ def _shape_source(path: Path, text: bytes, document: bytes) -> ShapeSource:
     collision = file.collision
     if collision is None:
         return source
-    srdf = collision.srdf
+    beside = None if collision.file is None else FileOf(path=collision.file)
     return replace(
         source,
         shapes=collision.model_dump_json(exclude_defaults=True).encode(),
-        file=b"" if collision.file is None else read_bytes(path.parent / collision.file, file.name),
-        srdf=b""
-        if srdf is None
-        else read_bytes(
-            package_file(srdf.package, srdf.path) if srdf.package else path.parent / srdf.path,
-            file.name,
-        ),
+        file=_read_if_there(beside, path, file.name),
+        srdf=_read_if_there(collision.srdf, path, file.name),
     )
+
+
+def _read_if_there(file: FileOf | None, beside: Path, robot: str) -> bytes:
+    """The bytes of a file; none where it is not installed.
+
+    Kinematics do without it, and so do collision checks: a link takes its shape from the URDF
+    then or is listed as unchecked, and without an SRDF more pairs are checked.
+    """
+    if file is None:
+        return b""
+    try:
+        path = package_file(file.package, file.path) if file.package else beside.parent / file.path
+    except InvalidRobot:
+        return b""
+    return read_bytes(path, robot) if path.is_file() else b""
 
 
 def catalogue_documents(name: str) -> tuple[bytes, bytes]:
@@ -251,7 +262,20 @@ def _file_robot(
 ) -> Robot:
     """The robot of these very contents: pure, so that it can be kept."""
     file = read_robot_file(text.decode(), robot="")
-    description = describe_file(file, _tree(file, document), base=base, tip=tip, name=name)
+    tree = _tree(file, document)
+    description = describe_file(file, tree, base=base, tip=tip, name=name)
+    if file.collision is not None:
+        for link in file.collision.links:
+            tree.require_link(link, "link of a shape")
+    joints = [joint.name for joint in tree.joints]
+    for joint in file.fixed_joints:
+        if joint not in joints:
+            raise InvalidRobot(
+                f"{file.name}: fixed_joints: no joint {joint!r}; there are {', '.join(joints)}",
+                robot=file.name,
+                joint=joint,
+                valid=joints,
+            )
     return Robot(replace(description, shapes=shapes))
 
 

@@ -209,7 +209,7 @@ class RobotUpload(Document):
         given = self.home or []
         if len(given) != len(chain):
             raise InvalidRobot(
-                f"{tree.name}: home: {len(chain)} values wanted "
+                f"{tree.name}: home: {len(chain)} values expected "
                 f"({', '.join(j.name for j in chain)}), got {len(given)}",
                 robot=tree.name,
                 value=given,

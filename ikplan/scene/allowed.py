@@ -7,7 +7,10 @@ Two links may touch if
    chain is between them;
 3. they touch in each of 256 configurations spread over the joint limits.
 
-A pair that touches in none of them is checked all the same: that nothing was seen is no proof.
+A pair that touches in none of them is checked all the same: that nothing was seen is no proof. For
+the same reason a pair is checked that an SRDF gives the reason "Never", which its author's sampling
+found; unless our shapes touch in one of the 256 configurations: they enclose the links, and what
+touches there is what is between.
 Links on one carrier never move against each other and are never checked.
 """
 
@@ -33,6 +36,9 @@ Array = NDArray[np.float64]
 
 SAMPLES = 256
 """Configurations in which a pair must touch to count as always touching."""
+
+_NEVER = "SRDF: Never"
+_ALWAYS = f"touch in each of {SAMPLES} configurations spread over the joint limits"
 
 SelfPairs = tuple[NDArray[np.int64], tuple[tuple[str, str, str], ...]]
 """Indices of the bodies to be kept apart, shape (n, 2); names that may touch, and why."""
@@ -83,21 +89,22 @@ def _pairs(same: SameBodies, fixed: tuple[tuple[str, float], ...]) -> SelfPairs:
             if a.carrier == b.carrier:
                 continue
             names = frozenset((a.name, b.name))
-            if names in said:
+            if names in said and said[names] != _NEVER:
                 allowed[names] = said[names]
             elif _adjacent(a, b, found):
                 allowed[names] = "adjacent"
             else:
                 pairs.append((i, j))
     apart = np.array(pairs, dtype=np.int64).reshape(-1, 2)
-    always = _always(robot, bodies, apart)
-    for i, j in apart[always]:
-        allowed[frozenset((bodies[i].name, bodies[j].name))] = (
-            f"touch in each of {SAMPLES} configurations spread over the joint limits"
-        )
+    named = [frozenset((bodies[i].name, bodies[j].name)) for i, j in apart]
+    never = np.array([said.get(names) == _NEVER for names in named], dtype=np.bool_)
+    touches = _touches(robot, bodies, apart, never)
+    always, seen = touches == SAMPLES, never & (touches > 0)
+    for k in np.flatnonzero(always | seen):
+        allowed[named[k]] = _ALWAYS if always[k] else f"{_NEVER}; our shapes are larger and do"
     order = {body.name: k for k, body in enumerate(bodies)}
     listed = sorted((sorted(names, key=order.__getitem__), why) for names, why in allowed.items())
-    return apart[~always], tuple((a, b, why) for (a, b), why in listed)
+    return apart[~(always | seen)], tuple((a, b, why) for (a, b), why in listed)
 
 
 def _said(robot: Robot) -> dict[frozenset[str], str]:
@@ -125,14 +132,23 @@ def _above(link: str, shaped: set[str], found: RobotBodies) -> str | None:
     return parent
 
 
-def _always(robot: Robot, bodies: tuple[Body, ...], pairs: NDArray[np.int64]) -> NDArray[np.bool_]:
-    """Which pairs touch in every one of the configurations."""
-    still = np.arange(len(pairs))
-    contacts = Contacts(bodies, pairs) if len(pairs) else None
-    for q in spread_configurations(robot, SAMPLES):
-        if contacts is None or not len(still):
+def _touches(
+    robot: Robot,
+    bodies: tuple[Body, ...],
+    pairs: NDArray[np.int64],
+    counted: NDArray[np.bool_],
+) -> NDArray[np.int64]:
+    """In how many of the configurations pairs touch.
+
+    Pairs that are not to be counted are left aside once they are seen apart.
+    """
+    count = np.zeros(len(pairs), dtype=np.int64)
+    if not len(pairs):
+        return count
+    contacts = Contacts(bodies, pairs)
+    for k, q in enumerate(spread_configurations(robot, SAMPLES)):
+        still = np.flatnonzero((count == k) | counted)
+        if not len(still):
             break
-        still = still[contacts.touching(*carrier_poses(robot, q), still)]
-    always = np.zeros(len(pairs), dtype=np.bool_)
-    always[still] = True
-    return always
+        count[still] += contacts.touching(*carrier_poses(robot, q), still)
+    return count

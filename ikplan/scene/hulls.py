@@ -7,6 +7,7 @@ point that was left out is still inside.
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,6 +22,8 @@ _FLAT = 1e-9
 _ROUNDING = 1e-12
 """Added to a radius, so that rounding leaves no point outside [m]."""
 _CHUNK = 4_000_000
+_NEAREST_FACES = 12
+"""Faces that are looked at for the distance of a point."""
 _LOOKED_AT = 2_000
 """Most vertices among which those that stay are chosen; the radius is about all of them."""
 _AT_ONCE = 8
@@ -50,21 +53,33 @@ def distance_beyond(points: Array, hull: ConvexHull) -> Array:
         hull: The hull.
 
     Returns:
-        Shape (n,): 0 inside, else at least the distance [m]: that to the facet whose plane is
-        the farthest below the point, which is nearly always the nearest.
+        Shape (n,): 0 inside, else the distance to the nearest of the faces whose planes are the
+        farthest below the point [m]: never less than the distance.
     """
-    normals, offsets = hull.equations[:, :3], hull.equations[:, 3]
+    planes, face = np.unique(hull.equations, axis=0, return_inverse=True)
     triangles = hull.points[hull.simplices]
+    count = min(len(planes), _NEAREST_FACES)
     found = np.zeros(len(points))
+    for first, above in _heights(points, planes):
+        outside = np.flatnonzero(above.max(axis=1) > 0.0)
+        if not len(outside):
+            continue
+        nearest = np.argpartition(-above[outside], count - 1, axis=1)[:, :count]
+        place, gaps = points[first + outside], np.full(len(outside), np.inf)
+        for k, triangle in enumerate(triangles):
+            rows = np.flatnonzero((nearest == face[k]).any(axis=1))
+            if len(rows):
+                gaps[rows] = np.minimum(gaps[rows], _to_triangle(place[rows], triangle))
+        found[first + outside] = gaps
+    return found
+
+
+def _heights(points: Array, planes: Array) -> Iterator[tuple[int, Array]]:
+    """Heights of points above planes, some points at a time [m]."""
+    normals, offsets = planes[:, :3], planes[:, 3]
     step = max(1, _CHUNK // len(offsets))
     for first in range(0, len(points), step):
-        part = points[first : first + step]
-        above = part @ normals.T + offsets
-        facet = above.argmax(axis=1)
-        outside = np.flatnonzero(above[np.arange(len(part)), facet] > 0.0)
-        if len(outside):
-            found[first + outside] = _to_triangles(part[outside], triangles[facet[outside]])
-    return found
+        yield first, points[first : first + step] @ normals.T + offsets
 
 
 def enclosing_points(
@@ -107,7 +122,8 @@ def _chosen(vertices: Array, most: int, tolerance: float) -> Array:
             inner = hull_of(vertices[chosen])
             if inner is None:
                 return vertices
-        beyond = distance_beyond(vertices, inner)
+        above = [part.max(axis=1) for _, part in _heights(vertices, inner.equations)]
+        beyond = np.maximum(np.concatenate(above), 0.0)
         beyond[chosen] = 0.0
         radius = float(beyond.max())
         if len(chosen) >= most or radius <= tolerance:
@@ -171,23 +187,21 @@ def _enclosing_flat(points: Array, most: int) -> tuple[Array, float, float]:
     return centre + corners @ axes, radius, float(np.linalg.norm(high - low))
 
 
-def _to_triangles(points: Array, triangles: Array) -> Array:
-    """Distance of each point to its own triangle, shapes (n, 3) and (n, 3, 3)."""
+def _to_triangle(points: Array, triangle: Array) -> Array:
+    """Distance of points, shape (n, 3), to a triangle, shape (3, 3)."""
     best = np.full(len(points), np.inf)
     for i in range(3):
-        a, b = triangles[:, i], triangles[:, (i + 1) % 3]
-        edge = b - a
-        length = np.maximum((edge * edge).sum(axis=1), 1e-300)
-        share = np.clip(((points - a) * edge).sum(axis=1) / length, 0.0, 1.0)
+        a = triangle[i]
+        edge = triangle[(i + 1) % 3] - a
+        share = np.clip((points - a) @ edge / max(float(edge @ edge), 1e-300), 0.0, 1.0)
         best = np.minimum(best, np.linalg.norm(points - a - share[:, None] * edge, axis=1))
-    u, v = triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0]
+    u, v = triangle[1] - triangle[0], triangle[2] - triangle[0]
     normal = np.cross(u, v)
-    square = (normal * normal).sum(axis=1)
-    thick = square > 0.0
-    w = points - triangles[:, 0]
-    with np.errstate(divide="ignore", invalid="ignore"):
-        beta = (np.cross(w, v) * normal).sum(axis=1) / square
-        gamma = (np.cross(u, w) * normal).sum(axis=1) / square
-        height = np.abs((w * normal).sum(axis=1)) / np.sqrt(square)
-        above = thick & (beta >= 0.0) & (gamma >= 0.0) & (beta + gamma <= 1.0)
+    square = float(normal @ normal)
+    if square == 0.0:
+        return best
+    w = points - triangle[0]
+    beta, gamma = np.cross(w, v) @ normal / square, np.cross(u, w) @ normal / square
+    height = np.abs(w @ normal) / math.sqrt(square)
+    above = (beta >= 0.0) & (gamma >= 0.0) & (beta + gamma <= 1.0)
     return np.where(above, np.minimum(height, best), best)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from typing import NamedTuple
 
 import numpy as np
@@ -14,7 +14,7 @@ from ikplan.robots import Robot
 from ikplan.robots.urdf.tree import MOVABLE, Joint, KinematicTree, Vector
 from ikplan.robots.urdf.urdf import parse_urdf
 
-__all__ = ["Links", "links_of", "rotation_rpy"]
+__all__ = ["Links", "links_of", "rotation_rpy", "tree_poses"]
 
 Array = NDArray[np.float64]
 Pose = tuple[Array, Array]
@@ -57,18 +57,12 @@ def links_of(robot: Robot, fixed_joints: Mapping[str, float] | None = None) -> L
     tree = parse_urdf(document, robot=robot.name)
     serial = {name: k for k, name in enumerate(robot.model.names) if k}
     fixed = _fixed_values(robot, tree, serial, fixed_joints or {})
-    carrier, pose, parent = {tree.root: 0}, {tree.root: _IDENTITY}, {}
+    carrier, pose, parent = {tree.root: 0}, tree_poses(tree, fixed, serial), dict[str, str]()
     loose: set[str] = set()
     for joint in _downwards(tree):
         above, link = joint.parent, joint.child
         parent[link] = above
-        origin = (rotation_rpy(joint.rpy), np.array(joint.xyz))
-        if joint.name in serial:
-            carrier[link], pose[link] = serial[joint.name], _IDENTITY
-        else:
-            carrier[link] = carrier[above]
-            placed = _product(pose[above], origin)
-            pose[link] = _product(placed, _moved(joint, fixed.get(joint.name, 0.0)))
+        carrier[link] = serial.get(joint.name, carrier[above])
         follows = joint.mimic is not None and joint.mimic in serial
         if follows or (above in loose and joint.name not in serial):
             loose.add(link)
@@ -80,9 +74,35 @@ def links_of(robot: Robot, fixed_joints: Mapping[str, float] | None = None) -> L
     return Links(carrier, pose, parent, frozenset(loose), fixed)
 
 
+def tree_poses(
+    tree: KinematicTree, values: Mapping[str, float] | None = None, frames: Collection[str] = ()
+) -> dict[str, Pose]:
+    """Poses of the links of a tree.
+
+    Args:
+        tree: The tree.
+        values: Values of its joints by name [rad or m]; those not named stand at zero.
+        frames: Joints whose frame the links behind them are given in.
+
+    Returns:
+        The pose of each link, by name: in the frame of the last of those joints before it, else
+        of the root.
+    """
+    pose = {tree.root: _IDENTITY}
+    for joint in _downwards(tree):
+        if joint.name in frames:
+            pose[joint.child] = _IDENTITY
+            continue
+        origin = (rotation_rpy(joint.rpy), np.array(joint.xyz))
+        placed = _product(pose[joint.parent], origin)
+        pose[joint.child] = _product(placed, _moved(joint, (values or {}).get(joint.name, 0.0)))
+    return pose
+
+
 def rotation_rpy(rpy: Vector) -> Array:
     """Rotation of fixed-axis roll, pitch and yaw [rad], shape (3, 3)."""
-    (a, b, c), (d, e, f) = ((g(x) for x in rpy) for g in (math.cos, math.sin))
+    a, b, c = (math.cos(x) for x in rpy)
+    d, e, f = (math.sin(x) for x in rpy)
     return np.array(
         [
             [c * b, c * e * d - f * a, c * e * a + f * d],

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+import hashlib
 from collections.abc import Mapping
 from typing import NamedTuple
 
@@ -17,7 +18,7 @@ from ikplan.scene.links import Links, links_of
 from ikplan.scene.shapes import transformed
 from ikplan.scene.urdf_shapes import LinkPieces, urdf_shapes
 
-__all__ = ["RobotBodies", "SameBodies", "robot_bodies"]
+__all__ = ["RobotBodies", "SameBodies", "bodies_fingerprint", "robot_bodies"]
 
 
 class RobotBodies(NamedTuple):
@@ -56,6 +57,23 @@ def robot_bodies(robot: Robot, fixed_joints: Mapping[str, float] | None = None) 
         InvalidRobot: A shape of the description makes no sense.
     """
     return _bodies(SameBodies(robot), tuple(sorted((fixed_joints or {}).items())))
+
+
+def bodies_fingerprint(robot: Robot) -> str:
+    """SHA-256 over the bodies of a robot and the pairs that its description lets touch.
+
+    A robot's own fingerprint leaves them out: they decide nothing where collisions are not checked.
+    Files of meshes are not hashed, but the pieces made from them are.
+    """
+    digest = hashlib.sha256()
+    for body in robot_bodies(robot).bodies:
+        digest.update(orjson.dumps([body.name, body.carrier, len(body.pieces)]))
+        for piece in body.pieces:
+            digest.update(np.ascontiguousarray(piece.points).tobytes())
+            digest.update(np.float64(piece.radius).tobytes())
+    source = robot.description.shapes
+    digest.update(source.srdf + b"|" + source.shapes)
+    return digest.hexdigest()
 
 
 class SameBodies:

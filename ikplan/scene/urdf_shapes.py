@@ -18,7 +18,7 @@ from ikplan.robots.urdf.safe_xml import read_xml
 from ikplan.scene.body import ConvexPiece
 from ikplan.scene.hulls import enclosing_points
 from ikplan.scene.links import rotation_rpy
-from ikplan.scene.meshes import Mesh, read_mesh
+from ikplan.scene.meshes import read_mesh, read_vertices
 from ikplan.scene.shapes import enclose, transformed
 
 __all__ = ["LinkPieces", "MeshGeometry", "link_meshes", "urdf_shapes"]
@@ -93,15 +93,15 @@ def urdf_shapes(
             R, p = _origin(element, robot, name)
             if shape is None or shape.tag == "mesh":
                 try:
-                    mesh = _mesh(shape, folder)
+                    corners = read_vertices(*_mesh(shape, folder))
                 except (InvalidRequest, InvalidRobot) as error:
                     missing.append(error.detail)
                     continue
-                vertices += len(mesh[0])
+                vertices += len(corners)
                 if vertices > MAX_TOTAL_VERTICES:
                     missing.append(f"more than {MAX_TOTAL_VERTICES:,} vertices in all")
                     continue
-                points, radius, extra = enclosing_points(mesh[0], _HULL_POINTS, _HULL_TOLERANCE)
+                points, radius, extra = enclosing_points(corners, _HULL_POINTS, _HULL_TOLERANCE)
                 made: tuple[ConvexPiece, ...] = (ConvexPiece(points, radius),)
                 sources.add("convex hull of the URDF's mesh")
             else:
@@ -128,7 +128,7 @@ def link_meshes(document: bytes, folder: str | None, robot: str) -> list[MeshGeo
             shape = _geometry(element)
             if shape is not None and shape.tag == "mesh":
                 R, p = _origin(element, robot, link.get("name", ""))
-                vertices, triangles = _mesh(shape, folder)
+                vertices, triangles = read_mesh(*_mesh(shape, folder))
                 meshes.append(MeshGeometry(link.get("name", ""), vertices @ R.T + p, triangles))
     return meshes
 
@@ -175,19 +175,20 @@ def _floats(text: str, count: int, robot: str, link: str, *, positive: bool = Fa
         what = f"{count} positive numbers" if positive else f"{count} numbers"
         raise InvalidRobot(
             f"{robot}: the collision geometry of link {link!r} has {text[:200]!r} where {what} "
-            "of at most 1000 are wanted",
+            "of at most 1000 are required",
             robot=robot,
             value=text[:200],
         )
     return values
 
 
-def _mesh(shape: ET.Element | None, folder: str | None) -> Mesh:
+def _mesh(shape: ET.Element | None, folder: str | None) -> tuple[Path, tuple[float, float, float]]:
+    """The file of a mesh and the factors on its coordinates."""
     if shape is None:
         raise InvalidRobot("a collision without geometry")
     uri = shape.get("filename", "")
     x, y, z = _floats(shape.get("scale", "1 1 1"), 3, "mesh", uri)
-    return read_mesh(_mesh_file(uri, folder), (x, y, z))
+    return _mesh_file(uri, folder), (x, y, z)
 
 
 def _mesh_file(uri: str, folder: str | None) -> Path:

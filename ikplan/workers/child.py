@@ -15,7 +15,7 @@ class Fault(Exception):
 
 
 def set_up() -> None:
-    """Make this process end when it is told to, or with its parent, whatever it does."""
+    """End this process on SIGTERM, or with its parent, whatever it does."""
     # SIGTERM must end the process at once, even inside a kernel.
     signal.signal(signal.SIGTERM, signal.SIG_DFL)
     threading.Thread(target=_end_with_parent, daemon=True).start()

@@ -40,7 +40,7 @@ def _quotas(membership: Path, groups: Path) -> Iterator[float]:
     try:
         lines = membership.read_text().splitlines()
     except OSError:
-        return  # no Linux, or nothing is told: nothing is limited that way
+        return  # no Linux, or no entry: nothing is limited that way
     for line in lines:
         _, _, rest = line.partition(":")
         controllers, _, group = rest.partition(":")

@@ -83,7 +83,13 @@ def test_a_robot_is_described_with_limits_in_degrees_and_metres(run):
         assert float(line.split()[3]) == pytest.approx(
             upper if slides else np.degrees(upper), abs=6e-3
         )
-    assert json.loads(run("robots", "tiago", "--json")) == robot.info().model_dump(mode="json")
+    document = json.loads(run("robots", "tiago", "--json"))
+    assert {**document, "collision": None} == robot.info().model_dump(mode="json")
+    for body in document["collision"]["bodies"]:
+        rows = [row for row in text.splitlines() if row.split()[:1] == [body["name"]]]
+        assert any(body["source"] in row for row in rows)
+    for pair in document["collision"]["allowed"]:
+        assert f"- {pair['pair'][0]}, {pair['pair'][1]}: {pair['reason']}" in text.splitlines()
 
 
 def test_a_robot_of_a_file_is_described_too(run, urdf):

@@ -118,7 +118,7 @@ def test_every_command_takes_the_same_file(
         (["fk", XACRO, "0", "--arg", "arm=ur5e"], "arguments are name:=value"),
         (["robots", "add", XACRO, "arm"], "arguments are name:=value"),
         (["robots", "ur5", "--velocity-default", "90-deg-per-s"], "velocity_default belongs to"),
-        (["fk", "ur5", "0", "--home", "x"], "--home: numbers are wanted"),
+        (["fk", "ur5", "0", "--home", "x"], "--home: expected numbers"),
         (["fk", "franka", "0"], "'franka' may be fr3 or panda"),
         (["robots", "./nothing.urdf"], "cannot be read"),
     ],

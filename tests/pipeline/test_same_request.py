@@ -17,6 +17,7 @@ import pytest
 import ikplan
 from ikplan import PlanRequest, load_robot
 from ikplan.documents import Document
+from ikplan.pipeline.identity import plan_id
 
 from .paths import helix, helix_plan, lasting, on
 
@@ -98,7 +99,7 @@ CHANGES: dict[str, Any] = {
 
 def identity(document: dict[str, Any]) -> str:
     request = PlanRequest(**document)
-    return request.content_hash(load_robot(request.robot).fingerprint, ikplan.__version__)
+    return plan_id(request, load_robot(request.robot))
 
 
 def test_the_id_changes_with_every_field_but_the_budget() -> None:

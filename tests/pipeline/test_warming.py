@@ -11,7 +11,8 @@ import pytest
 from ikplan import InvalidRequest, Unreachable
 from ikplan.pipeline import warm_up as warming
 from ikplan.pipeline.forward_kinematics import fk_request
-from ikplan.pipeline.plan import plan, solve_ik_request
+from ikplan.pipeline.plan import plan
+from ikplan.pipeline.poses import solve_ik_request
 from ikplan.pipeline.retime import time_request
 from ikplan.pipeline.warm_up import RequestKind, small_requests, warm_up
 

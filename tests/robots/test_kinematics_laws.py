@@ -192,8 +192,8 @@ def test_random_configurations_fill_the_limits(name: str) -> None:
 @pytest.mark.parametrize(
     ("q", "said"),
     [
-        ([0, 0, 0], "7 values wanted"),
-        ([0] * 8, "7 values wanted"),
+        ([0, 0, 0], "7 values expected"),
+        ([0] * 8, "7 values expected"),
         ([[0] * 7], "shape"),
         ([0, 0, np.nan, 0, 0, 0, 0], "must be 7 of them"),
         ([0, 0, 0, np.inf, 0, 0, 0], "must be 7 of them"),

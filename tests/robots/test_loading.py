@@ -11,8 +11,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import ikplan
+from benchmarks.robots.corpus import is_single_arm, urdf_files
 from ikplan.errors import InvalidRobot, RobotNotFound
 from ikplan.robots import Robot, load_robot, robot_from_urdf
+from ikplan.robots.loading.checking import check_against_whole
 from ikplan.robots.loading.given_limits import read_joint_limits
 from ikplan.robots.loading.home import conditioning
 from ikplan.robots.loading.tip import arm_ends, pick_chain
@@ -201,7 +203,7 @@ def test_limits_and_home_that_are_given_replace_all_others(package: Path) -> Non
         load_robot(package, limits={"jx": {"velocity": 1.0}})
     with pytest.raises(InvalidRobot, match="no limit 'speed'"):
         load_robot(package, limits={"j1": {"speed": 1.0}})
-    with pytest.raises(InvalidRobot, match="home: 6 values wanted"):
+    with pytest.raises(InvalidRobot, match="home: 6 values expected"):
         load_robot(package, home=[0.0])
     with pytest.raises(InvalidRobot, match="velocity limit is -1"):
         load_robot(package, limits={"j1": {"velocity": -1.0}})
@@ -251,7 +253,13 @@ NAMES = ["baxter_left", "fr3", "iiwa14", "panda", "ur5", "ur5e", "ur10e"]
 
 @pytest.mark.parametrize(
     ("name", "meant"),
-    [("UR5e", "ur5e"), ("ur-5e", "ur5e"), ("UR 5", "ur5"), ("FER", "panda"), ("IIWA14", "iiwa14")],
+    [
+        ("UR5e", "ur5e"),
+        ("ur-5e", "ur5e"),
+        ("UR 5", "ur5"),
+        ("Franka Panda", "panda"),
+        ("IIWA14", "iiwa14"),
+    ],
 )
 def test_a_name_in_other_letters_is_the_same_arm(name: str, meant: str) -> None:
     assert known_name(name, NAMES) == meant
@@ -282,3 +290,18 @@ def test_every_alias_is_of_a_robot_that_there_is() -> None:
     assert set(same.values()) <= names
     assert {robot for robots in several.values() for robot in robots} <= names
     assert not {name for name in same if known_name(name, sorted(names)) != same[name]}
+
+
+SINGLE = [file for file in urdf_files(None) if is_single_arm(file)]
+
+
+@pytest.mark.parametrize("file", SINGLE, ids=lambda file: file.stem)
+def test_single_arms_of_the_package_load_without_a_question(file: Path) -> None:
+    robot = load_robot(file)
+    assert robot.dof >= 4
+    assert robot.dof == 5 or conditioning(robot, robot.home[None])[0] > 1e-2
+    assert "equal Pinocchio's" in check_against_whole(robot, file.read_bytes())
+
+
+def test_the_package_has_arms() -> None:
+    assert len(SINGLE) > 15

@@ -127,7 +127,7 @@ def test_the_srdf_names_the_chain_and_its_home() -> None:
         ({"coupling": {"jx": {"j1": 1.0}}}, "jx", "coupling: no joint 'jx'"),
         ({"coupling": {"j2": {"jx": 1.0}}}, "jx", "coupling: no joint 'jx'"),
         ({"joints": [{"name": "j1", "upper": 0.1}], "home": [0.2, 0.0]}, "j1", "outside"),
-        ({"home": [0.0]}, None, "home: 2 values wanted .j1, j2., got 1"),
+        ({"home": [0.0]}, None, "home: 2 values expected .j1, j2., got 1"),
         ({"tip": "z"}, None, "no link 'z' to be the tip"),
         ({"group": "arm"}, None, "needs an SRDF"),
         ({"urdf": FORK, "srdf": SRDF}, None, "name one of its groups; chains there: arm, hand"),

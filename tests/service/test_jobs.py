@@ -11,6 +11,7 @@ import pytest
 
 import ikplan
 from ikplan import BudgetExceeded, Unreachable
+from ikplan.pipeline.identity import plan_id
 from ikplan_api.app import create_app
 from ikplan_api.jobs.plan_jobs import PlanJobs
 from ikplan_api.settings import Settings
@@ -21,9 +22,7 @@ from .conftest import ADDRESS
 from .stand_in import StandIn
 
 ASYNC = {"prefer": "respond-async"}
-GOOD_ID = ikplan.PlanRequest(**GOOD).content_hash(
-    ikplan.load_robot("iiwa14").fingerprint, ikplan.__version__
-)
+GOOD_ID = plan_id(ikplan.PlanRequest(**GOOD), ikplan.load_robot("iiwa14"))
 
 
 def served(

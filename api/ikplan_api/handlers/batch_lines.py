@@ -11,7 +11,7 @@ from typing import Any
 
 from fastapi import Request
 
-from ikplan.documents.json_ready import json_ready
+from ikplan.documents.json_text import json_ready
 from ikplan.errors import IkplanError, InvalidRequest
 from ikplan_api.http.problems import Refusal, http_problem, request_id_of
 from ikplan_api.jobs.plan_jobs import PlanJobs

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import json
+import math
 from collections.abc import Mapping
 from typing import Any
 
@@ -15,6 +16,7 @@ from ikplan.plans.export.formats import Format
 from ikplan.plans.plan import Plan
 from ikplan_api.handlers.point_files import CSV, NOTES, is_csv, read_points_request, remember_notes
 from ikplan_api.http.body import read_body, read_json_body
+from ikplan_api.http.deadline import late, within_deadline
 from ikplan_api.http.disconnect import while_connected
 from ikplan_api.http.problems import problem_response, request_id_of
 from ikplan_api.http.representations import (
@@ -24,6 +26,7 @@ from ikplan_api.http.representations import (
 )
 from ikplan_api.jobs.plan_jobs import PlanJobs
 from ikplan_api.robots.uploads import named_robot
+from ikplan_api.store.plan_store import Job
 from ikplan_api.workers.planner import Planner
 
 __all__ = ["ACCEPTED", "PLANS", "PREFER", "create_plan_response", "get_plan_response"]
@@ -74,15 +77,33 @@ async def create_plan_response(request: Request, kind: str) -> Response:
     jobs: PlanJobs = request.app.state.plan_jobs
     form = accepted_format(request)
     document = await (_plan_request(request) if kind == "plan" else read_json_body(request))
-    robot, known = await named_robot(request, kind, document)
-    job = await jobs.identify(kind, document, robot, known)
-    if not _prefers_async(request):
-        plan = await while_connected(request, jobs.run(job))
-    elif (stored := await jobs.find(job.plan_id)) is not None:
-        plan = stored
-    else:
-        return _pending(await jobs.accept(job), applied=True, headers=_notes(request))
+    async with within_deadline(request) as deadline_s:
+        robot, known = await named_robot(request, kind, document)
+        job = await jobs.identify(kind, document, robot, known)
+        if not _prefers_async(request):
+            if math.isfinite(deadline_s):
+                await _refuse_late(request, job, deadline_s)
+            plan = await while_connected(request, jobs.run(job))
+        elif (stored := await jobs.find(job.plan_id)) is not None:
+            plan = stored
+        else:
+            return _pending(await jobs.accept(job), applied=True, headers=_notes(request))
     return await _finished(request, job.plan_id, plan, form)
+
+
+async def _refuse_late(request: Request, job: Job, deadline_s: float) -> None:
+    """Refuse a request at once that would still wait for a worker at its deadline.
+
+    Raises:
+        ServiceUnavailable: A worker is expected to be free later.
+    """
+    jobs: PlanJobs = request.app.state.plan_jobs
+    planner: Planner = request.app.state.planner
+    wait_s = planner.load.wait_s
+    if wait_s <= deadline_s or jobs.in_progress(job.plan_id) is not None:
+        return
+    if await jobs.find(job.plan_id) is None:
+        raise late(f"a worker is expected to be free in {wait_s:.3g} s", deadline_s, wait_s)
 
 
 async def _plan_request(request: Request) -> bytes:

@@ -15,8 +15,7 @@ from fastapi.routing import APIRoute
 from starlette.exceptions import HTTPException
 from starlette.routing import Match
 
-from ikplan.documents.json_ready import json_ready
-from ikplan.documents.json_text import shortened
+from ikplan.documents.json_text import json_ready, shortened
 from ikplan.errors import (
     AccessDenied,
     IkplanError,

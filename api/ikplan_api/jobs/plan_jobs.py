@@ -10,13 +10,14 @@ import logging
 from collections import OrderedDict
 from typing import Any
 
-from ikplan.documents.json_ready import json_ready
+from ikplan.documents.json_text import json_ready
 from ikplan.documents.status import PlanStatus
 from ikplan.errors import (
     BudgetExceeded,
     IkplanError,
     PlanNotFound,
     ServiceUnavailable,
+    WorkerLost,
 )
 from ikplan.pipeline.identity import UNKNOWN, KnownRequest
 from ikplan_api.http.problems import http_problem
@@ -32,6 +33,8 @@ __all__ = ["PlanJobs"]
 _MAX_SEEN = 4096
 """Number of recent requests that are recognised."""
 
+_ATTEMPTS = 2
+"""Attempts of an accepted job whose worker dies."""
 _MAX_STORING = 8
 """Plans that may be returned before they are stored."""
 
@@ -228,15 +231,7 @@ class PlanJobs:
     async def _run(self, in_progress: PlanInProgress, wait_if_full: bool) -> TaskResult:
         job = in_progress.job
         try:
-            result = await self._planner.run(
-                job.kind,
-                job.document,
-                robot=job.robot,
-                known=job.known,
-                limit_s=job.budget_s,
-                progress=in_progress.progress,
-                wait_if_full=wait_if_full,
-            )
+            result = await self._attempt(in_progress, wait_if_full)
             await self._start_storing(job.plan_id, result.document)
             return result
         except IkplanError as error:
@@ -251,6 +246,33 @@ class PlanJobs:
             if in_progress.accepted:
                 await self._store_failure(in_progress)
             raise
+
+    async def _attempt(self, in_progress: PlanInProgress, wait_if_full: bool) -> TaskResult:
+        """Plan once, and an accepted job once more if its worker died.
+
+        Raises:
+            IkplanError: The verdict; of a job that ended both workers, WorkerLost.
+        """
+        job, attempt = in_progress.job, 1
+        while True:
+            try:
+                return await self._planner.run(
+                    job.kind,
+                    job.document,
+                    robot=job.robot,
+                    known=job.known,
+                    limit_s=job.budget_s,
+                    progress=in_progress.progress,
+                    wait_if_full=wait_if_full or attempt > 1,
+                )
+            except WorkerLost as error:
+                if not in_progress.accepted:
+                    raise
+                if attempt == _ATTEMPTS:
+                    detail = f"{error.detail}; the job was tried {attempt} times"
+                    raise WorkerLost(detail, exit_code=error.exit_code) from error
+                _log.warning("job %s: attempt %d of %d failed", job.plan_id, attempt, _ATTEMPTS)
+                attempt += 1
 
     async def _start_storing(self, plan_id: str, document: bytes) -> None:
         """Store a plan in the background; wait only if the store falls behind."""

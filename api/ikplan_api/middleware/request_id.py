@@ -2,17 +2,22 @@
 
 from __future__ import annotations
 
+import asyncio
 import re
 import uuid
 
 from starlette.datastructures import Headers, MutableHeaders
+from starlette.requests import Request
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
-from ikplan_api.http.problems import http_problem, problem_response
+from ikplan.errors import ServiceUnavailable
+from ikplan_api.http.problems import error_response, http_problem, problem_response
 from ikplan_api.telemetry import logs
 
 __all__ = ["RequestIdMiddleware"]
 
+_STOPPING_RETRY_S = 5.0
+"""Time after which a service that stops may have been replaced [s]."""
 _HEADER = "x-request-id"
 _ACCEPTED = re.compile(r"[A-Za-z0-9._-]{1,64}")
 
@@ -47,6 +52,16 @@ class RequestIdMiddleware:
 
         try:
             await self._app(scope, receive, send_with_id)
+        except asyncio.CancelledError:
+            # The server stops, and its time for requests in progress is over.
+            if started:
+                raise
+            error = ServiceUnavailable(
+                "the service is stopping",
+                status_code=ServiceUnavailable.status,
+                retry_after_s=_STOPPING_RETRY_S,
+            )
+            await error_response(Request(scope), error)(scope, receive, send_with_id)
         except Exception:
             if not started:
                 detail = "unexpected error in the service; please report it with this id"

@@ -10,6 +10,7 @@ from fastapi import APIRouter, Request, Response
 
 from ikplan import errors
 from ikplan.robots import RobotInfo, RobotUpload, catalogue_robot, is_upload_id
+from ikplan.scene.describe import info_with_bodies
 from ikplan_api.http.openapi import problems, upload_body
 from ikplan_api.http.problems import Refusal
 from ikplan_api.http.schemas import RobotList, SolverList
@@ -100,11 +101,11 @@ async def upload_robot(request: Request) -> Response:
     responses=problems(errors.RobotNotFound),
 )
 async def get_robot(request: Request, name: str) -> Response:
-    """Return one robot with its joints, limits, home, frames and sources."""
+    """Return one robot with its joints, limits, home, frames, sources and the shapes of links."""
     if is_upload_id(name):
         return Response((await stored_robot(request, name)).info, media_type=_JSON)
-    robot = await asyncio.to_thread(catalogue_robot, name)
-    return Response(robot.info().model_dump_json(), media_type=_JSON)
+    info = await asyncio.to_thread(lambda: info_with_bodies(catalogue_robot(name)))
+    return Response(info.model_dump_json(), media_type=_JSON)
 
 
 @router.delete(

@@ -46,6 +46,13 @@ class Settings(AccessSettings):
         ge=0,
         description="Requests that may wait for a worker; further ones are refused with 503.",
     )
+    max_wait_s: float = Field(
+        60.0,
+        gt=0,
+        le=3600,
+        description="Longest time that a request waits for a worker [s]; then it is refused with "
+        "503. Jobs and batches wait on.",
+    )
     worker_memory_bytes: int = Field(
         2 * 2**30,
         ge=0,

@@ -15,11 +15,13 @@ class Load(NamedTuple):
         workers: Number of worker processes.
         running: Tasks that a worker runs now.
         queued: Tasks that wait for a worker.
+        wait_s: Expected time that a further task waits for a worker [s].
     """
 
     workers: int
     running: int
     queued: int
+    wait_s: float = 0.0
 
 
 class LoadSource(Protocol):

@@ -112,6 +112,10 @@ class Metrics:
             "ikplan_plan_samples", "Timed samples of a plan", buckets=_COUNTS, registry=registry
         )
         gauges: dict[str, tuple[str, Callable[[], float]]] = {
+            "ikplan_expected_wait_seconds": (
+                "Expected time that a further task waits for a worker",
+                lambda: planner.load.wait_s,
+            ),
             "ikplan_connections": ("Open connections", lambda: len(connections)),
             "ikplan_ready": ("1 if the workers are warm, else 0", lambda: planner.ready),
             "ikplan_workers": ("Worker processes", lambda: planner.load.workers),

@@ -7,7 +7,9 @@ import contextlib
 import itertools
 import json
 import logging
+import math
 import socket
+import time
 
 from ikplan.errors import BudgetExceeded, MemoryExceeded, ServiceUnavailable
 from ikplan.pipeline.identity import UNKNOWN, KnownRequest
@@ -29,6 +31,12 @@ _log = logging.getLogger("ikplan.service")
 LIMIT_S = 60.0
 """Time limit of a task without a time budget [s]."""
 _RETRY_AFTER_S = 1.0
+_MOST_RETRY_S = 60.0
+"""Longest ``Retry-After`` of a refused client [s]."""
+_STOPPING_RETRY_S = 5.0
+"""Time after which a service that stops may have been replaced [s]."""
+_SHARE = 0.1
+"""Share of the latest task in the mean duration of tasks."""
 _ATTEMPTS = 3
 
 
@@ -43,15 +51,24 @@ class ProcessPlanner:
         max_queued: Tasks that may wait for a worker; further tasks are refused.
         memory_bytes: Private memory that a worker may allocate [bytes]; 0: no limit.
         grace_s: Time beyond its limit in which a task may end by itself [s].
+        max_wait_s: Longest time that a task waits for a worker, unless it is to wait [s].
     """
 
     def __init__(
-        self, workers: int, max_queued: int, *, memory_bytes: int = 0, grace_s: float = 1.0
+        self,
+        workers: int,
+        max_queued: int,
+        *,
+        memory_bytes: int = 0,
+        grace_s: float = 1.0,
+        max_wait_s: float = math.inf,
     ) -> None:
         self._workers = workers
         self._capacity = workers + max_queued
         self._memory_bytes = memory_bytes
         self._grace_s = grace_s
+        self._max_wait_s = max_wait_s
+        self._mean_s = 0.0  # of the latest tasks
         self._pending = 0
         self._running = 0
         self._numbers = itertools.count()
@@ -73,7 +90,11 @@ class ProcessPlanner:
     @property
     def load(self) -> Load:
         """Current load of the workers."""
-        return Load(self._workers, self._running, self._pending - self._running)
+        queued = self._pending - self._running
+        free = self._workers - self._running - len(self._filling) - queued
+        # Where no worker is free, those in front have their turns first.
+        wait_s = 0.0 if free > 0 else self._mean_s * (queued + 1) / self._workers
+        return Load(self._workers, self._running, queued, wait_s)
 
     @property
     def pids(self) -> list[int]:
@@ -101,31 +122,54 @@ class ProcessPlanner:
             await self.warm_up()
             # What is parsed travels in the place of the document.
             task = TaskInput(document if known.request is None else b"", robot, known)
-            return await self._run_on_worker(kind, task, limit_s, _TaskProgress(progress))
+            wait_s = math.inf if wait_if_full else self._max_wait_s
+            return await self._run_on_worker(kind, task, limit_s, _TaskProgress(progress), wait_s)
         finally:
             self._pending -= 1
 
     def check_capacity(self) -> None:
         """Raise if the queue is full; see :class:`~ikplan_api.workers.planner.Planner`."""
         if self._pending >= self._capacity:
-            raise ServiceUnavailable(
-                f"all workers are busy and {self._pending} requests are in progress; "
-                f"try again in {_RETRY_AFTER_S:g} s",
-                status_code=ServiceUnavailable.status,
-                retry_after_s=_RETRY_AFTER_S,
-            )
+            raise self._busy(f"all workers are busy and {self._pending} requests are in progress")
+
+    def _busy(self, why: str) -> ServiceUnavailable:
+        """Return the refusal that says when a worker may be free."""
+        retry_s = min(_MOST_RETRY_S, max(_RETRY_AFTER_S, math.ceil(self.load.wait_s)))
+        return ServiceUnavailable(
+            f"{why}; try again in {retry_s:g} s",
+            status_code=ServiceUnavailable.status,
+            retry_after_s=float(retry_s),
+        )
+
+    async def _free_slot(self, wait_s: float) -> WorkerSlot | None:
+        """Return the next free slot, or None if the service stops.
+
+        Raises:
+            ServiceUnavailable: None is free in time.
+        """
+        try:
+            async with asyncio.timeout(wait_s if math.isfinite(wait_s) else None):
+                return await self._idle.get()
+        except TimeoutError as error:
+            raise self._busy(f"no worker was free within {wait_s:g} s") from error
 
     async def _run_on_worker(
-        self, kind: str, task: TaskInput, limit_s: float, task_progress: _TaskProgress
+        self,
+        kind: str,
+        task: TaskInput,
+        limit_s: float,
+        task_progress: _TaskProgress,
+        wait_s: float,
     ) -> TaskResult:
         for _ in range(_ATTEMPTS):
-            slot = await self._idle.get()
+            slot = await self._free_slot(wait_s)
             if slot is None:
                 self._idle.put_nowait(None)  # for the next waiting task
                 raise _stopping()
             number = next(self._numbers)
             self._progress_of[number] = task_progress
             self._running += 1
+            began = time.monotonic()
             try:
                 return await slot.run(number, kind, task, limit_s + self._grace_s)
             except TaskNotStarted:
@@ -147,6 +191,8 @@ class ProcessPlanner:
                 ) from error
             finally:
                 self._running -= 1
+                took_s = time.monotonic() - began
+                self._mean_s += (took_s - self._mean_s) * (_SHARE if self._mean_s else 1.0)
                 del self._progress_of[number]
                 self._release(slot)
         raise ServiceUnavailable(
@@ -225,7 +271,11 @@ class ProcessPlanner:
 
 
 def _stopping() -> ServiceUnavailable:
-    return ServiceUnavailable("the service is stopping", status_code=ServiceUnavailable.status)
+    return ServiceUnavailable(
+        "the service is stopping",
+        status_code=ServiceUnavailable.status,
+        retry_after_s=_STOPPING_RETRY_S,
+    )
 
 
 class _TaskProgress:

@@ -17,7 +17,7 @@ from ikplan.pipeline import warm_up as kernels
 from ikplan.pipeline.forward_kinematics import fk_request
 from ikplan.pipeline.identity import UNKNOWN, KnownRequest, plan_id
 from ikplan.pipeline.plan import make_plan as planned
-from ikplan.pipeline.plan import solve_ik_request
+from ikplan.pipeline.poses import solve_ik_request
 from ikplan.pipeline.resolve import resolve_robot
 from ikplan.pipeline.retime import make_timing as timed
 from ikplan.planning import Progress

@@ -100,7 +100,10 @@ class WorkerSlot:
             raise TaskNotStarted from error
         result = reply.result
         if reply.shared_bytes:
-            result = result._replace(document=await self._document(reply.shared_bytes))
+            try:
+                result = result._replace(document=await self._document(reply.shared_bytes))
+            except OSError as error:  # the answer is lost: another worker makes it again
+                raise TaskNotStarted from error
         self.healthy = True
         return result
 

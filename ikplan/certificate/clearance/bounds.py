@@ -56,9 +56,9 @@ def joint_ranges(
         delta: Set to the bounds, shape (m,): the curve is in the hull of its control values.
     """
     m = controls.shape[2]
-    first, last = int(a), int(np.ceil(b))
-    last = max(min(last, controls.shape[0]), first + 1)
-    first = min(first, last - 1)
+    # The end of the motion belongs to its last piece: a part may have no length there.
+    first = min(int(a), controls.shape[0] - 1)
+    last = max(min(int(np.ceil(b)), controls.shape[0]), first + 1)
     for j in range(m):
         delta[j] = 0.0
     for k in range(first, last):

@@ -81,11 +81,13 @@ class JointCurve:
 
     def serial(self, coupling: Array, offset: Array) -> Array:
         """Return the control values of the serial joints, shape (n, 4, n_serial) [rad or m]."""
+        if np.array_equal(coupling, np.eye(len(coupling))) and not offset.any():
+            return np.ascontiguousarray(self.controls)
         return np.ascontiguousarray(self.controls @ coupling.T + offset)
 
     def at(self, u: float) -> Array:
         """Return the joint values at a parameter, shape (dof,) [rad or m]."""
-        k = int(np.clip(np.floor(u), 0, len(self.controls) - 1))
+        k = max(0, min(int(u), len(self.controls) - 1))
         x = u - k
         r = 1.0 - x
         weights = np.array([r * r * r, 3 * r * r * x, 3 * r * x * x, x * x * x])
@@ -101,7 +103,7 @@ class JointCurve:
 
     def time(self, u: float) -> float:
         """Return the time at which a parameter is passed first [s]."""
-        k = int(np.clip(np.floor(u), 0, len(self.begins) - 2))
+        k = max(0, min(int(u), len(self.begins) - 2))
         at = float(self.begins[k] + (u - k) * (self.begins[k + 1] - self.begins[k]))
         return at if self.timing is None else self.timing.when(at)
 
@@ -116,4 +118,7 @@ class JointCurve:
 def _controls(length: Array, q: Array, begin: Array, end: Array) -> Array:
     """Bezier control values of cubics with values q and slopes at both ends."""
     third = length[:, None] / 3.0
-    return np.stack([q[:-1], q[:-1] + third * begin, q[1:] - third * end, q[1:]], axis=1)
+    controls = np.empty((len(length), 4, q.shape[1]))
+    controls[:, 0], controls[:, 3] = q[:-1], q[1:]
+    controls[:, 1], controls[:, 2] = q[:-1] + third * begin, q[1:] - third * end
+    return controls

@@ -13,7 +13,7 @@ __all__ = ["PathTime"]
 
 Array = NDArray[np.float64]
 
-_ROUNDING = 1e-9
+_ROUNDING = 1e-12
 """How far a motion may leave the ends of its path, as a share of its length."""
 _HALVINGS = 60
 

@@ -10,7 +10,7 @@ __all__ = ["depth_at_most"]
 Array = NDArray[np.float64]
 
 _DIRECTIONS = 1000
-_ROUNDS = 24
+_ROUNDS = 80
 _AROUND = 32
 _SHRINK = 0.6
 

@@ -28,6 +28,8 @@ Ints = NDArray[np.int64]
 _PARTS = 16
 _RESOLUTION = 1e-5
 _MOST = 400_000
+_TOUCHING = 1e-9
+"""Hulls this near to each other are taken to overlap [m]."""
 
 
 class ClearanceProof:
@@ -54,6 +56,9 @@ class ClearanceProof:
         self.chain: JointChain = chain_of(robot)
         self.pieces: PieceArrays = pieces_of(model, len(self.chain.slides) + 1)
         self.pairs: PiecePairs = piece_pairs(model, self.pieces)
+        self._bodies: Ints = np.asarray(model.pairs, dtype=np.int64).reshape(-1, 2)
+        obstacle = np.array([body.kind == "obstacle" for body in model.bodies], dtype=np.bool_)
+        self._obstacle: NDArray[np.bool_] = np.asarray(obstacle[self._bodies].any(axis=1))
 
     def prove(
         self,
@@ -71,11 +76,11 @@ class ClearanceProof:
                 allowed="> 0 [m]",
             )
         controls = curve.serial(self.robot.coupling, self.robot.coupling_offset)
-        arrays = Curve(controls, controls.min(axis=1), controls.max(axis=1))
+        arrays = Curve(controls, *_extremes(controls))
         settings = Settings(self.model.clearance, tolerance, resolution, _PARTS, _MOST)
         windows = windows_of(curve.duration, segment_times)
         direction, space = np.zeros((len(self.pairs.group), 3)), scratch()
-        report = Report(self.model, self.pieces, self.pairs, curve, tolerance)
+        report = Report(self.model, self.pieces, self.pairs, self._obstacle, curve, tolerance)
         parts: list[Findings] = []
         for window in windows:
             active, rows = self._active([is_there(body, window) for body in self.model.bodies])
@@ -93,9 +98,8 @@ class ClearanceProof:
 
     def _active(self, there: list[bool]) -> tuple[Ints, Ints]:
         """Pairs of pieces, and rows of the model's pairs, of the bodies that are there."""
-        bodies = np.asarray(self.model.pairs, dtype=np.int64).reshape(-1, 2)
-        rows = np.flatnonzero(np.asarray(there, dtype=np.bool_)[bodies].all(axis=1))
-        return np.flatnonzero(np.isin(self.pairs.pair, rows)), rows
+        both = np.asarray(np.asarray(there, dtype=np.bool_)[self._bodies].all(axis=1))
+        return np.flatnonzero(both[self.pairs.pair]), np.flatnonzero(both)
 
     def _violation(self, curve: JointCurve, whole: Findings) -> ClearanceViolation:
         """The place nearest to contact, of the groups that are not proven."""
@@ -113,7 +117,8 @@ class ClearanceProof:
             radii = float(self.pieces.radius[i] + self.pieces.radius[j])
             first, second = self._corners(q, i), self._corners(q, j)
             apart = float(np.linalg.norm(whole.points[g, 0] - whole.points[g, 1]))
-            depth = radii - apart if apart > 0.0 else depth_at_most(first, second, radii)
+            overlap = depth_at_most(first, second, radii) if apart <= _TOUCHING else radii - apart
+            depth = max(overlap, 0.0)
         undecided = gap > max(self.model.clearance, 0.0)
         return ClearanceViolation(curve.time(u), (a, b), max(gap, 0.0), depth, q, undecided)
 
@@ -126,6 +131,14 @@ class ClearanceProof:
         carrier = self.pieces.carrier[piece]
         corners: Array = self.pieces.xyz[:, begin:end].T @ R[carrier].T + p[carrier]
         return corners
+
+
+def _extremes(controls: Array) -> tuple[Array, Array]:
+    """Least and greatest control values of each piece, shape (n, m) each."""
+    c0, c1, c2, c3 = (controls[:, k] for k in range(4))
+    low: Array = np.minimum(np.minimum(c0, c1), np.minimum(c2, c3))
+    high: Array = np.maximum(np.maximum(c0, c1), np.maximum(c2, c3))
+    return low, high
 
 
 def prove_clearance(

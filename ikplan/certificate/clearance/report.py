@@ -35,6 +35,7 @@ class Report:
         model: The bodies.
         pieces: Their pieces.
         pairs: Their pairs of pieces.
+        obstacle: Whether one of them is an obstacle, for each pair of bodies, shape (n,).
         curve: The motion.
         tolerance: Tolerance of the search [m].
     """
@@ -42,6 +43,7 @@ class Report:
     model: CollisionModel
     pieces: PieceArrays
     pairs: PiecePairs
+    obstacle: NDArray[np.bool_]
     curve: JointCurve
     tolerance: float
     _segments: list[SegmentClearance] = field(default_factory=list)
@@ -62,13 +64,14 @@ class Report:
 
     def document(self, whole: Findings) -> Clearance:
         """Return the document of the whole motion."""
-        groups = [self._group_of(row) for row in sorted(self._checked)]
+        checked = len(self._checked)
+        scene = int(self.obstacle[sorted(self._checked)].sum())
         return Clearance(
-            **self._place(whole, range(GROUPS), len(groups)),
+            **self._place(whole, range(GROUPS), checked),
             clearance=self.model.clearance,
             interpolation=self.curve.interpolation,
-            self_=NearestPlace(**self._place(whole, [0], groups.count(0))),
-            scene=NearestPlace(**self._place(whole, [1], groups.count(1))),
+            self_=NearestPlace(**self._place(whole, [0], checked - scene)),
+            scene=NearestPlace(**self._place(whole, [1], scene)),
             segments=self._segments,
             allowed=[AllowedPair(pair=[a, b], reason=why) for a, b, why in self.model.allowed],
             sources=[
@@ -78,10 +81,6 @@ class Report:
             ],
             unchecked=list(self.model.unchecked),
         )
-
-    def _group_of(self, row: int) -> int:
-        kinds = [self.model.bodies[int(b)].kind for b in self.model.pairs[row]]
-        return int("obstacle" in kinds)
 
     def _place(self, out: Findings, groups: Any, checked: int) -> dict[str, Any]:
         """Fields of the nearest place of some groups."""

@@ -72,7 +72,7 @@ def said_of(options: argparse.Namespace) -> dict[str, Any]:
             said["home"] = [float(part) for part in options.home.replace(",", " ").split()]
         except ValueError as error:
             raise InvalidRequest(
-                f"--home: numbers are wanted, one a joint, with commas: not {options.home!r}",
+                f"--home: expected numbers, one a joint, separated by commas, not {options.home!r}",
                 field="--home",
             ) from error
     return {key: value for key, value in said.items() if value not in (None, {})}

@@ -7,7 +7,7 @@ import traceback
 from typing import Any
 
 from ikplan.cli.terminal.output import say_json
-from ikplan.documents.json_ready import json_ready
+from ikplan.documents.json_text import json_ready
 from ikplan.errors import IkplanError, InvalidInput, NoPlan
 
 __all__ = ["INTERNAL", "NO_PLAN", "WRONG_INPUT", "fail", "fail_of_fault", "fail_of_file"]

@@ -11,6 +11,7 @@ from ikplan.kinematics.arm import Arm
 from ikplan.planning.ladder.ik_candidates import IkCandidates, Targets, sample_ik_solutions
 from ikplan.planning.ladder.ladder_graph import diverse_shortest_paths
 from ikplan.planning.ladder.path_shortening import shorten_sequence
+from ikplan.time_budget import TimeBudget
 
 __all__ = ["ik_candidates", "shortened_sequences"]
 
@@ -28,7 +29,12 @@ _EXACT = 1e-9
 
 
 def ik_candidates(
-    arm: Arm, targets: Targets, q_start: Array, seeds: Array | None = None, seed: int = 0
+    arm: Arm,
+    targets: Targets,
+    q_start: Array,
+    clock: TimeBudget,
+    seeds: Array | None = None,
+    seed: int = 0,
 ) -> IkCandidates:
     """Return a diverse set of solutions of each of n targets.
 
@@ -36,12 +42,13 @@ def ik_candidates(
         arm: The arm.
         targets: The targets.
         q_start: Where the arm is, shape (dof,) [rad or m].
+        clock: Counts the evaluations.
         seeds: Configurations to begin from at each target, shape (n, k, dof); None: none.
         seed: Which series of evenly spread seeds.
     """
     if seeds is None:
         seeds = np.empty((len(targets.p), 0, arm.dof))
-    return sample_ik_solutions(
+    candidates = sample_ik_solutions(
         arm.chain,
         targets,
         seeds,
@@ -54,11 +61,18 @@ def ik_candidates(
         (0.5 + seed * 0.6180339887498949) % 1.0,
         _EXACT,
     )
+    clock.count(int(candidates.evaluations[0]))
+    return candidates
 
 
 def shortened_sequences(
-    arm: Arm, targets: Targets, candidates: IkCandidates, q_start: Array, start_free: bool
-) -> Iterator[tuple[float, Array, int]]:
+    arm: Arm,
+    targets: Targets,
+    candidates: IkCandidates,
+    q_start: Array,
+    start_free: bool,
+    clock: TimeBudget,
+) -> Iterator[tuple[float, Array]]:
     """Yield the shortest paths over the candidates that really differ, each shortened.
 
     Args:
@@ -67,9 +81,10 @@ def shortened_sequences(
         candidates: Solutions of each, one at least.
         q_start: Where the arm is, shape (dof,) [rad or m].
         start_free: Whether the motion begins at the first target.
+        clock: Counts the evaluations.
 
     Yields:
-        Joint motion [rad or m], configurations, shape (n, dof), and evaluations spent.
+        Joint motion [rad or m] and configurations, shape (n, dof).
     """
     lower, upper = arm.lower, arm.upper
     for q in diverse_shortest_paths(
@@ -78,4 +93,5 @@ def shortened_sequences(
         length, spent = shorten_sequence(
             arm.chain, targets, q, q_start, start_free, lower, upper, 60, 1e-5
         )
-        yield length, q, spent
+        clock.count(spent)
+        yield length, q

@@ -29,7 +29,7 @@ _MAX_DEVIATION_RATIO = 0.5
 
 def densify(
     tracked: TrackedArm, reference: ReferencePath, s: Array, q: Array
-) -> tuple[Array, Array, list[int], int]:
+) -> tuple[Array, Array, list[int]]:
     """Add points until the joint spline through them stays on the path.
 
     Args:
@@ -39,8 +39,7 @@ def densify(
         q: Their configurations, shape (m, dof) [rad or m].
 
     Returns:
-        Path positions, configurations, the indices of the points where the motion rests, and
-        evaluations spent.
+        Path positions, configurations, and the indices of the points where the motion rests.
 
     Raises:
         TrackingFailed: Between two points the joints jump, or no configuration is on the path.
@@ -48,7 +47,6 @@ def densify(
         BudgetExceeded: The time budget ran out.
     """
     targets_at = functools.partial(tracked.targets_at, reference)
-    evaluations = 0
     while True:
         tracked.clock.check()
         rest = rest_points(reference, s)
@@ -62,10 +60,10 @@ def densify(
             tracked.tolerance,
             _MAX_DEVIATION_RATIO,
         )
-        evaluations += spent
+        tracked.clock.count(spent)
         wide = np.flatnonzero(off > _MAX_DEVIATION_RATIO)
         if len(wide) == 0:
-            return s, q, rest, evaluations
+            return s, q, rest
         if len(s) > MAX_POINTS:
             raise InvalidRequest(
                 f"path: more than {MAX_POINTS} path points are needed to keep the tool "
@@ -81,12 +79,11 @@ def densify(
             still = turn_between(reference, s[at], s[at + 1]) < _JUMP_TURN
         if still:
             # The joints move, the tool does not: a jump that the first steps went over.
-            raise TrackingFailed(float(s[at]), q[at].copy(), evaluations, q[at + 1].copy())
-        middle, q_middle, bad, spent = _between(tracked, targets_at, s, path, wide)
-        evaluations += spent
+            raise TrackingFailed(float(s[at]), q[at].copy(), q[at + 1].copy())
+        middle, q_middle, bad = _between(tracked, targets_at, s, path, wide)
         if len(bad):
             at = int(bad[0])
-            raise TrackingFailed(float(s[at]), q[at].copy(), evaluations, q[at + 1].copy())
+            raise TrackingFailed(float(s[at]), q[at].copy(), q[at + 1].copy())
         order = np.argsort(np.concatenate([s, middle]), kind="stable")
         s = np.concatenate([s, middle])[order]
         q = np.ascontiguousarray(np.vstack([q, q_middle])[order])
@@ -98,15 +95,15 @@ def _between(
     s: Array,
     path: JointPath,
     steps: Indices,
-) -> tuple[Array, Array, Indices, int]:
+) -> tuple[Array, Array, Indices]:
     """Find a point within each of some steps, about its middle.
 
     Returns:
-        Path positions, configurations, the steps without one, and evaluations spent.
+        Path positions, configurations, and the steps without one.
     """
     s_points, lower, upper = path.s_waypoints, tracked.arm.lower, tracked.arm.upper
     middle, q = np.empty(len(steps)), np.empty((len(steps), tracked.arm.dof))
-    evaluations, left = 0, np.arange(len(steps))
+    left = np.arange(len(steps))
     # Where there is none in the very middle, as when just there the arm is singular: beside it.
     for share in (0.5, 0.4, 0.6):
         k = steps[left]
@@ -116,8 +113,8 @@ def _between(
             tracked.arm.chain, targets_at(middle[left]), tried, lower, upper
         )
         q[left] = tried
-        evaluations += spent
+        tracked.clock.count(spent)
         left = left[off > EXACT]
         if len(left) == 0:
             break
-    return middle, q, steps[left], evaluations
+    return middle, q, steps[left]

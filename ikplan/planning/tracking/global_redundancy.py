@@ -26,7 +26,7 @@ def resolve_redundancy_globally(
     q_start: Array,
     clock: TimeBudget,
     free: Callable[[Array], Flags] | None = None,
-) -> tuple[list[tuple[float, Array]], int]:
+) -> list[tuple[float, Array]]:
     """Choose sequences through every point that move the joints little.
 
     Whether the arm can move from each point to the next along the path is not looked at.
@@ -40,21 +40,19 @@ def resolve_redundancy_globally(
 
     Returns:
         Joint motion [rad or m] and configurations, shape (m, dof), of each sequence, shortest
-        first, none where a point has no solution; and evaluations spent.
+        first; none where a point has no solution.
     """
     after = Targets(
         targets.R[1:], targets.p[1:], targets.oriented[1:], targets.weight[1:], targets.freedom
     )
     with clock.stage("ik"):
-        candidates = ik_candidates(arm, after, q_start)
-    evaluations = int(candidates.evaluations[0])
+        candidates = ik_candidates(arm, after, q_start, clock)
     sequences: list[tuple[float, Array]] = []
     if free is not None:
         keep_free(candidates, free)
     if (candidates.counts == 0).any():
-        return sequences, evaluations
-    for length, q, spent in shortened_sequences(arm, after, candidates, q_start, False):
+        return sequences
+    for length, q in shortened_sequences(arm, after, candidates, q_start, False, clock):
         clock.check()
-        evaluations += spent
         sequences.append((length, np.ascontiguousarray(np.vstack([q_start, q]))))
-    return sorted(sequences, key=lambda sequence: sequence[0]), evaluations
+    return sorted(sequences, key=lambda sequence: sequence[0])

@@ -8,7 +8,7 @@ the path, and nowhere else.
 
 from __future__ import annotations
 
-from dataclasses import replace
+import contextlib
 
 import numpy as np
 
@@ -70,27 +70,20 @@ class PathTracker(TrackedArm):
             BudgetExceeded: The time budget ran out.
         """
         redundant = self.redundant(reference)
-        evaluations = 0
         broken: TrackingFailed | None = None
         for step in _FIRST_STEPS:
-            sequences, failure, spent = self._track_starts(reference, starts, costs, step)
-            evaluations += spent
+            sequences, failure = self._track_starts(reference, starts, costs, step)
             broken = _farthest_failure(broken, failure)
             if not sequences:
                 break  # smaller steps were tried where it failed
             if redundant:
-                sequences, spent = self._shorten_all(reference, sequences[:_TRIED])
-                evaluations += spent
+                sequences = self._shorten_all(reference, sequences[:_TRIED])
             try:
-                tracked = self._densify_first(reference, sequences[:_TRIED])
+                return self._densify_first(reference, sequences[:_TRIED])
             except TrackingFailed as later:
-                evaluations += later.evaluations
                 broken = _farthest_failure(broken, later)
-                continue
-            return replace(tracked, evaluations=tracked.evaluations + evaluations)
         if broken is None:
             raise ValueError("no start was given")
-        broken.evaluations = evaluations
         raise broken
 
     def track_global(self, reference: ReferencePath, starts: Array, costs: Array) -> TrackedPath:
@@ -109,97 +102,79 @@ class PathTracker(TrackedArm):
             InvalidRequest: The path takes more points than there may be.
             BudgetExceeded: The time budget ran out.
         """
-        evaluations = 0
         for step, share in _GLOBAL_STEPS if self.redundant(reference) else ():
-            sequences, spent = self._resolve_globally(
+            sequences = self._resolve_globally(
                 reference, starts, costs, max(step, share * reference.length)
             )
-            evaluations += spent
-            if not sequences:
-                continue
-            try:
-                tracked = self._densify_first(reference, sequences[:_TRIED])
-            except TrackingFailed as failure:
-                evaluations += failure.evaluations
-                continue
-            return replace(tracked, evaluations=tracked.evaluations + evaluations)
-        raise TrackingFailed(0.0, starts[0].copy(), evaluations)
+            if sequences:
+                with contextlib.suppress(TrackingFailed):
+                    return self._densify_first(reference, sequences[:_TRIED])
+        raise TrackingFailed(0.0, starts[0].copy())
 
     def _densify_first(
         self, reference: ReferencePath, sequences: list[_JointSequence]
     ) -> TrackedPath:
         """The first sequence that can be made dense, else the failure that got farthest."""
         broken: list[TrackingFailed] = []
-        evaluations = 0
         for length, s_sequence, q_sequence in sequences:
             try:
-                s, q, rest, spent = densify(self, reference, s_sequence, q_sequence)
+                s, q, rest = densify(self, reference, s_sequence, q_sequence)
             except TrackingFailed as failure:
-                evaluations += failure.evaluations
                 broken.append(failure)
                 continue
             if contact := self.first_contact(reference, s, q):
-                broken.append(_in_contact(contact, s, spent))
-                evaluations += spent
+                broken.append(_in_contact(contact, s))
                 continue
             waypoint = nearest_points(s, reference.waypoint_s)
-            return TrackedPath(s, q, rest, waypoint, length, evaluations + spent)
-        farthest = max(broken, key=lambda failure: failure.s)
-        farthest.evaluations = evaluations
-        raise farthest
+            return TrackedPath(s, q, rest, waypoint, length)
+        raise max(broken, key=lambda failure: failure.s)
 
     def _track_starts(
         self, reference: ReferencePath, starts: Array, costs: Array, step: float
-    ) -> tuple[list[_JointSequence], TrackingFailed | None, int]:
+    ) -> tuple[list[_JointSequence], TrackingFailed | None]:
         """Track the path from every start.
 
         Returns:
-            Sequences, shortest first, the failure that got farthest, and evaluations spent.
+            Sequences, shortest first, and the failure that got farthest.
         """
         sequences: list[_JointSequence] = []
         farthest: TrackingFailed | None = None
-        evaluations = 0
         for q_start, cost in zip(starts, costs, strict=True):
             self.clock.check()
             try:
-                s, q, spent = self._track_from(reference, q_start, step)
+                s, q = self._track_from(reference, q_start, step)
             except TrackingFailed as failure:
-                evaluations += failure.evaluations
                 farthest = _farthest_failure(farthest, failure)
                 continue
-            evaluations += spent
             if contact := self.first_contact(reference, s, q):
-                farthest = _farthest_failure(farthest, _in_contact(contact, s, 0))
+                farthest = _farthest_failure(farthest, _in_contact(contact, s))
                 continue
             sequences.append((float(cost) + _length(q), s, q))
-        return sorted(sequences, key=lambda sequence: sequence[0]), farthest, evaluations
+        return sorted(sequences, key=lambda sequence: sequence[0]), farthest
 
     def _resolve_globally(
         self, reference: ReferencePath, starts: Array, costs: Array, step: float
-    ) -> tuple[list[_JointSequence], int]:
+    ) -> list[_JointSequence]:
         """Choose sequences over all points at once, from the nearest starts, shortest first."""
         s = initial_points(reference, step)
         targets = self.targets_at(reference, s)
         sequences: list[_JointSequence] = []
-        evaluations = 0
         for k in np.argsort(costs, kind="stable")[:_TRIED]:
             free = None if self.contact is None else self.contact.free
-            found, spent = resolve_redundancy_globally(
+            for length, q in resolve_redundancy_globally(
                 self.arm, targets, starts[k], self.clock, free
-            )
-            evaluations += spent
-            for length, q in found:
+            ):
                 broken, spent = first_discontinuity(
                     self.arm.chain, targets, q, self.arm.lower, self.arm.upper, EXACT
                 )
-                evaluations += spent
+                self.clock.count(spent)
                 if broken == len(s) - 1 and self.first_contact(reference, s, q) is None:
                     sequences.append((float(costs[k]) + length, s, q))
-        return sorted(sequences, key=lambda sequence: sequence[0]), evaluations
+        return sorted(sequences, key=lambda sequence: sequence[0])
 
     def _track_from(
         self, reference: ReferencePath, q_start: Array, step: float
-    ) -> tuple[Array, Array, int]:
+    ) -> tuple[Array, Array]:
         """Return path positions and configurations from one start to the end of the path."""
         lower, upper = self.arm.lower, self.arm.upper
         s = initial_points(reference, step)
@@ -207,7 +182,7 @@ class PathTracker(TrackedArm):
         q[0] = q_start
         targets = self.targets_at(reference, s)
         redundant = self.redundant(reference)
-        reached, evaluations = 0, 0
+        reached = 0
         while True:
             reached, spent = track_points(
                 self.arm.chain,
@@ -221,9 +196,9 @@ class PathTracker(TrackedArm):
                 redundant,
                 NO_EXTRA_OFFSET,
             )
-            evaluations += spent
+            self.clock.count(spent)
             if reached == len(s) - 1:
-                return s, q, evaluations
+                return s, q
             self.clock.check()
             gap = s[reached + 2] - s[reached]
             finest = gap < min(_FINEST * reference.length, _FINEST_STEP)
@@ -236,9 +211,9 @@ class PathTracker(TrackedArm):
                     self.arm.chain, self.targets_at(reference, s[these]), s[these], q[these], 0,
                     lower, upper, EXACT, redundant, _BEND,
                 )  # fmt: skip
-                evaluations += spent
+                self.clock.count(spent)
                 if over == 0:
-                    raise TrackingFailed(float(s[reached]), q[reached].copy(), evaluations)
+                    raise TrackingFailed(float(s[reached]), q[reached].copy())
                 reached += over
                 continue
             halves = 0.5 * (s[reached : reached + 2] + s[reached + 1 : reached + 3])
@@ -248,23 +223,21 @@ class PathTracker(TrackedArm):
 
     def _shorten_all(
         self, reference: ReferencePath, sequences: list[_JointSequence]
-    ) -> tuple[list[_JointSequence], int]:
-        """Return the sequences made shorter, shortest first, and the evaluations spent."""
+    ) -> list[_JointSequence]:
+        """Return the sequences made shorter, shortest first."""
         shorter: list[_JointSequence] = []
-        evaluations = 0
         for length, s, q in sequences:
             self.clock.check()
-            q_short, spent = self._shorten(reference, s, q)
-            evaluations += spent
+            q_short = self._shorten(reference, s, q)
             if self.first_contact(reference, s, q_short) is not None:
                 q_short = q
             shorter.append((length - _length(q) + _length(q_short), s, q_short))
-        return sorted(shorter, key=lambda sequence: sequence[0]), evaluations
+        return sorted(shorter, key=lambda sequence: sequence[0])
 
-    def _shorten(self, reference: ReferencePath, s: Array, q: Array) -> tuple[Array, int]:
+    def _shorten(self, reference: ReferencePath, s: Array, q: Array) -> Array:
         """Shorten a sequence by self-motion; whether it stays continuous, densifying shows."""
         shorter = q[1:].copy()
-        _, evaluations = shorten_sequence(
+        _, spent = shorten_sequence(
             self.arm.chain,
             self.targets_at(reference, s[1:]),
             shorter,
@@ -275,15 +248,16 @@ class PathTracker(TrackedArm):
             30,
             1e-4,
         )
-        return np.vstack([q[:1], shorter]), evaluations
+        self.clock.count(spent)
+        return np.vstack([q[:1], shorter])
 
 
-def _in_contact(contact: Contact, s: Array, evaluations: int) -> TrackingFailed:
+def _in_contact(contact: Contact, s: Array) -> TrackingFailed:
     """The failure of a path that is tracked up to a contact."""
     at = float(s[contact.step])
     if contact.step + 1 < len(s):
         at += contact.share * float(s[contact.step + 1] - s[contact.step])
-    return TrackingFailed(at, contact.q.copy(), evaluations, contact=contact)
+    return TrackingFailed(at, contact.q.copy(), contact=contact)
 
 
 def _farthest_failure(a: TrackingFailed | None, b: TrackingFailed | None) -> TrackingFailed | None:

@@ -20,7 +20,6 @@ class TrackedPath:
         rest: Indices of the points where the motion stops.
         waypoint: Indices of the points of the waypoints, shape (n,).
         length: Sum of the joint distances, the move to the first point included.
-        evaluations: Forward-kinematics evaluations spent.
     """
 
     s: Array
@@ -28,7 +27,6 @@ class TrackedPath:
     rest: list[int]
     waypoint: Indices
     length: float
-    evaluations: int
 
 
 class TrackingFailed(Exception):
@@ -37,7 +35,6 @@ class TrackingFailed(Exception):
     Attributes:
         s: Path position of the last point reached.
         q: Its configuration, shape (dof,) [rad or m].
-        evaluations: Forward-kinematics evaluations spent.
         beyond: The configuration next on the path, which it cannot move on to, shape (dof,); None:
             none was found.
         contact: Where the arm meets a body; None: it is not contact that ends the path.
@@ -47,13 +44,11 @@ class TrackingFailed(Exception):
         self,
         s: float,
         q: Array,
-        evaluations: int,
         beyond: Array | None = None,
         contact: Contact | None = None,
     ) -> None:
         super().__init__(f"lost the path at {s:.6g}")
         self.s = s
         self.q = q
-        self.evaluations = evaluations
         self.beyond = beyond
         self.contact = contact

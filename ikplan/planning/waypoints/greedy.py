@@ -4,21 +4,22 @@ from __future__ import annotations
 
 import numpy as np
 
+from ikplan.arrays import Array
 from ikplan.planning.waypoints.free_solutions import free_solutions
 from ikplan.planning.waypoints.waypoint_ik import solve_waypoint
-from ikplan.planning.waypoints.waypoint_problem import SelectedConfigurations, WaypointProblem
+from ikplan.planning.waypoints.waypoint_problem import WaypointProblem
 
 __all__ = ["select_greedily"]
 
 
-def select_greedily(problem: WaypointProblem) -> SelectedConfigurations:
+def select_greedily(problem: WaypointProblem) -> Array:
     """Choose the nearest solution found at each waypoint, in order.
 
     Args:
         problem: The targets.
 
     Returns:
-        One configuration per waypoint.
+        One configuration per waypoint, shape (n, dof) [rad or m].
 
     Raises:
         Unreachable: A waypoint has no solution; names every such waypoint.
@@ -27,16 +28,14 @@ def select_greedily(problem: WaypointProblem) -> SelectedConfigurations:
     """
     q = np.empty((len(problem.targets), problem.robot.dof))
     q_before = problem.q_start
-    evaluations = 0
     with problem.clock.stage("ik"):
         for k in range(len(problem.targets)):
             problem.clock.check({"waypoints_solved": k, "q": q[:k].tolist()})
             problem.clock.report(problem.first_row + k)
             q_near = q_before
-            q_before, spent = solve_waypoint(problem, k, q_near)
+            q_before = solve_waypoint(problem, k, q_near)
             contact = problem.contact
             if contact is not None and not contact.free(q_before[None], problem.segment(k))[0]:
                 q_before = free_solutions(problem, k, q_near)[0]
             q[k] = q_before
-            evaluations += spent
-    return SelectedConfigurations(q, evaluations)
+    return q

@@ -20,14 +20,14 @@ _STARTS = 24
 _SEEDS = 150
 
 
-def branches(problem: WaypointProblem) -> tuple[Array, int]:
-    """Return solutions of a single target, nearest to the start first, and evaluations spent.
+def branches(problem: WaypointProblem) -> Array:
+    """Return solutions of a single target, nearest to the start first.
 
     Args:
         problem: A problem of one target.
 
     Returns:
-        Solutions, full turns included, shape (c, dof), c >= 1 [rad or m], and the evaluations.
+        Solutions, full turns included, shape (c, dof), c >= 1 [rad or m].
 
     Raises:
         Unreachable: There is none within tolerance.
@@ -48,13 +48,12 @@ def branches(problem: WaypointProblem) -> tuple[Array, int]:
             (0.5 + problem.solver.seed * 0.6180339887498949) % 1.0,
             1e-9,
         )
-        evaluations = int(found.evaluations[0])
+        problem.clock.count(int(found.evaluations[0]))
         q = with_equivalents(arm, found.q[0, : found.counts[0]])
         if len(q) == 0:
-            one, spent = solve_waypoint(problem, 0, problem.q_start)
-            q, evaluations = one[None], evaluations + spent
+            q = solve_waypoint(problem, 0, problem.q_start)[None]
         if problem.contact is not None:
             free = problem.contact.free(q, problem.segment(0))
             q = q[free] if free.any() else free_solutions(problem, 0, problem.q_start)
     order = np.argsort(np.linalg.norm(q - problem.q_start, axis=1), kind="stable")
-    return np.ascontiguousarray(q[order[:_STARTS]]), evaluations
+    return np.ascontiguousarray(q[order[:_STARTS]])

@@ -13,14 +13,13 @@ from ikplan.planning.waypoints.in_collision import motion_in_collision
 from ikplan.planning.waypoints.stack import stack_targets
 from ikplan.planning.waypoints.waypoint_ik import solve_waypoint
 from ikplan.planning.waypoints.waypoint_problem import (
-    SelectedConfigurations,
     WaypointProblem,
 )
 
 __all__ = ["select_least_motion"]
 
 
-def select_least_motion(problem: WaypointProblem) -> SelectedConfigurations:
+def select_least_motion(problem: WaypointProblem) -> Array:
     """Choose the configurations that move the joints least over the whole path.
 
     Candidates of each waypoint, the shortest paths over their ladder that really differ, each of
@@ -30,7 +29,7 @@ def select_least_motion(problem: WaypointProblem) -> SelectedConfigurations:
         problem: The targets.
 
     Returns:
-        One configuration per waypoint.
+        One configuration per waypoint, shape (n, dof) [rad or m].
 
     Raises:
         Unreachable: A waypoint has no solution; names every such waypoint.
@@ -41,23 +40,24 @@ def select_least_motion(problem: WaypointProblem) -> SelectedConfigurations:
     lower, upper = arm.search_bounds(problem.q_start)
     targets = stack_targets(problem.targets)
     with problem.clock.stage("ik"):
-        seeds, evaluations = _metaheuristic_seeds(problem, lower, upper)
-        candidates = ik_candidates(arm, targets, problem.q_start, seeds, problem.solver.seed)
+        seeds = _metaheuristic_seeds(problem, lower, upper)
+        candidates = ik_candidates(
+            arm, targets, problem.q_start, problem.clock, seeds, problem.solver.seed
+        )
         problem.clock.check()
-        evaluations += int(candidates.evaluations[0]) + _rescue(problem, candidates)
+        _rescue(problem, candidates)
         if problem.contact is not None:
             _keep_free(problem, candidates)
     best, best_length = candidates.q[:, 0], np.inf
-    for length, q, spent in shortened_sequences(
-        arm, targets, candidates, problem.q_start, problem.start_free
+    for length, q in shortened_sequences(
+        arm, targets, candidates, problem.q_start, problem.start_free, problem.clock
     ):
-        evaluations += spent
         if length < best_length and problem.first_contact(q) is None:
             best, best_length = q, length
         problem.clock.check({"q": best.tolist()})
     if problem.contact is not None and best_length == np.inf:
         best = _around(problem, candidates)
-    return SelectedConfigurations(best, evaluations)
+    return best
 
 
 def _keep_free(problem: WaypointProblem, candidates: IkCandidates) -> None:
@@ -103,36 +103,33 @@ def _around(problem: WaypointProblem, candidates: IkCandidates) -> Array:
     return found
 
 
-def _metaheuristic_seeds(problem: WaypointProblem, lower: Array, upper: Array) -> tuple[Array, int]:
-    """The best of the last populations of the method, shape (n, k, dof), and its evaluations.
+def _metaheuristic_seeds(problem: WaypointProblem, lower: Array, upper: Array) -> Array:
+    """The best of the last populations of the method, shape (n, k, dof).
 
     Each search starts from the best of the one before, as the papers track a path.
     """
     searcher = problem.solver.searcher
     if searcher is None:
-        return np.empty((len(problem.targets), 0, problem.robot.dof)), 0
-    rows, evaluations, q_s = [], 0, problem.q_start
+        return np.empty((len(problem.targets), 0, problem.robot.dof))
+    rows, q_s = [], problem.q_start
     for k, target in enumerate(problem.targets):
         problem.clock.check()
         problem.clock.report(problem.first_row + k)
         seeds, spent = searcher.seeds(target, q_s, lower, upper)
         rows.append(seeds)
-        evaluations += spent
+        problem.clock.count(spent)
         q_s = np.clip(seeds[0], lower, upper)
-    return np.array(rows), evaluations
+    return np.array(rows)
 
 
-def _rescue(problem: WaypointProblem, candidates: IkCandidates) -> int:
-    """Find a candidate for every waypoint without one, in place; the evaluations.
+def _rescue(problem: WaypointProblem, candidates: IkCandidates) -> None:
+    """Find a candidate for every waypoint without one, in place.
 
     Raises:
         Unreachable: There is none within tolerance.
     """
-    evaluations = 0
     for k in np.flatnonzero(candidates.counts == 0):
         problem.clock.check()
         q_near = candidates.q[k - 1, 0] if k > 0 else problem.q_start
-        candidates.q[k, 0], spent = solve_waypoint(problem, int(k), q_near)
+        candidates.q[k, 0] = solve_waypoint(problem, int(k), q_near)
         candidates.counts[k] = 1
-        evaluations += spent
-    return evaluations

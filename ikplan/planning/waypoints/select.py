@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
+from ikplan.arrays import Array
 from ikplan.documents.plan_request import IkOptions
 from ikplan.planning.waypoints.greedy import select_greedily
 from ikplan.planning.waypoints.least_motion import select_least_motion
-from ikplan.planning.waypoints.waypoint_problem import SelectedConfigurations, WaypointProblem
+from ikplan.planning.waypoints.waypoint_problem import WaypointProblem
 
 __all__ = ["select_configurations"]
 
 
-def select_configurations(problem: WaypointProblem, options: IkOptions) -> SelectedConfigurations:
+def select_configurations(problem: WaypointProblem, options: IkOptions) -> Array:
     """Choose one configuration per waypoint.
 
     Seeds that are not to be refined leave nothing to choose from: they are taken as they come,
@@ -21,7 +22,7 @@ def select_configurations(problem: WaypointProblem, options: IkOptions) -> Selec
         options: How joint solutions are looked for.
 
     Returns:
-        One configuration per waypoint.
+        One configuration per waypoint, shape (n, dof) [rad or m].
 
     Raises:
         Unreachable: A waypoint has no solution.

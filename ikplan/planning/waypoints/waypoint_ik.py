@@ -13,8 +13,8 @@ from ikplan.planning.waypoints.waypoint_problem import WaypointProblem
 __all__ = ["solve_waypoint"]
 
 
-def solve_waypoint(problem: WaypointProblem, k: int, q_before: Array) -> tuple[Array, int]:
-    """Return a configuration of waypoint k, near to ``q_before``, and the evaluations spent.
+def solve_waypoint(problem: WaypointProblem, k: int, q_before: Array) -> Array:
+    """Return a configuration of waypoint k, near to ``q_before``.
 
     Args:
         problem: The targets.
@@ -29,9 +29,11 @@ def solve_waypoint(problem: WaypointProblem, k: int, q_before: Array) -> tuple[A
     try:
         solved = problem.solver.solve(target, q_before)
     except NoSolution as verdict:
+        problem.clock.count(verdict.evaluations)
         if within_tolerance(verdict.closest, tolerance):
-            return verdict.closest.q, verdict.evaluations
+            return verdict.closest.q
         raise unreachable_path(problem, k, verdict.closest, q_before) from verdict
+    problem.clock.count(solved.evaluations)
     distance, angle = float(solved.position_error[0]), float(solved.orientation_error[0])
     if distance > tolerance.position or angle > tolerance.orientation:
         # Only an unrefined solver ends here: its best is what it is.
@@ -47,7 +49,7 @@ def solve_waypoint(problem: WaypointProblem, k: int, q_before: Array) -> tuple[A
             reason="the solver was not refined and did not converge to the tolerance",
             target=target_as_data(target),
         )
-    q = solved.q[0]
+    q: Array = solved.q[0]
     robot = problem.robot
     outside = np.flatnonzero((q < robot.lower) | (q > robot.upper))
     if len(outside):
@@ -64,4 +66,4 @@ def solve_waypoint(problem: WaypointProblem, k: int, q_before: Array) -> tuple[A
             limits=[robot.joint_names[j] for j in outside],
             target=target_as_data(target),
         )
-    return solved.q[0], solved.evaluations
+    return q

@@ -1,4 +1,4 @@
-"""What the choice along the path works on, and what it returns."""
+"""What the choice along the path works on."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from ikplan.kinematics.target import Target
 from ikplan.robots import Robot
 from ikplan.time_budget import TimeBudget
 
-__all__ = ["SelectedConfigurations", "WaypointProblem"]
+__all__ = ["WaypointProblem"]
 
 
 @dataclass(frozen=True)
@@ -68,16 +68,3 @@ class WaypointProblem:
             if found is not None:
                 return replace(found, step=k)
         return None
-
-
-@dataclass(frozen=True)
-class SelectedConfigurations:
-    """One configuration per waypoint.
-
-    Attributes:
-        q: Joint values, shape (n, dof) [rad or m].
-        evaluations: Forward-kinematics evaluations spent.
-    """
-
-    q: Array
-    evaluations: int

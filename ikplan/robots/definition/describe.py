@@ -180,7 +180,7 @@ def _coupling(file: RobotFile, chain: Sequence[Joint]) -> Coupling:
     if len(matrix) != len(chain) or any(len(row) != len(file.joints) for row in matrix):
         raise InvalidRobot(
             f"{file.name}: coupling.matrix: {len(chain)} rows (serial joints) of "
-            f"{len(file.joints)} numbers (joints) are wanted",
+            f"{len(file.joints)} numbers (joints) are required",
             robot=file.name,
             value="coupling.matrix",
         )

@@ -29,7 +29,7 @@ def home_by_joint(home: HomeGiven, names: Sequence[str], *, robot: str) -> dict[
         return {name: float(value) for name, value in home.items()}
     if len(home) != len(names):
         raise InvalidRobot(
-            f"{robot}: home: {len(names)} values wanted ({', '.join(names)}), got {len(home)}",
+            f"{robot}: home: {len(names)} values expected ({', '.join(names)}), got {len(home)}",
             robot=robot,
             value=list(home),
         )

@@ -69,7 +69,7 @@ def read_dh_file(
         rows, said = content["rows"], {k: v for k, v in content.items() if k != "rows"}
     settings = _settings({**said, **arguments}, robot)
     if not isinstance(rows, list) or not 1 <= len(rows) <= 64:
-        raise InvalidRobot(f"{robot}: DH table: 1 to 64 rows are wanted", robot=robot)
+        raise InvalidRobot(f"{robot}: DH table: must have 1 to 64 rows", robot=robot)
     table, entries, kinds = [], [], []
     for i, row in enumerate(rows):
         read = _row(row, i, settings, robot)
@@ -146,7 +146,7 @@ def _csv_rows(text: str, robot: str) -> tuple[list[dict[str, str]], dict[str, st
 def _row(row: Any, i: int, settings: Mapping[str, str], robot: str) -> dict[str, Any]:
     where = f"{robot}: DH table: row {i + 1}"
     if not isinstance(row, dict):
-        raise InvalidRobot(f"{where}: fields by name are wanted", robot=robot)
+        raise InvalidRobot(f"{where}: must have fields by name", robot=robot)
     read: dict[str, Any] = {"name": f"joint_{i + 1}", "type": "revolute"}
     said = {_OTHER_NAMES.get(k, k): v for k, v in row.items() if v not in (None, "")}
     for key, value in said.items():

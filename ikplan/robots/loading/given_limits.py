@@ -103,7 +103,7 @@ def read_joint_limits(document: bytes, *, robot: str) -> list[JointEntry]:
     joints = content.get("joint_limits") if isinstance(content, dict) else None
     if not isinstance(joints, dict):
         raise InvalidRobot(
-            f"{robot}: joint limits: a mapping 'joint_limits' is wanted, a field a joint",
+            f"{robot}: joint limits: must have a mapping 'joint_limits', a field for each joint",
             robot=robot,
         )
     entries = []

@@ -3,7 +3,7 @@
 The walk goes from the base along joints that move. An arm ends where nothing moves any more, or
 where a gripper begins: joints that fork into short branches, mimic joints, or joints that are named
 for fingers. Where one arm is found, its tip is the frame fixed to its last body that is named for
-a tool; where several are, they are told with their joint counts.
+a tool; where there are several, the error lists them with their joint counts.
 """
 
 from __future__ import annotations

@@ -41,7 +41,7 @@ def find_mesh(uri: str) -> tuple[str, Path]:
         or str(pure) != path
     ):
         raise InvalidRobot(
-            f"the mesh {uri[:200]!r} is not in a package; {_SCHEME}NAME/... is wanted, "
+            f"the mesh {uri[:200]!r} is not in a package; use {_SCHEME}NAME/..., "
             f"with a folder of {_PACKAGE}",
             value=uri[:200],
         )

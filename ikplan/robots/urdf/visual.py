@@ -161,7 +161,7 @@ class _Drawing:
         if len(values) != count or not all(abs(v) <= _MAX_NUMBER for v in values):
             raise InvalidRobot(
                 f"{self.robot}: a visual shape has {text[:200]!r} where {count} finite numbers "
-                "are wanted",
+                "are required",
                 robot=self.robot,
                 value=text[:200],
             )

@@ -9,7 +9,7 @@ from ikplan.arrays import Array
 from ikplan.joint_path.evaluation import _piece, interval_of
 from ikplan.timing.jerk.cubic_kernels import path_position
 
-__all__ = ["FIRST", "course_rates", "spline_basis"]
+__all__ = ["FIRST", "apart", "course_rates", "spline_basis"]
 
 # Where in an interval limits are looked at: the nodes of Gauss, at which means are exact.
 FIRST = 0.5 - 0.5 / np.sqrt(3.0)
@@ -116,3 +116,24 @@ def course_rates(
                     bound = (velocity[k, j] if r1 > 0.0 else velocity_lower[k, j]) * end / r1
                     most[i, side] = min(most[i, side], bound * bound)
     return rates, most, up, down, points
+
+
+@kernel
+def apart(times: Array, shortest: float) -> Array:
+    """Return times without those that are too near to the one before, or to the last one.
+
+    Args:
+        times: Times [s], shape (n,), rising; the first and the last one stay.
+        shortest: How near is too near [s].
+
+    Returns:
+        Shape (m,).
+    """
+    kept = times.copy()
+    count = 1
+    for t in times[1:-1]:
+        if min(t - kept[count - 1], times[-1] - t) > shortest:
+            kept[count] = t
+            count += 1
+    kept[count] = times[-1]
+    return kept[: count + 1].copy()

@@ -8,12 +8,13 @@ from ikplan.arrays import Array
 from ikplan.joint_path.joint_path import JointPath
 from ikplan.timing.constraints.constraints import PathPoints
 from ikplan.timing.engines.engine import Check
-from ikplan.timing.jerk.course_kernels import course_rates, spline_basis
+from ikplan.timing.jerk.course_kernels import apart, course_rates, spline_basis
 from ikplan.timing.jerk.cubic_kernels import times_of
 from ikplan.timing.jerk.cubic_motion import CubicMotion
 from ikplan.timing.jerk.smoothing import JointSlowdown
 from ikplan.timing.jerk.through_nodes import through_nodes
 from ikplan.timing.jerk.warp_kernels import fastest_warp
+from ikplan.timing.jerk.within_limits import constraint_factors
 from ikplan.timing.problem import SpanProblem
 
 __all__ = ["fastest"]
@@ -27,16 +28,16 @@ _SLOW = 50.0
 _A_SWING, _MOST_BY_SWINGS = 2.0, 1_000
 # Intervals shorter than this share of the mean one are joined with their neighbours.
 _SHORT = 0.02
-# How often a motion is played on the last grid, limits tightened by what is exceeded between the
-# points that are looked at; when that is little enough.
-_TIGHTENINGS = 4
+# When what is exceeded between the points that are looked at is little enough.
 _ENOUGH, _POINTS = 1.002, 6
-# Factors of the number of intervals tried, where a motion is not to be had on fewer.
+# The same under limits of the tool, whose speed shall hardly vary.
+_ENOUGH_OF_OTHERS = 1.0007
+# Factors of the number of intervals tried, where fewer give no motion.
 _FINER = (1.0, 2.0, 4.0)
 # Weights of the barrier, an interval, as shares of the duration: the first one for a motion that
 # exceeds limits by much, and for another; the last one, which is about what is lost by it, on a
 # grid that will be laid anew and on the last one.
-_FIRST_MU, _AGAIN_MU, _ROUGH_MU, _LAST_MU, _SHRINK = 0.1, 3e-3, 1e-3, 1e-4, 0.1
+_FIRST_MU, _AGAIN_MU, _ROUGH_MU, _LAST_MU, _SHRINK = 0.1, 3e-3, 1e-3, 5e-5, 0.1
 _GAUSS = np.array([0.5 - np.sqrt(0.15), 0.5, 0.5 + np.sqrt(0.15)])
 _GAUSS_WEIGHTS = np.array([5.0, 8.0, 5.0]) / 18.0
 
@@ -47,7 +48,7 @@ def fastest(
     build_up: float,
     slowdown: JointSlowdown,
     check: Check,
-    regrids: int = 2,
+    rounds: tuple[int, int] = (2, 4),
 ) -> CubicMotion:
     """Shorten a motion within its limits, to a local optimum on a grid.
 
@@ -61,8 +62,9 @@ def fastest(
         build_up: About the time in which the jerk limits build up the acceleration limits [s].
         slowdown: The limits of the joints.
         check: Is called before each round, and may end the search by an error of its own.
-        regrids: How often a grid is laid, at least once; a motion that is nearly optimal needs
-            one.
+        rounds: How often a grid is laid, at least once, and how often the motion is played at
+            most on the last one, limits tightened by what is exceeded between the points that
+            are looked at. A motion that is nearly optimal needs less.
 
     Returns:
         The motion, which may exceed limits by a little.
@@ -73,23 +75,30 @@ def fastest(
     least = max(_LEAST, min(_A_SWING * swings, _MOST_BY_SWINGS))
     count = min(max(least, min(swings / _SLOW, 1.0) * len(problem.h)), _MOST)
     best, shortest = motion, np.inf
+    regrids, tightenings = rounds
     for k in range(regrids):
         last = k == regrids - 1
         course = _course(path, motion, count, even=not last)
         if course is None:
             return best
         tight = np.ones(len(course.s) - 1)
-        for _ in range(_TIGHTENINGS):
+        for _ in range(tightenings):
             check()
             played = _played(problem, course, slowdown, tight, _LAST_MU if last else _ROUGH_MU)
             if played is None:
                 return best
+            course = motion = played
+            if not last:
+                best = played
+                break
             excess = slowdown(played, _POINTS, played.s)
+            if problem.constraints:
+                others = constraint_factors(path, played, problem.constraints)
+                excess = np.maximum(excess, others)
             top = float(excess.max())
             if top * played.time[-1] < shortest:
                 best, shortest = played, top * float(played.time[-1])
-            course = motion = played
-            if not last or top <= _ENOUGH:
+            if top <= (_ENOUGH_OF_OTHERS if problem.constraints else _ENOUGH):
                 break
             tight *= np.maximum(excess, 1.0)
     return best
@@ -116,7 +125,7 @@ def _grid(path: JointPath, motion: CubicMotion, count: float, *, even: bool) -> 
     knots = times_of(motion.time, motion.s, motion.v, motion.a, inner)
     count = max(count, min(_A_PIECE * (len(knots) + 1), _MOST))
     shortest = _SHORT * end / count
-    knots = _apart(np.concatenate([[0.0], knots, [end]]), shortest)
+    knots = apart(np.concatenate([[0.0], knots, [end]]), shortest)
     dt = np.diff(motion.time)
     mass = 0.5 * dt / end + 0.5 / len(dt)
     if not even:
@@ -132,16 +141,7 @@ def _grid(path: JointPath, motion: CubicMotion, count: float, *, even: bool) -> 
     times = np.interp(at[piece] + share * np.diff(at)[piece], level, motion.time)
     room = np.minimum(times - knots[piece], knots[piece + 1] - times)
     times[first], room[first] = knots[:-1], np.inf
-    return _apart(np.append(times[room > shortest], end), shortest)
-
-
-def _apart(times: Array, shortest: float) -> Array:
-    """Return times without those that are too near to the one before; the last one stays."""
-    kept = [0.0]
-    for t in times[1:-1]:
-        if min(t - kept[-1], times[-1] - t) > shortest:
-            kept.append(float(t))
-    return np.array([*kept, times[-1]])
+    return apart(np.append(times[room > shortest], end), shortest)
 
 
 def through(time: Array, s: Array, v: Array, a: Array) -> CubicMotion | None:
@@ -207,6 +207,8 @@ def _played(
     value, _, _ = spline_basis(tau, _GAUSS)
     index = np.arange(n)[:, None] + np.arange(3)
     inside = np.einsum("ikx,ix->ik", value, c[index])
+    if not (inside > 0.0).all():
+        return None
     dt = np.diff(course.time) * (_GAUSS_WEIGHTS / np.sqrt(inside)).sum(axis=1)
     value, slope, _ = spline_basis(tau, np.array([0.0, 1.0]))
     b = np.einsum("ikx,ix->ik", value, c[index])

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from ikplan.arrays import Array
 from ikplan.joint_path.joint_path import JointPath
 from ikplan.timing.constraints.constraints import PathConstraint, PathPoints
 from ikplan.timing.constraints.interval_points import FINE, highest
@@ -14,12 +15,12 @@ from ikplan.timing.jerk.cubic_motion import CubicMotion
 from ikplan.timing.jerk.smoothing import JointSlowdown
 from ikplan.timing.problem import SpanProblem
 
-__all__ = ["MARGIN", "ROUNDING", "within_limits"]
+__all__ = ["MARGIN", "ROUNDING", "constraint_factors", "within_limits"]
 
-_FINE_POINTS = 12
+_FINE_POINTS = 24
 _INSIDE = 1e-7
 # Kept below the limits: they are measured at points of intervals, not between them.
-MARGIN = 1e-4
+MARGIN = 2e-4
 # The same for a closed form, so that rounding in a sample cannot step over a limit.
 ROUNDING = 2e-9
 
@@ -43,13 +44,23 @@ def within_limits(
     motion = motion.divided(times)
     factor = slowdown(motion, _FINE_POINTS, motion.s[[0, -1]])
     motion = motion.slowed(float(factor[0]) * (1.0 + margin))
-    return _within_constraints(path, motion, problem.constraints)
+    factors = constraint_factors(path, motion, problem.constraints)
+    return motion.slowed(max(float(factors.max()), 1.0))
 
 
-def _within_constraints(
+def constraint_factors(
     path: JointPath, motion: CubicMotion, constraints: Sequence[PathConstraint]
-) -> CubicMotion:
-    """Slow a motion by what it exceeds limits other than those of single joints."""
+) -> Array:
+    """Return by what factor of time a motion would keep limits other than those of single joints.
+
+    Args:
+        path: The path.
+        motion: The motion.
+        constraints: The limits; looked at in five points of every interval.
+
+    Returns:
+        Factors, with what may be between the points, shape (n,); 0 where there is no limit.
+    """
     # The ends from inside: at a knot the curvature may step.
     share = np.clip(FINE, _INSIDE, 1.0 - _INSIDE)
     dt = np.diff(motion.time)
@@ -59,7 +70,7 @@ def _within_constraints(
     s = s0 + r * (v0 + r * (0.5 * a0 + r * j / 6.0))
     x = np.square(v0 + r * (a0 + 0.5 * r * j))
     u = a0 + r * j
-    largest = 1.0
+    largest = np.zeros(len(dt))
     for constraint in constraints:
         inside = np.flatnonzero((s[2] > constraint.start) & (s[2] < constraint.end))
         if len(inside):
@@ -67,6 +78,6 @@ def _within_constraints(
             points = PathPoints(at, *path.derivatives(at), path.length)
             index = np.arange(len(at))
             ratios = constraint.at(points).ratios(index, u[:, inside].ravel(), x[:, inside].ravel())
-            most = highest(ratios.reshape(len(FINE), len(inside), -1))
-            largest = max(largest, float(most.max()) * (1.0 + MARGIN))
-    return motion.slowed(float(np.sqrt(largest)))
+            most = highest(ratios.reshape(len(FINE), len(inside), -1)).max(axis=1)
+            largest[inside] = np.maximum(largest[inside], most * (1.0 + MARGIN))
+    return np.sqrt(np.maximum(largest, 0.0))

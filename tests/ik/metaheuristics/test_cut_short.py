@@ -17,7 +17,7 @@ from ikplan.ik.metaheuristics.order import MERGED, ascending
 from ikplan.ik.registry import find_solver
 from ikplan.kinematics.arm import arm_of
 from ikplan.kinematics.target import pose_target
-from ikplan.pipeline.plan import solve_ik_request
+from ikplan.pipeline.poses import solve_ik_request
 from ikplan.time_budget import SearchCut
 from tests.ik.metaheuristics.runs import POPULATION_SEARCHES, problem, run
 

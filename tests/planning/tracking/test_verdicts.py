@@ -60,7 +60,7 @@ def at_shoulder_limit(short: float, direction: float) -> tuple[Robot, ToolPath, 
     ends = [p + k * aside for k in (0, 1, -1, 1, -1, 1, 0)]
     limit = q[0] + direction * short
     robot = two_links((-3.1, limit) if direction > 0 else (limit, 3.1))
-    return robot, path_of(*map(tuple, ends)), TrackingFailed(0.0, q, 1)
+    return robot, path_of(*map(tuple, ends)), TrackingFailed(0.0, q)
 
 
 @pytest.mark.parametrize("direction", [1.0, -1.0])
@@ -139,7 +139,7 @@ def test_the_verdict_names_the_joint_that_jumps_how_far_and_the_waypoints_beside
     s = (0.03, 0.3)[row]
     here = path.pose(s)[1]
     q, beyond = joints(here, 1.0), joints(here, -1.0)
-    error = verdict(robot, path, TrackingFailed(s, q, 1, beyond))
+    error = verdict(robot, path, TrackingFailed(s, q, beyond))
     assert isinstance(error, Disconnected)
     gap = beyond - q
     joint = int(np.argmax(np.abs(gap)))
@@ -163,9 +163,7 @@ def test_by_a_singular_configuration_only_a_limit_that_is_reached_is_named(short
     goal = pose(T.act(0.1 * lost_direction), pin.log3(T.rotation))
     path = through([goal], "line", Pose(T.rotation, T.translation))
     tracker = replace(tracker_of(robot), oriented=True)
-    error = explain_tracking_failure(
-        robot, solver_of(robot), tracker, path, TrackingFailed(0.0, q, 1)
-    )
+    error = explain_tracking_failure(robot, solver_of(robot), tracker, path, TrackingFailed(0.0, q))
     assert isinstance(error, Disconnected)
     near = f"the smallest singular value is {values[-1]:.2g}"
     singular = f"it is singular: {near}"
@@ -197,7 +195,7 @@ def test_the_jump_leads_to_another_branch_and_not_a_little_farther_on_this_one()
     at = end - 2e-3 * path.length
     here = path.pose(at)[1]
     q = joints(here, -1.0)
-    error = verdict(two_links(shoulder=(-3.1, 0.2)), path, TrackingFailed(at, q, 1))
+    error = verdict(two_links(shoulder=(-3.1, 0.2)), path, TrackingFailed(at, q))
     assert isinstance(error, Disconnected)
     assert error.jump == pytest.approx(np.abs(joints(here, 1.0) - q).max(), rel=0.05)
 
@@ -212,7 +210,7 @@ def test_a_waypoint_out_of_reach_by_less_than_the_tolerance_is_met_as_well_as_ca
 ) -> None:
     problem = problem_of(two_links())
     near = replace(problem, targets=[problem.targets[k] for k in (0, 3, 5)])
-    q = select_configurations(near, IkOptions(method="lm", elongation=elongation)).q
+    q = select_configurations(near, IkOptions(method="lm", elongation=elongation))
     missed = np.linalg.norm(tool(q)[:, :2] - [WAYPOINTS[k] for k in (0, 3, 5)], axis=1)
     np.testing.assert_allclose(missed, [0.0, 5e-5, 0.0], atol=1e-8)
     with pytest.raises(Unreachable) as caught:

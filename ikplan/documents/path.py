@@ -4,9 +4,18 @@ from __future__ import annotations
 
 from typing import Annotated, Any, Literal
 
-from pydantic import BeforeValidator, Discriminator, Field, Tag, model_validator
+from pydantic import (
+    BeforeValidator,
+    Discriminator,
+    Field,
+    SerializationInfo,
+    SerializerFunctionWrapHandler,
+    Tag,
+    model_serializer,
+    model_validator,
+)
 
-from ikplan.documents import Document, IfGiven, as_list
+from ikplan.documents import HASHED, Document, IfGiven, as_list
 from ikplan.documents.curve import (
     CircleSegment,
     HelixSegment,
@@ -169,6 +178,18 @@ class PathRequest(Document):
     tolerance: PathTolerance = Field(
         default_factory=PathTolerance, description="Deviation allowed from the path."
     )
+
+    @model_serializer(mode="wrap")
+    def _written(
+        self, write: SerializerFunctionWrapHandler, info: SerializationInfo
+    ) -> dict[str, Any]:
+        """Write the path; for its hash, a blend that is not given as before there were corners."""
+        written: dict[str, Any] = write(self)
+        if info.context and info.context.get(HASHED) and self.blend is None:
+            written["blend"] = 0.0
+            if self.segments is not None or self.interpolation == "line":
+                written["corners"] = self.corners
+        return written
 
     @model_validator(mode="after")
     def _one_form(self) -> PathRequest:

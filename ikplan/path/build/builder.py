@@ -17,7 +17,7 @@ from ikplan.path.build.path_frame import PathFrame
 from ikplan.path.build.spline_items import spline_items
 from ikplan.path.build.tolerance_corners import CornerTolerance
 from ikplan.path.coincidence import COINCIDENT, joined
-from ikplan.path.curves.arcs import arc_about, arc_through
+from ikplan.path.curves.arcs import arc_about, arc_around, arc_through
 from ikplan.path.curves.named_curves import curve_pieces
 from ikplan.path.pieces.piece import Piece, Pose
 from ikplan.path.pieces.steady import line
@@ -115,6 +115,9 @@ class PathBuilder:
             if segment.via is not None and segment.to is not None:
                 to, name = frame.pose(segment.to), f"{field}.to"
                 piece: Piece = arc_through(self._at.p, frame.point(segment.via), to.p)
+            elif segment.centre is not None and segment.to is not None:
+                to, name = frame.pose(segment.to), f"{field}.to"
+                piece = arc_around(self._at.p, frame.point(segment.centre), to.p)
             elif segment.centre is not None and segment.angle is not None:
                 centre, z = frame.point(segment.centre), frame.direction(segment.axis)
                 piece = arc_about(self._at.p, centre, z, segment.angle)

@@ -31,6 +31,7 @@ RANK = {
     "kinematics": 3,
     "limits": 3,
     "points": 3,
+    "smoothing": 3,
     "scene": 3,
     "joint_path": 4,
     "path": 4,

@@ -232,7 +232,7 @@ class _JointPathPlanner:
     def _open_pose(self, waypoint: JointWaypoint, pose: Pose) -> None:
         """Offer every branch of a pose to the tool path that begins there."""
         problem = self._waypoint_problem([waypoint])
-        starts = branches(problem)
+        starts = self._reached(branches(problem), waypoint)
         costs = np.linalg.norm(starts - self._last_q, axis=1)
         self.opened = _Open(waypoint, self._target(pose), starts, costs)
 
@@ -263,6 +263,22 @@ class _JointPathPlanner:
         if segment_number(leg.name) is not None and leg.targets[0].field:
             self.segments.append(RouteSegment(leg.targets[0].field, first, last))
         return move.goal
+
+    def _reached(self, starts: Array, waypoint: JointWaypoint) -> Array:
+        """Those of configurations to which the straight joint motion is free of contact.
+
+        Raises:
+            InCollision: There is none; names the pair that the motion to the nearest meets.
+        """
+        contact, segment = self.problem.contact, _segment_to(waypoint)
+        if contact is None or not self.q:
+            return starts
+        met = [contact.first_contact(np.vstack([self._last_q, q]), segment) for q in starts]
+        free = [k for k, found in enumerate(met) if found is None]
+        if not free and (first := met[0]) is not None:
+            subject = f"the joint motion to {waypoint.name}"
+            raise motion_in_collision(contact, first, waypoint.row, subject, segment)
+        return np.ascontiguousarray(starts[free])
 
     def tool_leg(self, leg: ToolLeg) -> None:
         """Track a tool path; where a move leads to it, from a branch that a way is found to."""

@@ -19,7 +19,7 @@ from ikplan.kinematics.chain import Chain
 __all__ = ["curve_contacts", "motion_contact"]
 
 
-_LOOSE = 0.04
+_LOOSE = 0.015
 """By how much the gap of hulls is at times larger than its cheap bound [m]: a guess that decides
 when they are compared, never what is proven."""
 _FINEST = 2e-5

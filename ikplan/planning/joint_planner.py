@@ -35,7 +35,7 @@ from ikplan.planning.tracking.path_tracker import PathTracker
 from ikplan.planning.tracking.reference_path import points_around
 from ikplan.planning.tracking.tracked_path import TrackedPath, TrackingFailed
 from ikplan.planning.waypoints.ik_branches import branches
-from ikplan.planning.waypoints.in_collision import in_collision
+from ikplan.planning.waypoints.in_collision import in_collision, motion_in_collision
 from ikplan.planning.waypoints.select import select_configurations
 from ikplan.planning.waypoints.waypoint_problem import WaypointProblem
 

@@ -17,6 +17,7 @@ from ikplan.plans.export import (
     as_ros_goal,
     as_urscript,
 )
+from ikplan.plans.export.entry_points import others
 from ikplan.plans.export.formats import Arm
 
 if TYPE_CHECKING:
@@ -24,7 +25,15 @@ if TYPE_CHECKING:
     from ikplan.plans.export.formats import Format
     from ikplan.robots import Robot, RobotInfo
 
-__all__ = ["FORMATS", "check_format", "encode", "format_for", "format_named", "save"]
+__all__ = [
+    "FORMATS",
+    "check_format",
+    "encode",
+    "format_for",
+    "format_named",
+    "known_formats",
+    "save",
+]
 
 FORMATS: tuple[Format, ...] = (
     as_json.FORMAT,
@@ -36,7 +45,19 @@ FORMATS: tuple[Format, ...] = (
     as_rapid.FORMAT,
     as_krl.FORMAT,
 )
-"""Every format; a new one is a module with a ``FORMAT`` and a line here."""
+"""The formats of ikplan; a new one is a module with a ``FORMAT`` and a line here."""
+
+
+def known_formats() -> tuple[Format, ...]:
+    """Return every format: those of ikplan, then those of installed packages.
+
+    A package offers one by an entry point of the group ``ikplan.exporters`` that names a
+    :class:`Format`.
+
+    Raises:
+        InvalidRequest: An entry point names something else, or a name or suffix that is taken.
+    """
+    return (*FORMATS, *others(FORMATS))
 
 
 def format_for(path: str | Path) -> Format:
@@ -46,9 +67,10 @@ def format_for(path: str | Path) -> Format:
         InvalidRequest: No format has that suffix; lists those there are.
     """
     name = Path(path).name.lower()
-    matches = [f for f in FORMATS for suffix in f.suffixes if name.endswith(suffix)]
+    known = known_formats()
+    matches = [f for f in known for suffix in f.suffixes if name.endswith(suffix)]
     if not matches:
-        suffixes = [suffix for f in FORMATS for suffix in f.suffixes]
+        suffixes = [suffix for f in known for suffix in f.suffixes]
         raise InvalidRequest(
             f"cannot tell a format from the file name {str(path)!r}; "
             f"name it with one of {', '.join(suffixes)}",
@@ -64,10 +86,11 @@ def format_named(name: str) -> Format:
     Raises:
         InvalidRequest: No such format; lists those there are.
     """
-    for known in FORMATS:
+    formats = known_formats()
+    for known in formats:
         if known.name == name:
             return known
-    names = [f.name for f in FORMATS]
+    names = [f.name for f in formats]
     raise InvalidRequest(
         f"no format named {name!r}; known formats: {', '.join(names)}",
         field="format",

@@ -21,7 +21,7 @@ def test_joints_that_stand_still_may_have_the_limit_0(kind: str) -> None:
     free = [50.0] * 6 if kind == "jerk" else [2.0] * 6
     same = ikplan.time_path(robot, [robot.home, there], limits={kind: free})
     assert plan.duration == same.duration
-    assert np.array_equal(plan.q[:, [1, 4]], np.tile(robot.home[[1, 4]], (len(plan.time), 1)))
+    np.testing.assert_allclose(plan.q[:, [1, 4]] - robot.home[[1, 4]], 0.0, atol=1e-12)
 
 
 @pytest.mark.parametrize("kind", ["velocity", "acceleration"])

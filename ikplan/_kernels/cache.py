@@ -126,10 +126,6 @@ class _KernelCache(caching.FunctionCache):  # type: ignore[misc]
         self._turns: dict[Any, Turn] = {}
 
     def load_overload(self, sig: Any, target_context: Any) -> Any:
-        with counting():
-            return self._find(sig, target_context)
-
-    def _find(self, sig: Any, target_context: Any) -> Any:
         target_context.refresh()
         found = self._shipped(sig, target_context)
         if found is None:
@@ -184,23 +180,23 @@ def keep(dispatcher: Any, function: Callable[..., Any]) -> None:
         function: The function.
     """
     dispatcher._cache = cache = _KernelCache(function)
-    compiled = dispatcher._compiler.compile
+    compiled = dispatcher.compile
 
-    def compile_in_turn(args: Any, return_type: Any) -> Any:
+    def compile_in_turn(sig: Any) -> Any:
         # The collector finds nothing to free in a compiler at work, and looks for a tenth of it.
         collects = gc.isenabled()
         gc.disable()
         try:
             with counting():
-                return compiled(args, return_type)
+                return compiled(sig)
         except BaseException:
-            cache.give_up(args)
+            cache.give_up(sig)
             raise
         finally:
             if collects:
                 gc.enable()
 
-    dispatcher._compiler.compile = compile_in_turn
+    dispatcher.compile = compile_in_turn
 
 
 @functools.cache

@@ -1,4 +1,4 @@
-"""How much time of the process has gone into compiling and loading kernels."""
+"""How much time of the process has gone into compiling and loading what it computes with."""
 
 from __future__ import annotations
 

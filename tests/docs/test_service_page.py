@@ -14,7 +14,7 @@ from ikplan_api.settings import Settings, unknown_variables
 ROOT = Path(__file__).parents[2]
 PAGE = (ROOT / "docs" / "service.md").read_text()
 README = (ROOT / "README.md").read_text()
-NOT_OF_THE_SERVICE = {"KEY", "CACHE_DIR", "ROBOTS_PATH"}
+NOT_OF_THE_SERVICE = {"CACHE_DIR", "COMPILE_AHEAD", "KERNELS", "KEY", "ROBOTS_PATH", "SERVER"}
 """Of the client and of the library: on the page below the table."""
 
 
@@ -57,9 +57,7 @@ def test_a_variable_that_is_no_setting_is_told_with_the_one_meant() -> None:
         "IKPLAN_ZZZ": "",
         "IKPLAN_WORKERS": "1",
         "ikplan_port": "9",
-        "IKPLAN_CACHE_DIR": "x",
-        "IKPLAN_ROBOTS_PATH": "x",
-        "IKPLAN_KEY": "x",
+        **{f"IKPLAN_{name}": "x" for name in NOT_OF_THE_SERVICE},
         "PATH": "x",
     }
     unknown = unknown_variables(environment)

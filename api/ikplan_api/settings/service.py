@@ -18,7 +18,7 @@ __all__ = ["Settings", "load_settings", "unknown_variables"]
 
 _PREFIX = "IKPLAN_"
 _LEAST_WORKER_BYTES = 768 * 2**20
-_OTHERS = ("CACHE_DIR", "KEY", "ROBOTS_PATH")
+_OTHERS = ("CACHE_DIR", "COMPILE_AHEAD", "KERNELS", "KEY", "ROBOTS_PATH", "SERVER")
 """Variables of the library and of the client."""
 
 

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from ikplan._kernels.clock import counting
 from ikplan.arrays import Array
 from ikplan.timing.engines.engine import EngineFailed, checked
 from ikplan.timing.engines.rows import StageRows
@@ -51,9 +52,9 @@ class _Ready(np.ndarray[Any, np.dtype[np.float64]]):
 @functools.cache
 def _solver() -> Any:
     """Return a factory of toppra's solver for given rows (its import is slow)."""
-    with pyplot_on_first_use():
+    with counting(), pyplot_on_first_use():
         import toppra.constraint
-    from toppra.solverwrapper.cy_seidel_solverwrapper import seidelWrapper
+        from toppra.solverwrapper.cy_seidel_solverwrapper import seidelWrapper
 
     # Without a handler, Python prints toppra's warnings on stderr; failures are raised here.
     logging.getLogger("toppra").addHandler(logging.NullHandler())

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -13,9 +13,9 @@ from ikplan.collision.checker import CollisionChecker
 from ikplan.documents import parse
 from ikplan.documents.plan_request import PlanRequest
 from ikplan.documents.trajectory import WaypointResults
-from ikplan.errors import BudgetExceeded, Disconnected, NoPlan, Unreachable
+from ikplan.errors import Disconnected, InCollision, TimingFailed, Unreachable
 from ikplan.ik.arguments import check_start
-from ikplan.ik.solve import PoseSolver, pose_distance
+from ikplan.ik.solve import pose_distance
 from ikplan.joint_path import JointPath
 from ikplan.kinematics.arm import arm_of
 from ikplan.limits.motion_limits import LimitedSegment, MotionLimits
@@ -35,6 +35,7 @@ from ikplan.planning import (
     plan_joint_path,
 )
 from ikplan.planning.segment_number import segment_number
+from ikplan.planning.tracking.tracked_path import TrackingFailed
 from ikplan.plans.plan import Plan
 from ikplan.robots import Robot
 from ikplan.robots.narrowing import narrowed
@@ -131,10 +132,13 @@ def make_plan(
         except (Unreachable, Disconnected) as error:
             error.repairs = find_repairs(problem, error)
             raise
-    stages = _Stages(request, robot, limits, limits_of, solver)
-    path, timing = stages.timed(problem, route)
-    if route.sharp:
-        route, path, timing = stages.faster(problem, route, path, timing)
+        routes = [route]
+        if route.sharp:
+            routes += _stopping_at_sharp_corners(problem)
+        paths = [JointPath.through(r.q, arm_limits, rest_at=r.rest) for r in routes]
+    with clock.stage("timing"):
+        best, timing = _fastest(request, robot, limits, limits_of, routes, paths, clock)
+    route, path = routes[best], paths[best]
     # Configurations too close to tell apart are passed as one.
     passed = path.q_knots[path.knot_of_waypoint]
     waypoint_q = passed[[w.index for w in route.waypoints]]
@@ -153,51 +157,49 @@ def make_plan(
     )
 
 
-@dataclass(frozen=True, eq=False)
-class _Stages:
-    """What the stages after the first planning of a request share."""
+def _stopping_at_sharp_corners(problem: JointPathProblem) -> list[JointRoute]:
+    """Plan the route that stops at sharp corners, if there is one.
 
-    request: PlanRequest
-    robot: Robot
-    limits: MotionLimits
-    limits_of: dict[str, MotionLimits]
-    solver: PoseSolver
+    Within a small tolerance a sharp corner is passed so slowly that a stop may take no longer.
+    """
+    try:
+        return [plan_joint_path(replace(problem, rounding="slight", explain=False))]
+    except (Unreachable, Disconnected, InCollision, TrackingFailed):
+        return []
 
-    def timed(self, problem: JointPathProblem, route: JointRoute) -> tuple[JointPath, Timing]:
-        """Lay the joint path of a route and time it."""
-        clock = problem.clock
-        with clock.stage("planning"):
-            path = JointPath.through(route.q, problem.limits, rest_at=route.rest)
-        with clock.stage("timing"):
-            segments = [
-                LimitedSegment(x.field, x.first, x.last, self.limits_of[x.field])
-                for x in route.segments
-                if x.field in self.limits_of
-            ]
-            sampling = self.request.sampling
-            timing = time_motion(path, self.robot, self.limits, sampling, segments, clock.check)
-        return path, timing
 
-    def faster(
-        self, problem: JointPathProblem, route: JointRoute, path: JointPath, timing: Timing
-    ) -> tuple[JointRoute, JointPath, Timing]:
-        """Return the motion that stops at sharp corners, where that is faster than to round them.
+def _fastest(
+    request: PlanRequest,
+    robot: Robot,
+    limits: MotionLimits,
+    limits_of: dict[str, MotionLimits],
+    routes: list[JointRoute],
+    paths: list[JointPath],
+    clock: TimeBudget,
+) -> tuple[int, Timing]:
+    """Time the joint paths of routes; the fastest, the first of equal ones.
 
-        Within a small tolerance a sharp corner is passed so slowly that a stop may take no longer.
-        """
-        exact = replace(problem, rounding="slight")
-        clock, solver = problem.clock, self.solver
+    Raises:
+        TimingFailed: None has a timing; that of the first.
+    """
+    found: list[tuple[float, int, Timing]] = []
+    failures: list[TimingFailed] = []
+    for k, (route, path) in enumerate(zip(routes, paths, strict=True)):
+        segments = [
+            LimitedSegment(x.field, x.first, x.last, limits_of[x.field])
+            for x in route.segments
+            if x.field in limits_of
+        ]
         try:
-            with clock.stage("planning"), clock.cutting(solver.cut, solver.search_evaluations):
-                other = plan_joint_path(exact)
-            other_path, other_timing = self.timed(exact, other)
-        except NoPlan as error:
-            if isinstance(error, BudgetExceeded):
-                raise
-            return route, path, timing
-        if other_timing.timed.duration < timing.timed.duration:
-            return other, other_path, other_timing
-        return route, path, timing
+            timing = time_motion(path, robot, limits, request.sampling, segments, clock.check)
+        except TimingFailed as failure:
+            failures.append(failure)
+            continue
+        found.append((timing.timed.duration, k, timing))
+    if not found:
+        raise failures[0]
+    _, best, timing = min(found, key=lambda entry: entry[:2])
+    return best, timing
 
 
 def _segment_times(
@@ -214,10 +216,13 @@ def _segment_times(
     if not found:
         ends = [float(times[w.index]) for w in route.waypoints]
         return list(zip([0.0, *ends], ends, strict=False)) or None
-    last = 0.0
+    last = begun = 0.0
     rows = []
     for number in range(max(found) + 1):
-        rows.append(found.get(number, (last, last)))
+        begin, end = found.get(number, (last, last))
+        # One that leads nowhere, at a rounded corner, is passed after the next one has begun.
+        begun = max(begun, begin)
+        rows.append((begun, max(begun, end)))
         last = rows[-1][1]
     return rows
 

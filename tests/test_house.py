@@ -19,7 +19,9 @@ import ikplan
 SOURCE = Path(ikplan.__file__).parent
 API = SOURCE.parent / "api" / "ikplan_api"
 RANK = {
+    "_kernels": -1,
     "_jit": 0,
+    "_lazy": 0,
     "_version": 0,
     "arrays": 0,
     "errors": 0,
@@ -61,13 +63,14 @@ SERVICE_RANK = {
     "jobs": 2,
     "middleware": 2,
     "robots": 2,
+    "scenes": 2,
     "handlers": 3,
     "routes": 4,
     "app": 5,
 }
-"""app -> routes -> handlers -> connections, jobs, middleware, robots -> http, store, workers ->
-settings, telemetry: a room of the service imports rooms of a lower rank only, never one beside
-it."""
+"""app -> routes -> handlers -> connections, jobs, middleware, robots, scenes -> http, store,
+workers -> settings, telemetry: a room of the service imports rooms of a lower rank only, never
+one beside it."""
 MOST_FILES = 15
 """Most modules in a folder of the service."""
 

@@ -24,7 +24,7 @@ from ikplan.certificate.requested import RequestedMotion, read_motion
 from ikplan.certificate.segments import segment_checks, timed_segments
 from ikplan.certificate.singular_value import least_singular_value
 from ikplan.certificate.stops import false_stops, stops
-from ikplan.certificate.waypoints import missed_waypoints, waypoint_misses
+from ikplan.certificate.waypoints import met_waypoints, missed_waypoints, waypoint_misses
 from ikplan.documents.certificate import Certificate
 from ikplan.errors import CertificateViolated
 
@@ -91,8 +91,9 @@ def _check_path(
         )
         return []
     allowance, tool = Allowance(claim.path), Tool.of(claim, samples=bool(motion.legs))
-    misses = waypoint_misses(claim, motion.waypoints, allowance, tool)
-    violations += missed_waypoints(motion.waypoints, allowance, misses)
+    met = met_waypoints(claim, motion.waypoints, allowance, tool)
+    misses = waypoint_misses(claim, met, allowance, tool)
+    violations += missed_waypoints(met, allowance, misses)
     fields["max_position_error"] = float(misses.distance.max())
     if misses.oriented.any():
         fields["max_orientation_error"] = float(misses.angle[misses.oriented].max())

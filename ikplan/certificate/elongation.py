@@ -16,6 +16,9 @@ from ikplan.robots import Robot
 
 __all__ = ["elongation_lower_bound", "joint_reach"]
 
+_Pose = tuple[Array, Array | None]
+"""Position, shape (3,) [m], and rotation, shape (3, 3), of the tool; None: free."""
+
 
 def elongation_lower_bound(
     robot: Robot,
@@ -41,25 +44,31 @@ def elongation_lower_bound(
     linear = math.sqrt(float((joint_reach(robot) ** 2).sum()))
     turning = robot.coupling[~np.array([_slides(robot, k) for k in range(robot.model.nv)])]
     angular = float(np.linalg.norm(turning, 2)) * math.sqrt(len(turning)) if len(turning) else 0.0
-    p = np.array([w.p for w in waypoints])
-    R = [w.R for w in waypoints]
     near = misses.distance + float(np.linalg.norm(allowance.box_position))
     like = misses.angle + float(np.linalg.norm(allowance.box_orientation)) + allowance.cone
+    # Of several targets any may be gone to: the least over all ways to choose.
+    rows = [[(w.p, w.R) for w in (waypoint, *waypoint.others)] for waypoint in waypoints]
     if q_start is not None:
         begin = robot.fk(q_start)
-        p, R = np.vstack([begin.translation, p]), [begin.rotation, *R]
+        rows.insert(0, [(begin.translation, begin.rotation)])
         near, like = np.concatenate([[0.0], near]), np.concatenate([[0.0], like])
-    total = 0.0
-    for k in range(1, len(p)):
-        distance = float(np.linalg.norm(p[k] - p[k - 1])) - near[k] - near[k - 1]
-        step = max(distance, 0.0) / linear if linear else 0.0
-        before, after = R[k - 1], R[k]
-        if before is not None and after is not None and angular and not allowance.positions_only:
-            angle = _turn(before, after, allowance.free_axis) - like[k] - like[k - 1]
-            step = max(step, angle / angular)
-        total += step
+    total = [0.0] * len(rows[0])
+    for k in range(1, len(rows)):
+
+        def step(before: _Pose, after: _Pose, k: int = k) -> float:
+            distance = float(np.linalg.norm(after[0] - before[0])) - near[k] - near[k - 1]
+            least = max(distance, 0.0) / linear if linear else 0.0
+            if before[1] is None or after[1] is None or not angular or allowance.positions_only:
+                return float(least)
+            angle = _turn(before[1], after[1], allowance.free_axis) - like[k] - like[k - 1]
+            return float(max(least, angle / angular))
+
+        total = [
+            min(sum_before + step(a, b) for sum_before, a in zip(total, rows[k - 1], strict=True))
+            for b in rows[k]
+        ]
     # Rounding must not lift the bound over a motion that meets it.
-    return total * (1.0 - 1e-12)
+    return min(total) * (1.0 - 1e-12)
 
 
 def _turn(before: Array, after: Array, free_axis: int | None) -> float:

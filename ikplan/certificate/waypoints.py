@@ -13,7 +13,7 @@ from ikplan.certificate.deviation import Tool
 from ikplan.certificate.offsets import Allowance
 from ikplan.certificate.requested import RequestedWaypoint
 
-__all__ = ["Misses", "missed_waypoints", "waypoint_misses"]
+__all__ = ["Misses", "met_waypoints", "missed_waypoints", "waypoint_misses"]
 
 
 _ROUNDING = 1e-9
@@ -37,6 +37,39 @@ class Misses:
     joints: Array
 
 
+def met_waypoints(
+    claim: Claim, waypoints: Sequence[RequestedWaypoint], allowance: Allowance, tool: Tool
+) -> tuple[RequestedWaypoint, ...]:
+    """Return the waypoints, of each that has others the one that a trajectory misses least.
+
+    Args:
+        claim: The trajectory.
+        waypoints: The waypoints of the request, one a row of ``claim.waypoint_q``.
+        allowance: What is allowed at them.
+        tool: Poses of the tool.
+    """
+    found = list(waypoints)
+    for row, waypoint in enumerate(waypoints):
+        if not waypoint.others:
+            continue
+        choices = (waypoint, *waypoint.others)
+        many = len(choices)
+        p, R = tool.p_waypoint[row : row + 1], tool.R_waypoint[row : row + 1]
+        misses = _measured(
+            claim.waypoint_q[row : row + 1].repeat(many, axis=0),
+            choices,
+            allowance,
+            (p.repeat(many, axis=0), R.repeat(many, axis=0)),
+        )
+        # In the units of what is allowed, so that none hides the other.
+        worst = np.maximum(
+            np.maximum(misses.distance / allowance.position, misses.angle / allowance.orientation),
+            misses.joints / _ROUNDING,
+        )
+        found[row] = choices[int(np.argmin(worst))]
+    return tuple(found)
+
+
 def waypoint_misses(
     claim: Claim, waypoints: Sequence[RequestedWaypoint], allowance: Allowance, tool: Tool
 ) -> Misses:
@@ -48,14 +81,24 @@ def waypoint_misses(
         allowance: What is allowed at them.
         tool: Poses of the tool.
     """
+    return _measured(claim.waypoint_q, waypoints, allowance, (tool.p_waypoint, tool.R_waypoint))
+
+
+def _measured(
+    q: Array,
+    waypoints: Sequence[RequestedWaypoint],
+    allowance: Allowance,
+    poses: tuple[Array, Array],
+) -> Misses:
+    """Measure configurations and their poses of the tool against a waypoint each."""
     free = np.eye(3)
     oriented = np.array([w.R is not None for w in waypoints]) & (not allowance.positions_only)
     R = np.array([free if w.R is None else w.R for w in waypoints])
     p = np.array([w.p for w in waypoints])
-    found = allowance.offsets(tool.p_waypoint, tool.R_waypoint, p, R, oriented)
+    found = allowance.offsets(*poses, p, R, oriented)
     joints = [
-        0.0 if w.q is None else float(np.abs(q - w.q).max())
-        for w, q in zip(waypoints, claim.waypoint_q, strict=True)
+        0.0 if w.q is None else float(np.abs(row - w.q).max())
+        for w, row in zip(waypoints, q, strict=True)
     ]
     return Misses(found.distance, found.angle, oriented, np.array(joints))
 

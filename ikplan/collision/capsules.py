@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import math
 
 import numpy as np
@@ -28,6 +29,12 @@ def enclosing_capsule(points: Array) -> tuple[Array, Array, float]:
     Returns:
         Both ends of its axis, shape (3,) [m], and its radius [m].
     """
+    return _capsule_about(np.ascontiguousarray(points, dtype=np.float64).tobytes())
+
+
+@functools.lru_cache(maxsize=1024)
+def _capsule_about(content: bytes) -> tuple[Array, Array, float]:
+    points = np.frombuffer(content).reshape(-1, 3)
     middle = 0.5 * (points.min(axis=0) + points.max(axis=0))
     _, _, principal = np.linalg.svd(points - points.mean(axis=0), full_matrices=True)
     axes = np.vstack([principal, _TURNS @ principal])

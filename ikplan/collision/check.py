@@ -3,11 +3,32 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Protocol
+from typing import NamedTuple, Protocol
 
 from ikplan.arrays import Array, Flags
+from ikplan.collision.bodies import Bodies
+from ikplan.collision.scratch import Scratch
+from ikplan.kinematics.chain import Chain
 
-__all__ = ["Contact", "ContactCheck"]
+__all__ = ["Contact", "ContactArrays", "ContactCheck"]
+
+
+class ContactArrays(NamedTuple):
+    """What the kernels of a search take.
+
+    Attributes:
+        chain: The chain of the arm.
+        bodies: Bodies to be kept apart.
+        active: Which pairs of them count, shape (m,).
+        margin: Gap asked for on top of the clearance [m].
+        scratch: Work space.
+    """
+
+    chain: Chain
+    bodies: Bodies
+    active: Flags
+    margin: float
+    scratch: Scratch
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,6 +55,9 @@ class ContactCheck(Protocol):
     def changes_by_segment(self) -> bool:
         """Whether bodies are attached on some segments only."""
 
+    def wider(self, extra: float) -> ContactCheck:
+        """Return the same check with a gap that is larger by ``extra`` asked for [m]."""
+
     def free(self, q: Array, segment: int | None = None) -> Flags:
         """Return which configurations, shape (m, dof) [rad or m], are free, shape (m,).
 
@@ -50,3 +74,11 @@ class ContactCheck(Protocol):
 
     def shortfall(self, q: Array, segment: int | None = None) -> tuple[float, tuple[str, str]]:
         """Return by how much the smallest gap falls short of the clearance [m], and its pair."""
+
+    def contacts_on_curve(
+        self, s: Array, q: Array, m: tuple[Array, Array], segment: int | None, extra: float
+    ) -> Flags:
+        """Return which pieces of a motion that is cubic from knot to knot are not proven free."""
+
+    def arrays(self, segment: int | None) -> ContactArrays:
+        """Return what the kernels of a search take, for the pairs that count in a segment."""

@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+import copy
 from collections import Counter
 
 import numpy as np
 
 from ikplan.arrays import Array, Flags, Indices
 from ikplan.collision.bodies import flat_bodies
-from ikplan.collision.check import Contact
-from ikplan.collision.contact import contacts, gaps, motion_contact, new_scratch
+from ikplan.collision.check import Contact, ContactArrays
+from ikplan.collision.contact import contacts, gaps
+from ikplan.collision.motion import curve_contacts, motion_contact
+from ikplan.collision.scratch import new_scratch
 from ikplan.kinematics.arm import arm_of
 from ikplan.robots import Robot
 from ikplan.scene.body import CollisionModel
@@ -45,6 +48,16 @@ class CollisionChecker:
     def changes_by_segment(self) -> bool:
         """Whether bodies are attached on some segments only."""
         return self._windowed
+
+    def wider(self, extra: float) -> CollisionChecker:
+        """Return the same check with a larger gap asked for; both share their work space.
+
+        Args:
+            extra: What is asked for on top [m].
+        """
+        other = copy.copy(self)
+        other._margin = self._margin + extra
+        return other
 
     def active(self, segment: int | None) -> Flags:
         """Return which pairs of pieces count in a segment, shape (m,); None: all of them."""
@@ -96,6 +109,43 @@ class CollisionChecker:
             if row >= 0:
                 return Contact(k, share, q[k] + share * (q[k + 1] - q[k]), self._names(row))
         return None
+
+    def contacts_on_curve(
+        self, s: Array, q: Array, m: tuple[Array, Array], segment: int | None, extra: float
+    ) -> Flags:
+        """Return which pieces of a motion that is cubic from knot to knot are not proven free.
+
+        Args:
+            s: Knots, shape (k + 1,), strictly increasing.
+            q: Values at the knots, shape (k + 1, dof) [rad or m].
+            m: Derivatives by s at the begin and at the end of each piece, each (k, dof).
+            segment: The segment it belongs to.
+            extra: Gap asked for on top of the margin of this check [m].
+
+        Returns:
+            Shape (k,).
+        """
+        found = np.full(len(s) - 1, -1, dtype=np.int64)
+        if len(self._all):
+            curve_contacts(
+                self._chain,
+                self._bodies,
+                self.active(segment),
+                self._margin + extra,
+                np.ascontiguousarray(s),
+                np.ascontiguousarray(q),
+                np.ascontiguousarray(m[0]),
+                np.ascontiguousarray(m[1]),
+                self._scratch,
+                found,
+            )
+        return np.asarray(found >= 0)
+
+    def arrays(self, segment: int | None) -> ContactArrays:
+        """Return what the kernels of a search take, for the pairs that count in a segment."""
+        return ContactArrays(
+            self._chain, self._bodies, self.active(segment), self._margin, self._scratch
+        )
 
     def least_gap(self, q: Array, segment: int | None = None) -> tuple[float, tuple[str, str]]:
         """Return the smallest gap of a configuration [m], 0 in contact, and its pair.

@@ -25,7 +25,13 @@ from ikplan.documents.curve import (
     TrapezoidSegment,
 )
 from ikplan.documents.poses import Frame, Tolerance, Waypoint
-from ikplan.documents.segment import ArcSegment, JointSegment, LineSegment, SplineSegment
+from ikplan.documents.segment import (
+    ArcSegment,
+    JointSegment,
+    LineSegment,
+    MoveSegment,
+    SplineSegment,
+)
 
 __all__ = [
     "AxisFreedom",
@@ -44,6 +50,7 @@ Segment = Annotated[
     | ArcSegment
     | SplineSegment
     | JointSegment
+    | MoveSegment
     | CircleSegment
     | HelixSegment
     | RoseSegment
@@ -147,12 +154,14 @@ class PathRequest(Document):
     begin: Waypoint | None = Field(
         None,
         description="Pose at which the first segment begins; null: the tool's pose at the start. "
-        'Wanted where a line or an arc is first and the start is "free" or the approach "joint".',
+        'Wanted where a line or an arc is first and the start is "free" or the approach "joint" '
+        'or "move".',
     )
-    approach: Literal["path", "joint"] = Field(
+    approach: Literal["path", "joint", "move"] = Field(
         "path",
         description='How the path is reached from the start. "path": in the manner of the path, '
-        'for segments by a line; "joint": by a joint motion.',
+        'for segments by a line; "joint": by a joint motion; "move": by a joint motion around '
+        "what is in the way.",
     )
     blend: float | None = Field(
         None,

@@ -98,6 +98,15 @@ class IkOptions(Document):
         description='How joint motion is kept small: "global" over the whole path, "greedy" '
         "waypoint by waypoint.",
     )
+    effort: Annotated[
+        Annotated[int, Field(ge=1, le=10_000_000)] | None,
+        IfGiven(),
+    ] = Field(
+        None,
+        description="Samples drawn at most in the search for the way of a move; for every 200 of "
+        "them one shortcut is tried. null: 20,000. The time budget only ends a search, it never "
+        "decides what it finds.",
+    )
 
     @model_validator(mode="after")
     def _affordable(self) -> IkOptions:

@@ -1,4 +1,4 @@
-"""The segments of a path: lines, arcs, splines and joint motions.
+"""The segments of a path: lines, arcs, splines, joint motions and moves around obstacles.
 
 A segment begins where the one before ended; the first at the start of the path. Poses are of the
 tool frame in the path frame, in metres and radians. The named curves are in
@@ -21,13 +21,17 @@ __all__ = [
     "BaseSegment",
     "EndOrientation",
     "JointSegment",
+    "JointTarget",
     "LineSegment",
+    "MoveSegment",
+    "MoveTarget",
     "OrientationRule",
     "SplineSegment",
     "ToolSegment",
 ]
 
 MAX_SPLINE_POSES = 10_000
+MAX_MOVE_TARGETS = 100
 
 
 def direction(vector: list[float] | None) -> list[float] | None:
@@ -179,4 +183,55 @@ class JointSegment(BaseSegment):
     def _one_target(self) -> JointSegment:
         if (self.q is None) == (self.to is None):
             raise ValueError("a joint motion is to q or to a pose: exactly one of q and to")
+        return self
+
+
+class JointTarget(Document):
+    """Joint values that a move may go to."""
+
+    q: Floats = Field(min_length=1, description="Joint values, shape (dof,) [rad or m].")
+
+
+def _target_tag(value: Any) -> str:
+    given = value.get("q") if isinstance(value, dict) else getattr(value, "q", None)
+    return "[pose]" if given is None else "[q]"
+
+
+# Tagged, so that a fault is told of the form the user wrote and not of both.
+MoveTarget = Annotated[
+    Annotated[JointTarget, Tag("[q]")] | Annotated[Waypoint, Tag("[pose]")],
+    Discriminator(_target_tag),
+]
+
+
+class MoveSegment(BaseSegment):
+    """A joint motion around what is in the way; it begins and ends at rest.
+
+    Where a straight joint motion is free of contact it is taken.
+    """
+
+    type: Literal["move"] = Field(description="A joint motion around obstacles.")
+    q: Floats | None = Field(
+        None, min_length=1, description="Joint values at the end, shape (dof,) [rad or m]."
+    )
+    to: Waypoint | None = Field(
+        None,
+        description="Or the pose of the tool at the end: any configuration that meets it, over "
+        "full turns of the joints and the self-motion of the arm.",
+    )
+    any: list[MoveTarget] | None = Field(
+        None,
+        min_length=1,
+        max_length=MAX_MOVE_TARGETS,
+        description="Or several poses and joint values, of which the move goes to the one with "
+        "the shortest way found. What follows is a move or a joint motion: a tool path would not "
+        "know where it begins.",
+    )
+
+    @model_validator(mode="after")
+    def _one_target(self) -> MoveSegment:
+        if sum(target is not None for target in (self.q, self.to, self.any)) != 1:
+            raise ValueError(
+                "a move is to q, to a pose or to any of several: exactly one of q, to and any"
+            )
         return self

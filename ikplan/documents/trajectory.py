@@ -7,7 +7,7 @@ from pydantic import Field
 from ikplan.documents import Matrix, Vector
 from ikplan.documents.certificate import Result
 
-__all__ = ["Stats", "Trajectory", "WaypointResults"]
+__all__ = ["MoveReport", "Stats", "Trajectory", "WaypointResults"]
 
 
 class WaypointResults(Result):
@@ -33,8 +33,26 @@ class Trajectory(Result):
     ddq: Matrix = Field(description="Joint accelerations, shape (m, dof) [rad/s^2 or m/s^2].")
 
 
+class MoveReport(Result):
+    """What was found for one move around obstacles."""
+
+    field: str = Field(description="The move in the request, such as `path.segments[2]`.")
+    length: float = Field(description="Joint distance along it [rad or m].")
+    found_length: float = Field(
+        description="That of the way first found, before it was shortened [rad or m]."
+    )
+    least_length: float = Field(
+        description="That of the straight joint motion between its ends, which none can undercut "
+        "[rad or m]."
+    )
+    corners: int = Field(description="Corners of the shortened way.")
+    stops: int = Field(description="Corners at which the motion stops, being too narrow to round.")
+    samples: int = Field(description="Samples drawn in the search; 0: a straight motion was free.")
+
+
 class Stats(Result):
     """What the plan cost; outside the id and the byte-for-byte promise."""
 
     ik_evaluations: int = Field(description="Forward-kinematics evaluations of the IK solvers.")
+    moves: list[MoveReport] = Field([], description="The moves around obstacles, in order.")
     seconds: dict[str, float] = Field(description="Wall-clock time of each stage [s].")

@@ -12,7 +12,7 @@ from ikplan.certificate import Claim, RequestedSegment, certify
 from ikplan.documents.path import PathRequest
 from ikplan.documents.plan_request import PlanRequest
 from ikplan.documents.timing_request import PathNearness, TimingRequest
-from ikplan.documents.trajectory import Stats, WaypointResults
+from ikplan.documents.trajectory import MoveReport, Stats, WaypointResults
 from ikplan.limits.motion_limits import MotionLimits
 from ikplan.pipeline.collisions import prove_motion
 from ikplan.pipeline.hints import stop_hints
@@ -49,6 +49,7 @@ def assemble_plan(
     q_start: Array | None,
     path: PathRequest | None = None,
     segments: tuple[RequestedSegment, ...] = (),
+    moves: Sequence[MoveReport] = (),
     model: CollisionModel | None = None,
     segment_times: Sequence[tuple[float, float]] | None = None,
     joint_waypoints: Array | None = None,
@@ -68,6 +69,7 @@ def assemble_plan(
         q_start: Start that was asked for, shape (dof,) [rad or m]; None: any.
         path: The path asked for; None: the waypoints are joint values.
         segments: Parts of a joint path with limits of their own.
+        moves: What is told of the moves around obstacles.
         model: Bodies that must not touch; None: nothing is checked.
         segment_times: When each segment begins and ends [s], for attached bodies.
         joint_waypoints: Joint values that a timing asks for, shape (n, dof); None: a path is.
@@ -115,5 +117,5 @@ def assemble_plan(
         timing=timing.report.model_copy(update={"hints": [*hints, *stop_hints(certificate, path)]}),
         motion=timing.motion,
         controller=None if robot.controller is None else robot.controller.info(),
-        stats=Stats(ik_evaluations=clock.evaluations, seconds=clock.seconds),
+        stats=Stats(ik_evaluations=clock.evaluations, moves=list(moves), seconds=clock.seconds),
     )

@@ -13,38 +13,40 @@ from ikplan.collision.checker import CollisionChecker
 from ikplan.documents import parse
 from ikplan.documents.plan_request import PlanRequest
 from ikplan.documents.trajectory import WaypointResults
-from ikplan.errors import Disconnected, InCollision, TimingFailed, Unreachable
+from ikplan.errors import Disconnected, InCollision, Unreachable
 from ikplan.ik.arguments import check_start
 from ikplan.ik.solve import pose_distance
-from ikplan.joint_path import JointPath
 from ikplan.kinematics.arm import arm_of
-from ikplan.limits.motion_limits import LimitedSegment, MotionLimits
+from ikplan.limits.motion_limits import MotionLimits
 from ikplan.pipeline.assemble import assemble_plan, joint_steps
 from ikplan.pipeline.collisions import requested_model, with_meshes
+from ikplan.pipeline.helpers import helped_by
 from ikplan.pipeline.identity import plan_id
+from ikplan.pipeline.motion_stages import MotionStages
 from ikplan.pipeline.poses import pose_solver
+from ikplan.pipeline.request_budget import RequestBudget
 from ikplan.pipeline.resolve import resolve_robot
-from ikplan.pipeline.timing_stage import Timing, joint_limits, time_motion
-from ikplan.pipeline.warm_up import warm_up
+from ikplan.pipeline.timing_stage import joint_limits
 from ikplan.planning import (
     JointPathProblem,
     JointRoute,
     Progress,
-    TimeBudget,
     find_repairs,
     plan_joint_path,
 )
 from ikplan.planning.segment_number import segment_number
-from ikplan.planning.tracking.tracked_path import TrackingFailed
 from ikplan.plans.plan import Plan
 from ikplan.robots import Robot
 from ikplan.robots.narrowing import narrowed
+from ikplan.scene.body import CollisionModel
 
 __all__ = ["make_plan", "plan"]
 
 CONTACT_MARGIN = 1e-4
 """Gap that the planner keeps on top of the clearance [m]: the spline through its configurations
 leaves the straight motions that it checks by a little, and the proof has the last word."""
+_MOVE_REPAIRS = 3
+"""How often a move on which that proof fails is rounded anew, with a gap that grows."""
 _EXACT = 1e-9
 """What counts as a solution of a waypoint, whatever the path tolerates [m and rad]."""
 
@@ -102,8 +104,8 @@ def make_plan(
     limits = MotionLimits.of(robot, request.limits)
     limits_of = _segment_limits(robot, request, limits)
     jerk = any(x.jerk is not None for x in (limits, *limits_of.values()))
-    warm_up(plan, "plan", request.ik.method, jerk=jerk)
-    clock = TimeBudget(request.budget_s, progress)
+    helped_by("plan", request.ik.method, jerk=jerk)
+    clock = RequestBudget(request.budget_s, progress)
     start_free = request.start == "free"
     asked = None if request.start == "free" else request.start
     q_start = check_start(robot, robot.home if asked is None else asked)
@@ -114,92 +116,80 @@ def make_plan(
     contact = None
     if model is not None and len(model.pairs):
         contact = CollisionChecker(robot, model, CONTACT_MARGIN)
-    with clock.stage("planning"), clock.cutting(solver.cut, solver.search_evaluations):
-        arm_limits = joint_limits(robot, limits)
-        problem = JointPathProblem(
-            robot,
-            solver,
-            request.path,
-            request.ik,
-            q_start,
-            start_free,
-            arm_limits,
-            clock,
-            contact=contact,
+    problem = JointPathProblem(
+        robot,
+        solver,
+        request.path,
+        request.ik,
+        q_start,
+        start_free,
+        joint_limits(robot, limits),
+        clock,
+        contact=contact,
+    )
+    margins: dict[str, float] = {}
+    for repair in range(_MOVE_REPAIRS + 1):
+        motion = _motion(
+            request, replace(problem, move_margins=margins), limits, limits_of, model, known_id
         )
+        if isinstance(motion, Plan):
+            return motion
+        name, violation = motion
+        if repair == _MOVE_REPAIRS:
+            raise violation
+        margins = {**margins, name: max(4.0 * margins.get(name, 0.0), CONTACT_MARGIN)}
+    raise AssertionError("the loop returns or raises")
+
+
+def _motion(
+    request: PlanRequest,
+    problem: JointPathProblem,
+    limits: MotionLimits,
+    limits_of: Mapping[str, MotionLimits],
+    model: CollisionModel | None,
+    known_id: str,
+) -> Plan | tuple[str, InCollision]:
+    """Plan, time and certify; where the proof fails on a move, its name and the violation.
+
+    Raises:
+        InCollision: The proof fails elsewhere.
+    """
+    robot, clock, solver = problem.robot, problem.clock, problem.solver
+    with clock.stage("planning"), clock.cutting(solver.cut, solver.search_evaluations):
         try:
             route = plan_joint_path(problem)
         except (Unreachable, Disconnected) as error:
             error.repairs = find_repairs(problem, error)
             raise
-        routes = [route]
-        if route.sharp:
-            routes += _stopping_at_sharp_corners(problem)
-        paths = [JointPath.through(r.q, arm_limits, rest_at=r.rest) for r in routes]
+        stages = MotionStages(request, limits, limits_of)
+        laid = stages.laid(problem, route)
     with clock.stage("timing"):
-        best, timing = _fastest(request, robot, limits, limits_of, routes, paths, clock)
-    route, path = routes[best], paths[best]
+        route, path, timing = stages.fastest(problem, laid)
     # Configurations too close to tell apart are passed as one.
     passed = path.q_knots[path.knot_of_waypoint]
     waypoint_q = passed[[w.index for w in route.waypoints]]
-    return assemble_plan(
-        request,
-        robot,
-        limits,
-        _waypoint_results(robot, route, waypoint_q, timing.timed.times, start_free),
-        timing,
-        clock,
-        q_start=None if start_free else q_start,
-        path=request.path,
-        model=model,
-        segment_times=_segment_times(route, timing.timed.times),
-        plan_id=known_id,
-    )
-
-
-def _stopping_at_sharp_corners(problem: JointPathProblem) -> list[JointRoute]:
-    """Plan the route that stops at sharp corners, if there is one.
-
-    Within a small tolerance a sharp corner is passed so slowly that a stop may take no longer.
-    """
+    times = timing.timed.times
     try:
-        return [plan_joint_path(replace(problem, rounding="slight", explain=False))]
-    except (Unreachable, Disconnected, InCollision, TrackingFailed):
-        return []
-
-
-def _fastest(
-    request: PlanRequest,
-    robot: Robot,
-    limits: MotionLimits,
-    limits_of: dict[str, MotionLimits],
-    routes: list[JointRoute],
-    paths: list[JointPath],
-    clock: TimeBudget,
-) -> tuple[int, Timing]:
-    """Time the joint paths of routes; the fastest, the first of equal ones.
-
-    Raises:
-        TimingFailed: None has a timing; that of the first.
-    """
-    found: list[tuple[float, int, Timing]] = []
-    failures: list[TimingFailed] = []
-    for k, (route, path) in enumerate(zip(routes, paths, strict=True)):
-        segments = [
-            LimitedSegment(x.field, x.first, x.last, limits_of[x.field])
-            for x in route.segments
-            if x.field in limits_of
-        ]
-        try:
-            timing = time_motion(path, robot, limits, request.sampling, segments, clock.check)
-        except TimingFailed as failure:
-            failures.append(failure)
-            continue
-        found.append((timing.timed.duration, k, timing))
-    if not found:
-        raise failures[0]
-    _, best, timing = min(found, key=lambda entry: entry[:2])
-    return best, timing
+        return assemble_plan(
+            request,
+            robot,
+            limits,
+            _waypoint_results(robot, route, waypoint_q, times, problem.start_free),
+            timing,
+            clock,
+            q_start=None if problem.start_free else problem.q_start,
+            path=request.path,
+            moves=[move.report for move in route.moves],
+            model=model,
+            segment_times=_segment_times(route, times),
+            plan_id=known_id,
+        )
+    except InCollision as violation:
+        for move in route.moves:
+            begin, end = float(times[move.first]), float(times[move.last])
+            if violation.time is not None and begin <= violation.time <= end:
+                return move.report.field, violation
+        raise
 
 
 def _segment_times(

@@ -19,12 +19,13 @@ from ikplan.joint_path import JointPath
 from ikplan.limits.motion_limits import LimitedSegment, MotionLimits
 from ikplan.pipeline.assemble import assemble_plan, joint_steps
 from ikplan.pipeline.collisions import requested_model, with_meshes
+from ikplan.pipeline.helpers import helped_by
 from ikplan.pipeline.hints import noise_hints
 from ikplan.pipeline.identity import plan_id
 from ikplan.pipeline.near_path import Nearness, NearPath, smooth_path
+from ikplan.pipeline.request_budget import RequestBudget
 from ikplan.pipeline.resolve import resolve_robot
 from ikplan.pipeline.timing_stage import Timing, joint_limits, time_motion
-from ikplan.pipeline.warm_up import warm_up
 from ikplan.planning import Progress, TimeBudget
 from ikplan.plans.plan import Plan
 from ikplan.robots import Robot
@@ -147,8 +148,8 @@ def make_timing(
         for k, part in enumerate(request.segments)
     )
     jerk = any(x.jerk is not None for x in (limits, *(s.limits for s in segments)))
-    warm_up(time_request, "time", jerk=jerk)
-    clock = TimeBudget(request.budget_s, progress)
+    helped_by("time", jerk=jerk)
+    clock = RequestBudget(request.budget_s, progress)
     nearness = _nearness(request, robot)
     if nearness is None:
         with clock.stage("planning"):

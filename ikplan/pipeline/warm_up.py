@@ -1,4 +1,4 @@
-"""Small requests that load, or compile, the kernels before a request's clock begins."""
+"""Small requests that load, or compile, the kernels before anybody waits for an answer."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from typing import Any, Literal
 
 import pinocchio as pin
 
-from ikplan.errors import Unreachable
+from ikplan.errors import InCollision, Unreachable
 from ikplan.ik.registry import find_solver
 from ikplan.robots import Robot, catalogue_robot
 
@@ -24,8 +24,8 @@ _WRIST = "iiwa14"
 _LIMITS = {"jerk": False, "tool_speed": 1.0, "tool_acceleration": 50.0, "torque": True}
 _BUDGET_S = 3600.0
 _lock = threading.RLock()
-_under_way: set[tuple[RequestKind, str, bool]] = set()
-_ready: set[tuple[RequestKind, str, bool]] = set()
+_under_way: set[tuple[RequestKind, str, bool, bool]] = set()
+_ready: set[tuple[RequestKind, str, bool, bool]] = set()
 
 
 def warm_up(
@@ -34,11 +34,13 @@ def warm_up(
     method: str = "ik-ba",
     *,
     jerk: bool = False,
+    moves: bool = False,
 ) -> None:
     """Make every kernel that requests of a kind use ready, once a process.
 
-    Compiling takes tens of seconds on the first use after an installation and is no part of any
-    request's budget; loading what was compiled takes about a second.
+    For a service, and for processes that are forked: a request by itself compiles and loads what
+    it uses, outside its budget. Compiling takes tens of seconds on the first use after an
+    installation; loading what was compiled takes about a second.
 
     Args:
         run: Answers a request of this kind. It may warm up itself: within a warm-up, a further
@@ -46,13 +48,14 @@ def warm_up(
         kind: Which requests.
         method: Name of the solver that they use.
         jerk: Whether those with limits of jerks too.
+        moves: Whether those with moves around obstacles too.
 
     Raises:
         InvalidRequest: No solver of that name.
     """
-    if jerk:
-        warm_up(run, kind, method)
-    key = (kind, method, jerk)
+    if jerk or moves:
+        warm_up(run, kind, method, jerk=jerk and moves)
+    key = (kind, method, jerk, moves)
     if key in _ready:
         return
     with _lock:  # a second thread waits for the first
@@ -60,9 +63,10 @@ def warm_up(
             return
         _under_way.add(key)
         try:
-            for request in small_requests(kind, method, jerk=jerk):
-                # One pose is out of reach: the explanation has kernels of its own.
-                with contextlib.suppress(Unreachable):
+            asked = [_move(method)] if moves else small_requests(kind, method, jerk=jerk)
+            for request in asked:
+                # Some are out of reach or in contact: the explanation has kernels of its own.
+                with contextlib.suppress(Unreachable, InCollision):
                     run(request)
         finally:
             _under_way.discard(key)
@@ -91,7 +95,11 @@ def small_requests(
     if kind == "time":
         waypoints = [home, [value + 0.1 for value in home]]
         timed = {"robot": _ROBOT, "waypoints": waypoints, "budget_s": _BUDGET_S}
-        return [{**timed, "limits": each} for each in limits]
+        requests = [{**timed, "limits": each} for each in limits]
+        if not jerk:
+            tool = catalogue_robot(_ROBOT).fk(home).translation.tolist()
+            requests += [{**requests[-1], "scene": scene} for scene in _scenes(tool)]
+        return requests
     paths = _paths(method)
     limited = [{**paths[0], "limits": each} for each in limits]
     return limited if jerk else [*limited, *paths[1:]]
@@ -104,6 +112,34 @@ def _targets(robot: Robot) -> tuple[dict[str, Any], dict[str, Any], dict[str, An
     return {"position": pose[:3]}, full, {**full, "position": [9.0, 0.0, 0.0]}
 
 
+def _scenes(place: list[float]) -> tuple[dict[str, Any], dict[str, Any]]:
+    """A scene far from a place, and one with an obstacle there."""
+    ball = {"name": "ball", "shape": {"type": "sphere", "radius": 0.1}}
+    far = {**ball, "position": [0.0, 0.0, 9.0]}
+    return {"obstacles": [far]}, {"obstacles": [{**ball, "position": place}]}
+
+
+def _move(method: str) -> dict[str, Any]:
+    """A move around a box that is midway between its ends."""
+    robot = catalogue_robot(_ROBOT)
+    goal, middle = robot.home.copy(), robot.home.copy()
+    goal[0], middle[0] = robot.home[0] + 1.0, robot.home[0] + 0.5
+    box = {
+        "name": "box",
+        "shape": {"type": "box", "size": [0.05, 0.05, 0.05]},
+        "position": robot.fk(middle).translation.tolist(),
+    }
+    return {
+        "robot": _ROBOT,
+        "start": robot.home.tolist(),
+        "scene": {"obstacles": [box]},
+        "path": {"segments": [{"type": "move", "q": goal.tolist()}]},
+        "ik": {"method": method},
+        "limits": {"jerk": False},
+        "budget_s": _BUDGET_S,
+    }
+
+
 def _poses(method: str) -> list[dict[str, Any]]:
     """What is asked for of a single pose."""
     robot = catalogue_robot(_ROBOT)
@@ -112,6 +148,8 @@ def _poses(method: str) -> list[dict[str, Any]]:
     start = robot.home.tolist()
     requests = [{**asked, **target} for target in (point, full, far)]
     requests += [{**asked, **target, "start": start} for target in (point, full)]
+    scenes = _scenes(point["position"])
+    requests += [{**asked, **full, "scene": scene} for scene in scenes]
     if any(parameter.name == "decouple" for parameter in find_solver(method).parameters):
         _, full, _ = _targets(catalogue_robot(_WRIST))
         ik = {"method": method, "params": {"decouple": True}}
@@ -138,6 +176,8 @@ def _paths(method: str) -> list[dict[str, Any]]:
         {**asked, "path": {"waypoints": [full]}, "start": "free"},
         {**asked, "ik": {"method": method, "elongation": "greedy"}},
         {**asked, "path": {**asked["path"], "interpolation": "line"}},
+        {**asked, "path": {**asked["path"], "interpolation": "line"}, "start": "free"},
+        {**asked, "path": {"waypoints": [point]}, "scene": _scenes(point["position"])[1]},
         {**asked, "path": {**asked["path"], "interpolation": "spline"}},
         {**asked, "path": {"waypoints": [far]}},
     ]

@@ -7,17 +7,33 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ikplan.arrays import Array
-from ikplan.errors import Disconnected, InCollision, InvalidRequest, NoPlan, Unreachable
+from ikplan.errors import Disconnected, InCollision, Unreachable
 from ikplan.ik.arguments import check_start
 from ikplan.kinematics.target import Freedom, Target, pose_target
-from ikplan.path import JointLeg, JointWaypoint, Leg, Pose, ToolLeg, ToolPath, legs_of
-from ikplan.planning.joint_route import JointPathProblem, JointRoute, RouteSegment, RouteWaypoint
+from ikplan.path import (
+    JointLeg,
+    JointWaypoint,
+    Leg,
+    MoveLeg,
+    Pose,
+    ToolLeg,
+    ToolPath,
+    legs_of,
+)
+from ikplan.planning.joint_route import (
+    JointPathProblem,
+    JointRoute,
+    RouteMove,
+    RouteSegment,
+    RouteWaypoint,
+)
+from ikplan.planning.moves.move_planner import MovePlanner
 from ikplan.planning.segment_number import segment_number
 from ikplan.planning.task_freedom import counts_orientation, freedom_of
+from ikplan.planning.tool_leg import check_box, tracking_verdict
 from ikplan.planning.tracking.path_tracker import PathTracker
 from ikplan.planning.tracking.reference_path import points_around
 from ikplan.planning.tracking.tracked_path import TrackedPath, TrackingFailed
-from ikplan.planning.tracking.tracking_failure import explain_tracking_failure
 from ikplan.planning.waypoints.ik_branches import branches
 from ikplan.planning.waypoints.in_collision import in_collision, motion_in_collision
 from ikplan.planning.waypoints.select import select_configurations
@@ -40,7 +56,8 @@ def plan_joint_path(problem: JointPathProblem) -> JointRoute:
         InvalidRequest: The path makes no sense.
         Unreachable: A waypoint, or a place on a tool path, has no solution.
         Disconnected: No continuous motion follows a tool path.
-        InCollision: The start, or all that was found for a waypoint or a path, is in contact.
+        InCollision: The start, or all that was found for a waypoint or a path, is in contact, or
+            no way was found for a move.
         TrackingFailed: The same, where ``problem.explain`` is false.
         BudgetExceeded: The time budget ran out.
     """
@@ -68,6 +85,8 @@ def _planned(planner: _JointPathPlanner, legs: list[Leg]) -> JointRoute:
     for leg, after in zip(legs, [*legs[1:], None], strict=True):
         if isinstance(leg, JointLeg):
             planner.joint_leg(leg, after)
+        elif isinstance(leg, MoveLeg):
+            planner.move_leg(leg, after)
         else:
             planner.tool_leg(leg)
         problem.clock.report(len(planner.waypoints))
@@ -80,24 +99,32 @@ def _segment_to(waypoint: JointWaypoint) -> int | None:
 
 
 def _waypoint_count(leg: Leg) -> int:
+    if isinstance(leg, MoveLeg):
+        return 1
     return len(leg.waypoints) if isinstance(leg, JointLeg) else len(leg.path.waypoints)
+
+
+_SAME_BRANCH = 1e-6
+"""Configurations nearer to each other than this are one branch [rad or m]."""
 
 
 @dataclass(frozen=True)
 class _Open:
-    """A pose at the end of a joint leg whose branch is left to the tool path that begins there.
+    """A pose at the end of a joint leg or a move whose branch is left to the tool path after it.
 
     Attributes:
         waypoint: The waypoint there.
         target: Its target.
         starts: Its solutions, shape (c, dof) [rad or m].
         costs: Joint motion to each, shape (c,).
+        move: The move that ends there; None: a joint leg.
     """
 
     waypoint: JointWaypoint
     target: Target
     starts: Array
     costs: Array
+    move: MoveLeg | None = None
 
 
 class _JointPathPlanner:
@@ -119,7 +146,10 @@ class _JointPathPlanner:
         self.rest: list[int] = []
         self.waypoints: list[RouteWaypoint] = []
         self.segments: list[RouteSegment] = []
+        self.moves: list[RouteMove] = []
+        self.move_planner = MovePlanner(problem)
         self.sharp = False
+        self.slight = False
         self.opened: _Open | None = None
 
     def check_start_free(self) -> None:
@@ -141,7 +171,9 @@ class _JointPathPlanner:
             self.rest,
             waypoints,
             self.segments,
+            self.moves,
             self.sharp,
+            self.slight,
         )
 
     @property
@@ -202,61 +234,97 @@ class _JointPathPlanner:
     def _open_pose(self, waypoint: JointWaypoint, pose: Pose) -> None:
         """Offer every branch of a pose to the tool path that begins there."""
         problem = self._waypoint_problem([waypoint])
-        starts = branches(problem)
+        starts = self._reached(branches(problem), waypoint)
         costs = np.linalg.norm(starts - self._last_q, axis=1)
         self.opened = _Open(waypoint, self._target(pose), starts, costs)
 
+    def move_leg(self, leg: MoveLeg, after: Leg | None) -> None:
+        """Plan a move around obstacles; its branch is left to a tool path that begins there."""
+        problems = [self._waypoint_problem([target]) for target in leg.targets]
+        goals = self.move_planner.goals(leg, problems)
+        last = leg.targets[0]
+        if isinstance(after, ToolLeg) and last.q is None and self.problem.options.refine:
+            costs = np.linalg.norm(goals.q - self._last_q, axis=1)
+            self.opened = _Open(last, goals.targets[0], goals.q, costs, leg)
+            return
+        if not self.q:  # from a free start nothing leads to it
+            k = int(np.argmin(np.linalg.norm(goals.q - self._last_q, axis=1)))
+            self._add(goals.q[k], last, goals.targets[k])
+            return
+        k = self._move(leg, goals.q)
+        self.waypoints.append(RouteWaypoint(last.row, len(self.q) - 1, goals.targets[k]))
+
+    def _move(self, leg: MoveLeg, goals: Array) -> int:
+        """Add a move to one of some configurations; return which."""
+        move = self.move_planner.plan(leg, self._last_q, goals)
+        first = len(self.q) - 1
+        self.q += list(move.q[1:])
+        last = len(self.q) - 1
+        self.rest += [first, *(first + k for k in move.rest), last]
+        self.moves.append(RouteMove(move.report, first, last))
+        if segment_number(leg.name) is not None and leg.targets[0].field:
+            self.segments.append(RouteSegment(leg.targets[0].field, first, last))
+        return move.goal
+
+    def _reached(self, starts: Array, waypoint: JointWaypoint) -> Array:
+        """Those of configurations to which the straight joint motion is free of contact.
+
+        Raises:
+            InCollision: There is none; names the pair that the motion to the nearest meets.
+        """
+        contact, segment = self.problem.contact, _segment_to(waypoint)
+        if contact is None or not self.q:
+            return starts
+        met = [contact.first_contact(np.vstack([self._last_q, q]), segment) for q in starts]
+        free = [k for k, found in enumerate(met) if found is None]
+        if not free and (first := met[0]) is not None:
+            subject = f"the joint motion to {waypoint.name}"
+            raise motion_in_collision(contact, first, waypoint.row, subject, segment)
+        return np.ascontiguousarray(starts[free])
+
     def tool_leg(self, leg: ToolLeg) -> None:
-        """Track a tool path."""
+        """Track a tool path; where a move leads to it, from a branch that a way is found to."""
         path = leg.path
-        self._check_box(path)
+        check_box(self.freedom, path)
         starts, costs = self._starts(path)
+        while True:
+            tracked = self._tracked(path, starts, costs)
+            opened = self.opened
+            if opened is None or opened.move is None or not self.q:
+                break
+            try:
+                self._move(opened.move, tracked.q[:1])
+                break
+            except InCollision:
+                left = np.abs(starts - tracked.q[0]).max(axis=1) > _SAME_BRANCH
+                left[int(np.argmin(np.abs(starts - tracked.q[0]).max(axis=1)))] = False
+                if not left.any():
+                    raise
+                starts, costs = np.ascontiguousarray(starts[left]), costs[left]
+        self._append(path, tracked)
+        self.sharp |= path.sharp
+        self.slight |= path.slight
+
+    def _tracked(self, path: ToolPath, starts: Array, costs: Array) -> TrackedPath:
         try:
             tracked = self.tracker.track(path, starts, costs)
         except TrackingFailed as failure:
             if not self.problem.explain:
                 raise
-            verdict = self._verdict(path, failure)
+            verdict = tracking_verdict(self.problem, self.tracker, path, failure)
             if not isinstance(verdict, Disconnected | InCollision):
                 raise verdict from failure
             try:
                 tracked = self.tracker.track_global(path, starts, costs)
             except TrackingFailed:
                 raise verdict from failure
-        self._append(path, tracked)
-        self.sharp |= path.sharp
-
-    def _verdict(self, path: ToolPath, failure: TrackingFailed) -> NoPlan:
-        """Why a tool path cannot be tracked to its end."""
-        if failure.contact is None or self.problem.contact is None:
-            return explain_tracking_failure(
-                self.problem.robot, self.problem.solver, self.tracker, path, failure
-            )
-        after = next((w.row for w in path.waypoints if w.s >= failure.s), path.waypoints[-1].row)
-        where = f"{failure.s * 1e3:.1f} mm of {path.length * 1e3:.1f} mm along the path"
-        part = next((x for x in path.segments if x.begin <= failure.s <= x.end), None)
-        segment = None if part is None else segment_number(part.field)
-        subject = f"the path to waypoint {after}, {where}"
-        return motion_in_collision(self.problem.contact, failure.contact, after, subject, segment)
+        return tracked
 
     def _check_free(self, q: Array, waypoint: JointWaypoint) -> None:
         """Refuse joint values that are asked for and in contact."""
         contact, segment = self.problem.contact, _segment_to(waypoint)
         if contact is not None and not contact.free(q[None], segment)[0]:
             raise in_collision(contact, q[None], waypoint.row, waypoint.name, segment, proven=True)
-
-    def _check_box(self, path: ToolPath) -> None:
-        """Refuse a box whose axes are known on a part of the path only."""
-        if not (self.freedom.boxed and self.freedom.in_tool and self.freedom.box[:3].any()):
-            return
-        told = [piece.oriented for piece in path.pieces] + [w.R is not None for w in path.waypoints]
-        if any(told) and not all(told):
-            raise InvalidRequest(
-                "path.tolerance.box.frame: part of the path asks for no orientation, and with it "
-                'the axes of the tool are not told for the box: choose "path"',
-                field="path.tolerance.box.frame",
-                allowed=["path"],
-            )
 
     def _starts(self, path: ToolPath) -> tuple[Array, Array]:
         """Configurations that the tool path may begin at, and the joint motion to each."""
@@ -280,7 +348,7 @@ class _JointPathPlanner:
             self.q.pop()
         first = len(self.q)
         if self.opened is not None:
-            if not joined:
+            if not joined and self.opened.move is None:
                 self._end_segment(self.opened.waypoint)
             self.waypoints.append(
                 RouteWaypoint(self.opened.waypoint.row, first, self.opened.target)

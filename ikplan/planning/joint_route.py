@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 
 from ikplan.arrays import Array
 from ikplan.collision.check import ContactCheck
 from ikplan.documents.plan_request import IkOptions, PathRequest
+from ikplan.documents.trajectory import MoveReport
 from ikplan.ik.solve import PoseSolver
 from ikplan.kinematics.target import Target
 from ikplan.limits import JointLimits
@@ -14,7 +16,7 @@ from ikplan.path import Rounding
 from ikplan.robots import Robot
 from ikplan.time_budget import TimeBudget
 
-__all__ = ["JointPathProblem", "JointRoute", "RouteSegment", "RouteWaypoint"]
+__all__ = ["JointPathProblem", "JointRoute", "RouteMove", "RouteSegment", "RouteWaypoint"]
 
 
 @dataclass(frozen=True)
@@ -33,6 +35,8 @@ class JointPathProblem:
         explain: Whether a refusal says why: what holds the arm takes longer to find out than
             that it is held.
         contact: Refuses configurations and motions in contact; None: nothing is checked.
+        move_margins: Gap that the rounded corners of a move keep on top of that of the check, by
+            the name of the move [m]; absent: none.
         rounding: Which corners are rounded within the tolerance, if the path asks for it.
     """
 
@@ -46,6 +50,7 @@ class JointPathProblem:
     clock: TimeBudget
     explain: bool = True
     contact: ContactCheck | None = None
+    move_margins: Mapping[str, float] = field(default_factory=dict)
     rounding: Rounding = "all"
 
 
@@ -82,6 +87,21 @@ class RouteSegment:
 
 
 @dataclass(frozen=True)
+class RouteMove:
+    """The configurations between which one move leads.
+
+    Attributes:
+        report: What is told of it.
+        first: Index of the configuration at which it begins.
+        last: Index of the one at which it ends.
+    """
+
+    report: MoveReport
+    first: int
+    last: int
+
+
+@dataclass(frozen=True)
 class JointRoute:
     """The configurations that a joint path passes.
 
@@ -90,11 +110,15 @@ class JointRoute:
         rest: Indices of those where the motion stops.
         waypoints: The waypoints of the request, in order.
         segments: The segments of the request, in order.
+        moves: The moves around obstacles, in order.
         sharp: Whether sharp corners are rounded within the tolerance.
+        slight: Whether others are, of a path of few pieces.
     """
 
     q: Array
     rest: list[int]
     waypoints: list[RouteWaypoint]
     segments: list[RouteSegment]
+    moves: list[RouteMove] = field(default_factory=list)
     sharp: bool = False
+    slight: bool = False

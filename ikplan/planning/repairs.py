@@ -15,7 +15,7 @@ from ikplan.errors import BudgetExceeded, Disconnected, InvalidRequest, Unreacha
 from ikplan.ik.solve import NoSolution, PoseSolver
 from ikplan.kinematics.forward import forward
 from ikplan.kinematics.target import Target, pose_target
-from ikplan.path import JointLeg, Pose, ToolLeg, legs_of
+from ikplan.path import JointLeg, MoveLeg, Pose, ToolLeg, legs_of
 from ikplan.planning.joint_planner import plan_joint_path
 from ikplan.planning.joint_route import JointPathProblem
 from ikplan.planning.ladder.equivalent_configurations import with_equivalents
@@ -213,6 +213,8 @@ def _needed_shift(problem: JointPathProblem) -> Array | None:
 def _unreached(problem: JointPathProblem, targets: list[Target]) -> NDArray[np.intp]:
     """Indices of the targets for which a quick look finds no configuration."""
     arm = problem.solver.arm
+    if not targets:
+        return np.zeros(0, dtype=np.int64)
     found = sample_ik_solutions(
         arm.chain,
         stack_targets(targets),
@@ -246,6 +248,11 @@ def _targets(problem: JointPathProblem) -> list[Target]:
     for leg in _legs(problem):
         if isinstance(leg, JointLeg):
             poses += [(t.pose.R, t.pose.p) for t in leg.waypoints if t.pose is not None]
+            continue
+        if isinstance(leg, MoveLeg):
+            # Of several targets each may be out of reach.
+            only = leg.targets[0].pose if len(leg.targets) == 1 else None
+            poses += [] if only is None else [(only.R, only.p)]
             continue
         s = np.linspace(0.0, leg.path.length, _SAMPLES)
         R, p = leg.path.poses(s)

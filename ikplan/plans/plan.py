@@ -12,7 +12,9 @@ from ikplan.documents.plan_document import PlanDocument
 
 if TYPE_CHECKING:
     from ikplan.documents.limits import LimitOptions
+    from ikplan.documents.scene import Scene
     from ikplan.plans.playback import JointState
+    from ikplan.robots import Robot
 
 __all__ = ["Plan"]
 
@@ -40,13 +42,24 @@ class Plan(PlanDocument):
 
         return evaluate(self, t)
 
-    def save(self, path: str | Path, format: str | None = None) -> None:
+    def save(
+        self,
+        path: str | Path,
+        format: str | None = None,
+        *,
+        robot: Robot | None = None,
+        tolerance: float | None = None,
+    ) -> None:
         """Write the plan to a file.
 
         Args:
             path: The file.
-            format: "json", "csv", "npz", "ros", "ros-goal" or "urscript"; None: the one that the
-                suffix names (.json, .csv, .npz, .ros.json, .goal.yaml, .script).
+            format: "json", "csv", "npz", "ros", "ros-goal", "urscript", "rapid" or "krl"; None: the
+                one that the suffix names (.json, .csv, .npz, .ros.json, .goal.yaml, .script,
+                .mod, .src).
+            robot: The robot with its tool, for programs of few points ("rapid", "krl"); None: the
+                catalogue's, without a tool.
+            tolerance: How far such a program may be from the plan's path [m]; None: 0.1 mm.
 
         Raises:
             InvalidRequest: No such format, or the format cannot hold a plan for this robot.
@@ -54,17 +67,33 @@ class Plan(PlanDocument):
         """
         from ikplan.plans.export import save
 
-        save(self, Path(path), format)
+        save(self, Path(path), format, robot=robot, tolerance=tolerance)
 
-    def plot(self, path: str | Path) -> None:
-        """Draw joint positions, velocities against their limits, and the tool's path.
+    def plot(self, path: str | Path, scene: Mapping[str, Any] | Scene | None = None) -> None:
+        """Draw joint positions, velocities against their limits, clearance, and the tool's path.
 
         Args:
             path: Image file; the suffix (png, svg, pdf) names the format.
+            scene: The scene of the request, to draw obstacles and the clearance to them; for
+                robots of the catalogue.
+
+        Raises:
+            InvalidRequest: No image can be written with that suffix, or the scene is wrong.
+            RobotNotFound: With a scene, the robot is not in the catalogue.
         """
         from ikplan.plans.figures.plan import plot_plan
 
-        plot_plan(self, Path(path))
+        if scene is None:
+            plot_plan(self, Path(path))
+            return
+        from ikplan.documents import parse
+        from ikplan.documents.scene import Scene
+        from ikplan.robots import catalogue_robot
+        from ikplan.scene.model import collision_model
+        from ikplan.scene.resolve import resolve_scene
+
+        resolved = resolve_scene(parse(Scene, scene), Path.cwd())
+        plot_plan(self, Path(path), model=collision_model(catalogue_robot(self.robot), resolved))
 
     def plot_timing(
         self, path: str | Path, limits: Mapping[str, Any] | LimitOptions | None = None

@@ -20,12 +20,14 @@ class RequestedWaypoint:
         q: Joint values, shape (dof,) [rad or m]; None: the pose is asked for.
         ball: Radius of the ball about it that the rounded path passes through [m]; 0: the tool
             passes the waypoint itself.
+        others: Waypoints of which any other may be met instead.
     """
 
     p: Array
     R: Array | None
     q: Array | None = None
     ball: float = 0.0
+    others: tuple[RequestedWaypoint, ...] = ()
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,7 +45,7 @@ class ToolLeg:
 
 @dataclass(frozen=True)
 class JointSegmentRange:
-    """A joint segment: the motion from one waypoint to the next.
+    """A joint segment or a move: the motion from one waypoint to the next.
 
     Attributes:
         field: The field, such as ``path.segments[3]``.

@@ -1,4 +1,4 @@
-"""Reads the path of a request: the order of the waypoints, tool paths and joint motions.
+"""Reads the path of a request: the order of the waypoints, tool paths, joint motions, moves.
 
 Waypoints are numbered in the order in which they are passed: each of ``path.waypoints``; or
 ``path.begin``, the end of each segment, each pose of a spline, the first point of each named curve.
@@ -6,6 +6,7 @@ Waypoints are numbered in the order in which they are passed: each of ``path.way
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -21,7 +22,15 @@ from ikplan.certificate.requested.motion import (
 from ikplan.certificate.requested.poses import PathFrame, RequestedPose
 from ikplan.documents.curve import CurveSegment
 from ikplan.documents.path import PathRequest
-from ikplan.documents.segment import ArcSegment, JointSegment, LineSegment, SplineSegment
+from ikplan.documents.segment import (
+    ArcSegment,
+    JointSegment,
+    JointTarget,
+    LineSegment,
+    MoveSegment,
+    MoveTarget,
+    SplineSegment,
+)
 from ikplan.robots import Robot
 
 __all__ = ["read_motion"]
@@ -50,7 +59,7 @@ class _Reader:
         self._robot, self._path = robot, path
         self._frame = PathFrame(path)
         self._at = None if q_start is None else self._pose_of(q_start)
-        self._leaves = q_start is None or path.approach == "joint"
+        self._leaves = q_start is None or path.approach != "path"
         self._rows: list[RequestedWaypoint] = []
         self._legs: list[ToolLeg] = []
         self._joint_segments: list[JointSegmentRange] = []
@@ -95,6 +104,8 @@ class _Reader:
             first = self._leaves and k == 0 and path.begin is None
             if isinstance(segment, JointSegment):
                 self._joint_segment(segment, field)
+            elif isinstance(segment, MoveSegment):
+                self._move(segment, field)
             elif isinstance(segment, LineSegment):
                 self._tool().line(segment, field)
             elif isinstance(segment, ArcSegment):
@@ -122,18 +133,42 @@ class _Reader:
         self._close()
         begin = len(self._rows) - 1 if self._rows else None
         if segment.q is not None:
-            q = np.clip(np.array(segment.q), self._robot.lower, self._robot.upper)
-            pose = self._pose_of(q)
-            self._row(replace(_waypoint(pose), q=q))
-            self._at, self._begin_row = pose, len(self._rows) - 1
+            self._end_joints(self._joint_values(segment.q))
         elif segment.to is not None:
             self._joint_to(self._frame.pose(segment.to))
         self._joint_segments.append(JointSegmentRange(field, begin, len(self._rows) - 1))
 
+    def _move(self, segment: MoveSegment, field: str) -> None:
+        """Read a move: of its way nothing is asked but that it ends at one of its targets."""
+        self._close()
+        begin = len(self._rows) - 1 if self._rows else None
+        targets = segment.any or []
+        if segment.q is not None:
+            targets = [JointTarget(q=segment.q)]
+        elif segment.to is not None:
+            targets = [segment.to]
+        first, *others = map(self._target, targets)
+        self._end_joints(replace(first, others=tuple(others)))
+        self._joint_segments.append(JointSegmentRange(field, begin, len(self._rows) - 1))
+
+    def _target(self, target: MoveTarget) -> RequestedWaypoint:
+        if isinstance(target, JointTarget):
+            return self._joint_values(target.q)
+        return _waypoint(self._frame.pose(target))
+
+    def _joint_values(self, q: Sequence[float]) -> RequestedWaypoint:
+        inside = np.clip(np.array(q), self._robot.lower, self._robot.upper)
+        return replace(_waypoint(self._pose_of(inside)), q=inside)
+
+    def _end_joints(self, waypoint: RequestedWaypoint) -> None:
+        """End a joint motion at a waypoint; of several, the planner lets no tool path follow."""
+        self._row(waypoint)
+        self._at = RequestedPose(waypoint.p, waypoint.R)
+        self._begin_row = len(self._rows) - 1
+
     def _joint_to(self, pose: RequestedPose) -> None:
         self._close()
-        self._row(_waypoint(pose))
-        self._at, self._begin_row = pose, len(self._rows) - 1
+        self._end_joints(_waypoint(pose))
 
     def _go_to(self, pose: RequestedPose) -> None:
         """Begin a tool path at a pose: by a joint motion, or there where the start is free."""

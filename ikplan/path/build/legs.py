@@ -1,4 +1,4 @@
-"""From the path of a request to legs: tool paths, and joint motions between them."""
+"""From the path of a request to legs: tool paths, and joint motions and moves between them."""
 
 from __future__ import annotations
 
@@ -11,7 +11,15 @@ import numpy as np
 from ikplan.arrays import Array
 from ikplan.documents.curve import CurveSegment
 from ikplan.documents.plan_request import PathRequest
-from ikplan.documents.segment import ArcSegment, JointSegment, LineSegment, SplineSegment
+from ikplan.documents.segment import (
+    ArcSegment,
+    JointSegment,
+    JointTarget,
+    LineSegment,
+    MoveSegment,
+    MoveTarget,
+    SplineSegment,
+)
 from ikplan.errors import InvalidRequest
 from ikplan.path.build.builder import PathBuilder
 from ikplan.path.build.path_frame import PathFrame
@@ -19,7 +27,7 @@ from ikplan.path.build.tolerance_corners import CornerTolerance, Rounding
 from ikplan.path.pieces.piece import Pose
 from ikplan.path.tool_path import ToolPath
 
-__all__ = ["JointLeg", "JointWaypoint", "Leg", "ToolLeg", "legs_of"]
+__all__ = ["JointLeg", "JointWaypoint", "Leg", "MoveLeg", "ToolLeg", "legs_of"]
 
 ForwardKinematics = Callable[[Array], tuple[Array, Array]]
 
@@ -51,13 +59,26 @@ class JointLeg:
 
 
 @dataclass(frozen=True)
+class MoveLeg:
+    """A joint motion around what is in the way, to any of some targets, all of one row.
+
+    Attributes:
+        targets: Where it may go to, at least one.
+        name: Where the request asks for it.
+    """
+
+    targets: tuple[JointWaypoint, ...]
+    name: str
+
+
+@dataclass(frozen=True)
 class ToolLeg:
     """A tool path, from where the leg before ended."""
 
     path: ToolPath
 
 
-Leg = JointLeg | ToolLeg
+Leg = JointLeg | MoveLeg | ToolLeg
 
 
 def legs_of(
@@ -102,6 +123,7 @@ class _Walk:
         self._name = "the start"
         self._builder: PathBuilder | None = None
         self._joint_waypoints: list[JointWaypoint] = []
+        self._undecided = ""
         self.legs: list[Leg] = []
 
     def waypoints(self) -> None:
@@ -110,9 +132,11 @@ class _Walk:
         poses = [self._frame.pose(waypoint) for waypoint in path.waypoints or ()]
         names = [f"path.waypoints[{k}]" for k in range(len(poses))]
         if path.interpolation == "joint":
+            if path.approach == "move" and self._at is not None:
+                self._go_to(poses.pop(0), names.pop(0))
             for pose, name in zip(poses, names, strict=True):
                 self._joint_to(name, pose=pose)
-        elif self._at is None or path.approach == "joint":
+        elif self._at is None or path.approach != "path":
             self._go_to(poses.pop(0), names.pop(0))
         if path.interpolation == "line":
             for pose, name in zip(poses, names, strict=True):
@@ -124,7 +148,7 @@ class _Walk:
     def segments(self) -> None:
         """Walk along segments."""
         path, segments = self._path, self._path.segments or []
-        leaves = self._at is None or path.approach == "joint"
+        leaves = self._at is None or path.approach != "path"
         if path.begin is not None:
             pose = self._frame.pose(path.begin)
             if leaves:
@@ -143,6 +167,8 @@ class _Walk:
             first = leaves and k == 0 and path.begin is None
             if isinstance(segment, JointSegment):
                 self._joint_segment(segment, field)
+            elif isinstance(segment, MoveSegment):
+                self._move_segment(segment, field)
             elif isinstance(segment, LineSegment):
                 self._tool().add_line_segment(segment, field)
             elif isinstance(segment, ArcSegment):
@@ -179,19 +205,55 @@ class _Walk:
         if self._at is None:
             self._at, self._name = pose, name
             self._tool().add_begin_waypoint()
+        elif self._path.approach == "move" and not self.legs and not self._joint_waypoints:
+            self._move_to([JointWaypoint(self._row(), name, pose=pose)], name)
         else:
             self._joint_to(name, pose=pose)
+
+    def _move_segment(self, segment: MoveSegment, field: str) -> None:
+        row = self._row()
+        if segment.q is not None:
+            targets = [JointWaypoint(row, f"{field}.q", np.array(segment.q), None, field)]
+        elif segment.to is not None:
+            pose = self._frame.pose(segment.to)
+            targets = [JointWaypoint(row, f"{field}.to", None, pose, field)]
+        else:
+            targets = [
+                self._any_target(target, row, f"{field}.any[{k}]", field)
+                for k, target in enumerate(segment.any or ())
+            ]
+        self._move_to(targets, field)
+
+    def _any_target(self, target: MoveTarget, row: int, name: str, field: str) -> JointWaypoint:
+        if isinstance(target, JointTarget):
+            return JointWaypoint(row, f"{name}.q", np.array(target.q), None, field)
+        return JointWaypoint(row, name, None, self._frame.pose(target), field)
+
+    def _move_to(self, targets: list[JointWaypoint], name: str) -> None:
+        self._close()
+        self.legs.append(MoveLeg(tuple(targets), name))
+        self._name = name
+        self._end_at(targets[0])
+        self._undecided = name if len(targets) > 1 else ""
 
     def _joint_to(
         self, name: str, q: Array | None = None, pose: Pose | None = None, field: str = ""
     ) -> None:
         self._close_tool()
+        self._undecided = ""
         self._joint_waypoints.append(JointWaypoint(self._row(), name, q, pose, field))
         self._name = name
 
     def _tool(self) -> PathBuilder:
         """The builder of the tool path that is being built."""
         self._close_joint()
+        if self._undecided:
+            raise InvalidRequest(
+                f"{self._undecided}.any: a tool path cannot follow, since it would not know where "
+                "it begins",
+                field=f"{self._undecided}.any",
+                allowed="a move to q or to a pose before a tool path",
+            )
         if self._builder is None:
             if self._at is None:
                 raise TypeError("a tool path needs a pose to begin at")
@@ -217,10 +279,13 @@ class _Walk:
         if not self._joint_waypoints:
             return
         self.legs.append(JointLeg(tuple(self._joint_waypoints)))
-        last = self._joint_waypoints[-1]
+        self._end_at(self._joint_waypoints[-1])
+        self._joint_waypoints = []
+
+    def _end_at(self, last: JointWaypoint) -> None:
+        """Note where a joint motion ends."""
         # Only a tool path needs the pose, and only after joint values it takes kinematics.
         self._at = self._stripped(*self._fk(last.q)) if last.q is not None else last.pose
-        self._joint_waypoints = []
 
     def _stripped(self, R: Array | None, p: Array) -> Pose:
         return Pose(None if self._frame.positions_only else R, p)

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Protocol
+from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
-from scipy.interpolate import BSpline, CubicSpline
 
 from ikplan.arrays import Array
+
+if TYPE_CHECKING:
+    from scipy.interpolate import BSpline
 
 __all__ = ["CubicShape", "FittedShape", "QuinticShape", "RoseShape", "Shape", "SinusoidShape"]
 
@@ -40,6 +42,8 @@ class CubicShape:
     """
 
     def __init__(self, points: Array) -> None:
+        from scipy.interpolate import CubicSpline  # slow to import
+
         chords = np.linalg.norm(np.diff(points, axis=0), axis=1)
         self.breaks: Array = np.concatenate([[0.0], np.cumsum(chords)])
         spline = CubicSpline(self.breaks, points, axis=0, bc_type="natural")

@@ -18,12 +18,15 @@ import numpy as np
 from ikplan._jit import kernel
 from ikplan.arrays import Array, Flags, Indices
 from ikplan.collision.bodies import Bodies
-from ikplan.collision.contact import Scratch, motion_contact
+from ikplan.collision.motion import motion_contact
+from ikplan.collision.scratch import Scratch
 from ikplan.kinematics.chain import Chain
 
-__all__ = ["SearchSpace", "connect"]
+__all__ = ["CUT", "SearchSpace", "connect", "is_free"]
 
 
+CUT = -1
+"""What stands for the samples drawn where a search was ended."""
 _RANGE = 1.0
 """Longest extension, in the metric of the search."""
 _DOMAIN, _SMALLEST_DOMAIN, _DOMAIN_RATE = 4.0, 1.0, 1e-4
@@ -85,7 +88,7 @@ def _nearest(tree: _Tree, count: int, q: Array, weight: Array) -> tuple[int, flo
 
 
 @kernel
-def _free(space: SearchSpace, a: Array, b: Array, w: Scratch) -> bool:
+def is_free(space: SearchSpace, a: Array, b: Array, w: Scratch) -> bool:
     """Whether the straight motion from a to b is proven to be free."""
     row, _ = motion_contact(space.chain, space.bodies, space.active, space.margin, a, b, w)
     return row < 0
@@ -123,6 +126,7 @@ def _search(
     iterations: int,
     domains: bool,
     rng: np.random.Generator,
+    cut: Flags,
     w: Scratch,
 ) -> tuple[Array, int]:
     """Grow both trees; return the path, empty where none is found, and the iterations used."""
@@ -139,6 +143,8 @@ def _search(
     swapped = False
     q, q_new = np.empty(dof), np.empty(dof)
     for iteration in range(iterations):
+        if cut[0]:
+            return np.empty((0, dof)), CUT
         if n_other < n_one:
             one, other = other, one
             n_one, n_other = n_other, n_one
@@ -158,7 +164,7 @@ def _search(
         share = min(1.0, _RANGE / distance)
         for d in range(dof):
             q_new[d] = one.q[near, d] + share * (q[d] - one.q[near, d])
-        if not _free(space, one.q[near], q_new, w):
+        if not is_free(space, one.q[near], q_new, w):
             if domains:
                 narrowed = one.domain[near] * (1.0 - _DOMAIN_RATE)
                 one.domain[near] = (
@@ -181,7 +187,7 @@ def _search(
             share = (step + 1) / steps
             for d in range(dof):
                 q[d] = begin[d] + share * (q_new[d] - begin[d])
-            if not _free(space, other.q[at], q, w):
+            if not is_free(space, other.q[at], q, w):
                 joined = False
                 break
             if step + 1 < steps:
@@ -202,6 +208,7 @@ def connect(
     goals: Array,
     iterations: int,
     rng: np.random.Generator,
+    cut: Flags,
     w: Scratch,
 ) -> tuple[Array, int]:
     """Find a joint motion from a start to any of some goals, every part of it proven to be free.
@@ -212,19 +219,17 @@ def connect(
         goals: The goals, free of contact, shape (g, dof), g >= 1 [rad or m].
         iterations: Most samples drawn.
         rng: Draws the samples.
+        cut: Shape (1,): true, set by another thread, ends the search.
         w: Work space for the check.
 
     Returns:
         Configurations from the start to a goal, shape (k, dof), between which the motion is
-        straight, empty where none was found, and the samples drawn.
+        straight, empty where none was found, and the samples drawn, ``CUT`` where the search was
+        ended.
     """
-    for k in range(goals.shape[0]):
-        if _free(space, q_start, goals[k], w):
-            path = np.empty((2, q_start.shape[0]))
-            path[0], path[1] = q_start, goals[k]
-            return path, 0
-    path, used = _search(space, q_start, goals, min(iterations, _WITH_DOMAINS), True, rng, w)
-    if path.shape[0] == 0 and iterations > _WITH_DOMAINS:
-        path, more = _search(space, q_start, goals, iterations - _WITH_DOMAINS, False, rng, w)
-        used += more
+    first = min(iterations, _WITH_DOMAINS)
+    path, used = _search(space, q_start, goals, first, True, rng, cut, w)
+    if path.shape[0] == 0 and used != CUT and iterations > first:
+        path, more = _search(space, q_start, goals, iterations - first, False, rng, cut, w)
+        used = CUT if more == CUT else used + more
     return path, used

@@ -2,7 +2,7 @@
 
 R. Geraerts and M. H. Overmars, "Creating high-quality paths for motion planning", 2007. Corners
 are left out where a straight motion goes past them; then shortcuts between two random places are
-taken, and between two places of one joint alone.
+taken, those that would gain next to nothing left untried.
 """
 
 from __future__ import annotations
@@ -13,10 +13,14 @@ import numpy as np
 
 from ikplan._jit import kernel
 from ikplan.arrays import Array
-from ikplan.collision.contact import Scratch, motion_contact
-from ikplan.planning.moves.connect import SearchSpace
+from ikplan.collision.scratch import Scratch
+from ikplan.planning.moves.connect import SearchSpace, is_free
 
 __all__ = ["path_length", "shorten"]
+
+
+_LEAST_GAIN = 1e-3
+"""Share of the whole length below which a shortcut is not worth its proof."""
 
 
 @kernel
@@ -32,13 +36,6 @@ def path_length(q: Array) -> float:
 
 
 @kernel
-def _free(space: SearchSpace, a: Array, b: Array, w: Scratch) -> bool:
-    """Whether the straight motion from a to b is proven to be free."""
-    row, _ = motion_contact(space.chain, space.bodies, space.active, space.margin, a, b, w)
-    return row < 0
-
-
-@kernel
 def _without_corners(space: SearchSpace, q: Array, w: Scratch) -> Array:
     """Leave out every corner that a straight motion goes past, from both ends inwards."""
     kept = np.empty_like(q)
@@ -46,7 +43,7 @@ def _without_corners(space: SearchSpace, q: Array, w: Scratch) -> Array:
     last = q.shape[0] - 1
     while at < last:
         to = last
-        while to > at + 1 and not _free(space, q[at], q[to], w):
+        while to > at + 1 and not is_free(space, q[at], q[to], w):
             to -= 1
         kept[count] = q[to]
         count += 1
@@ -92,7 +89,12 @@ def shorten(
             s0, s1 = s1, s0
         i, a = _place(q, lengths, s0)
         j, b = _place(q, lengths, s1)
-        if i == j or not _free(space, a, b, w):
+        if i == j:
+            continue
+        square = 0.0
+        for d in range(a.shape[0]):
+            square += (b[d] - a[d]) ** 2
+        if s1 - s0 - math.sqrt(square) < _LEAST_GAIN * total or not is_free(space, a, b, w):
             continue
         q = np.concatenate((q[: i + 1], a.reshape(1, -1), b.reshape(1, -1), q[j + 1 :]))
         # Ends of the shortcut that coincide with a corner would be there twice.

@@ -1,0 +1,204 @@
+"""Whether joint motions, straight or cubic, are free of contact, compiled.
+
+A motion is proven by halving: at the middle of an interval a pair whose gap is larger than what its
+outer body can move within the interval is free throughout; other pairs are looked at again in both
+halves. What a body can move is summed from its carrier inwards, about the joint axes at the middle:
+a joint that turns by up to d moves a point at distance r from its axis by at most d r.
+"""
+
+from __future__ import annotations
+
+from ikplan._jit import kernel, leaf_kernel
+from ikplan.arrays import Array, Flags, Indices
+from ikplan.collision.bodies import Bodies
+from ikplan.collision.contact import first_pair
+from ikplan.collision.pair_gaps import bounded_gap, move_pieces, pair_gap, place_pieces, sphere_gap
+from ikplan.collision.scratch import Queue, Scratch, new_queue
+from ikplan.kinematics.chain import Chain
+
+__all__ = ["curve_contacts", "motion_contact"]
+
+
+_LOOSE = 0.015
+"""By how much the gap of hulls is at times larger than its cheap bound [m]: a guess that decides
+when they are compared, never what is proven."""
+_SHARE = 0.7
+"""By how much the gap is at times larger than that of the spheres, in the radii of both."""
+_FINEST = 2e-5
+"""Motion of the outer body within an interval below which it is not halved any more [m]."""
+
+
+@leaf_kernel
+def _reach_of(chain: Chain, queue: Queue, t: float, h: float) -> None:
+    """Write the configuration at a share t, and how far each serial joint moves within h of it.
+
+    The motion is ``c0 + c1 t + c2 t^2 + c3 t^3``: within h of t no joint value moves by more than
+    h times the sum of the largest absolute values that the terms of its derivative take there.
+    """
+    c = queue.curve
+    for d in range(c.shape[1]):
+        queue.q[d] = c[0, d] + t * (c[1, d] + t * (c[2, d] + t * c[3, d]))
+        rate = abs(c[1, d] + t * (2.0 * c[2, d] + 3.0 * t * c[3, d]))
+        rate += h * abs(2.0 * c[2, d] + 6.0 * t * c[3, d]) + 3.0 * h * h * abs(c[3, d])
+        queue.step[d] = h * rate
+    for i in range(chain.prismatic.shape[0]):
+        if chain.coupled:
+            queue.reach[i] = 0.0
+            for d in range(c.shape[1]):
+                queue.reach[i] += abs(chain.coupling[i, d]) * queue.step[d]
+        else:
+            queue.reach[i] = queue.step[i]
+
+
+@leaf_kernel
+def _halve(
+    chain: Chain,
+    bodies: Bodies,
+    active: Flags,
+    need: float,
+    w: Scratch,
+    queue: Queue,
+) -> tuple[int, float]:
+    """Prove the motion of a queue by halving, widest intervals first; see :func:`motion_contact`.
+
+    Returns:
+        What :func:`motion_contact` returns, or -2 where the queue has no more room.
+    """
+    size = 0
+    for row in range(bodies.pairs.shape[0]):
+        if active[row]:
+            queue.rows[size] = row
+            size += 1
+    queue.middle[0], queue.half[0] = 0.5, 0.5
+    queue.begin[0], queue.end[0] = 0, size
+    at, nodes = 0, 1
+    while at < nodes:
+        t, h = queue.middle[at], queue.half[at]
+        _reach_of(chain, queue, t, h)
+        place_pieces(chain, bodies, queue.q, w)
+        move_pieces(chain, bodies, queue.reach, w)
+        left = size
+        if size + queue.end[at] - queue.begin[at] > queue.rows.shape[0]:
+            return -2, 0.0
+        for k in range(queue.begin[at], queue.end[at]):
+            row = queue.rows[k]
+            i, j = bodies.pairs[row, 0], bodies.pairs[row, 1]
+            motion = w.motion[j, bodies.carrier[i]]
+            apart = sphere_gap(bodies, i, j, w)
+            if apart > need + motion:
+                continue
+            # Not in contact here, and so far from being proven that it is not worth a closer look.
+            if apart > need and motion > apart + _SHARE * (bodies.bound[i] + bodies.bound[j]):
+                queue.rows[size] = row
+                size += 1
+                continue
+            bound = bounded_gap(bodies, i, j, need + motion, w)
+            if bound > need + motion:
+                continue
+            if bound <= need or need + motion < bound + _LOOSE:
+                lower, upper = pair_gap(bodies, row, need + motion, need, w)
+                if lower > need + motion:
+                    continue
+                if upper <= need or not lower > need or motion < _FINEST:
+                    return row, t
+            queue.rows[size] = row
+            size += 1
+        if size > left:
+            if nodes + 2 > queue.middle.shape[0]:
+                return -2, 0.0
+            for side in range(2):
+                queue.middle[nodes] = t + (0.5 if side else -0.5) * h
+                queue.half[nodes] = 0.5 * h
+                queue.begin[nodes], queue.end[nodes] = left, size
+                nodes += 1
+        at += 1
+    return -1, 0.0
+
+
+@kernel
+def _proven(
+    chain: Chain, bodies: Bodies, active: Flags, need: float, w: Scratch
+) -> tuple[int, float]:
+    """Prove the motion in the queue of the work space, in a larger queue where it has no room."""
+    row, share = _halve(chain, bodies, active, need, w, w.queue)
+    room = 4
+    while row == -2:
+        larger = new_queue(chain, bodies, w.queue.q.shape[0], room)
+        larger.curve[:] = w.queue.curve
+        row, share = _halve(chain, bodies, active, need, w, larger)
+        room *= 4
+    return row, share
+
+
+@kernel
+def motion_contact(
+    chain: Chain,
+    bodies: Bodies,
+    active: Flags,
+    margin: float,
+    q_begin: Array,
+    q_end: Array,
+    w: Scratch,
+) -> tuple[int, float]:
+    """Look for contact on the straight joint motion between two configurations, its ends included.
+
+    Args:
+        chain: The chain.
+        bodies: The bodies.
+        active: Which pairs count, shape (m,).
+        margin: Gap asked for on top of the clearance [m].
+        q_begin: Where it begins, shape (dof,) [rad or m].
+        q_end: Where it ends, shape (dof,) [rad or m].
+        w: Work space.
+
+    Returns:
+        The row of a pair that is nearer than allowed, or cannot be proven to be farther, and the
+        share of the motion at which; -1 and 0 where the whole motion is proven to be free.
+    """
+    need = bodies.clearance + margin
+    at_end = first_pair(chain, bodies, active, need, q_end, w)
+    if at_end >= 0:
+        return at_end, 1.0
+    curve = w.queue.curve
+    for d in range(q_begin.shape[0]):
+        curve[0, d], curve[1, d] = q_begin[d], q_end[d] - q_begin[d]
+        curve[2, d] = curve[3, d] = 0.0
+    return _proven(chain, bodies, active, need, w)
+
+
+@kernel
+def curve_contacts(
+    chain: Chain,
+    bodies: Bodies,
+    active: Flags,
+    margin: float,
+    s: Array,
+    q: Array,
+    m_begin: Array,
+    m_end: Array,
+    w: Scratch,
+    out: Indices,
+) -> None:
+    """Look for contact on each piece of a joint motion that is cubic from knot to knot.
+
+    Args:
+        chain: The chain.
+        bodies: The bodies.
+        active: Which pairs count, shape (m,).
+        margin: Gap asked for on top of the clearance [m].
+        s: Knots, shape (k + 1,), strictly increasing.
+        q: Values at the knots, shape (k + 1, dof) [rad or m].
+        m_begin: Derivatives by s at the begin of each piece, shape (k, dof).
+        m_end: Derivatives at its end, shape (k, dof).
+        w: Work space.
+        out: Out: the row of a pair for each piece, as :func:`motion_contact` has it, -1 where the
+            whole piece is proven to be free, shape (k,).
+    """
+    need, curve = bodies.clearance + margin, w.queue.curve
+    for k in range(s.shape[0] - 1):
+        h = s[k + 1] - s[k]
+        for d in range(q.shape[1]):
+            step, a, b = q[k + 1, d] - q[k, d], h * m_begin[k, d], h * m_end[k, d]
+            curve[0, d], curve[1, d] = q[k, d], a
+            curve[2, d], curve[3, d] = 3.0 * step - 2.0 * a - b, a + b - 2.0 * step
+        out[k], _ = _proven(chain, bodies, active, need, w)

@@ -1,0 +1,109 @@
+"""Work space of the checks for contact."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from ikplan._jit import kernel
+from ikplan.arrays import Array, Indices
+from ikplan.collision.bodies import Bodies
+from ikplan.kinematics.chain import Chain
+
+__all__ = ["Queue", "Scratch", "new_queue", "new_scratch"]
+
+
+class Queue(NamedTuple):
+    """Intervals of a motion that are still to be looked at.
+
+    Attributes:
+        middle: Middle of each interval, as a share of the motion, shape (k,).
+        half: Half of its length, shape (k,).
+        begin: First of its open pairs in ``rows``, shape (k,).
+        end: Last of them (exclusive), shape (k,).
+        rows: Open pairs of all intervals.
+        reach: How far each serial joint moves from the middle of an interval, shape (n,).
+        step: How far each joint value does, shape (dof,).
+        q: The configuration in the middle, shape (dof,).
+        curve: Coefficients of the motion by its share, lowest power first, shape (4, dof).
+    """
+
+    middle: Array
+    half: Array
+    begin: Indices
+    end: Indices
+    rows: Indices
+    reach: Array
+    step: Array
+    q: Array
+    curve: Array
+
+
+class Scratch(NamedTuple):
+    """Work space of the kernels; the axes are carried over from one configuration to the next.
+
+    Attributes:
+        R: Rotations of the links, shape (n + 1, 3, 3).
+        p: Origins of the links, shape (n + 1, 3) [m].
+        centre: Centres of the pieces in the base, shape (k, 3) [m].
+        ends: Both ends of the capsules' axes in the base, shape (k, 6) [m].
+        spheres: Centres of the covering spheres in the base, shape (s, 3) [m].
+        box: Axes and centre of the boxes in the base, shape (k, 12) [m].
+        placed: When the rest of each piece was placed last, shape (k,).
+        now: Shape (1,): a number for the configuration that the links are at.
+        motion: How far each piece can move against each link, shape (k, n + 1) [m].
+        axis: Separating axis of each pair when it was last looked at, shape (m, 3).
+        work: For the distance of two pieces, shape (12, 3).
+        queue: For the proof of a motion.
+    """
+
+    R: Array
+    p: Array
+    centre: Array
+    ends: Array
+    spheres: Array
+    box: Array
+    placed: Indices
+    now: Indices
+    motion: Array
+    axis: Array
+    work: Array
+    queue: Queue
+
+
+@kernel
+def new_queue(chain: Chain, bodies: Bodies, dof: int, room: int) -> Queue:
+    """Return a queue with room for 64 intervals times ``room``."""
+    n = chain.prismatic.shape[0]
+    return Queue(
+        np.zeros(64 * room),
+        np.zeros(64 * room),
+        np.zeros(64 * room, dtype=np.int64),
+        np.zeros(64 * room, dtype=np.int64),
+        np.zeros(4 * room * bodies.pairs.shape[0], dtype=np.int64),
+        np.zeros(n),
+        np.zeros(dof),
+        np.zeros(dof),
+        np.zeros((4, dof)),
+    )
+
+
+@kernel
+def new_scratch(chain: Chain, bodies: Bodies) -> Scratch:
+    """Return work space for a chain and its bodies."""
+    n = chain.prismatic.shape[0] + 1
+    return Scratch(
+        np.zeros((n, 3, 3)),
+        np.zeros((n, 3)),
+        np.zeros((bodies.radius.shape[0], 3)),
+        np.zeros((bodies.radius.shape[0], 6)),
+        np.zeros((bodies.spheres.shape[0], 3)),
+        np.zeros((bodies.radius.shape[0], 12)),
+        np.zeros(bodies.radius.shape[0], dtype=np.int64),
+        np.zeros(1, dtype=np.int64),
+        np.zeros((bodies.radius.shape[0], n)),
+        np.zeros((bodies.pairs.shape[0], 3)),
+        np.zeros((12, 3)),
+        new_queue(chain, bodies, chain.coupling.shape[1], 2),
+    )

@@ -1,0 +1,198 @@
+"""Plans moves: where they may end, the way there, its corners."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ikplan.arrays import Array
+from ikplan.collision.check import ContactCheck
+from ikplan.documents.trajectory import MoveReport
+from ikplan.errors import InCollision, Unreachable
+from ikplan.ik.arguments import check_start
+from ikplan.kinematics.target import Target, pose_target
+from ikplan.path import JointWaypoint, MoveLeg
+from ikplan.planning.joint_route import JointPathProblem
+from ikplan.planning.moves.rounding import round_way
+from ikplan.planning.moves.way import DEFAULT_EFFORT, Way, find_way
+from ikplan.planning.segment_number import segment_number
+from ikplan.planning.waypoints.ik_branches import branches
+from ikplan.planning.waypoints.in_collision import in_collision
+from ikplan.planning.waypoints.waypoint_problem import WaypointProblem
+
+__all__ = ["MoveGoals", "MovePlanner", "PlannedMove"]
+
+_WATCHED = 10**9
+"""Longer than any search that no thread need watch: a search of moves is always watched."""
+
+
+@dataclass(frozen=True, eq=False)
+class MoveGoals:
+    """Configurations that a move may end at, free of contact.
+
+    Attributes:
+        q: Shape (g, dof), g >= 1 [rad or m].
+        targets: What each meets, length g.
+    """
+
+    q: Array
+    targets: list[Target]
+
+
+@dataclass(frozen=True, eq=False)
+class PlannedMove:
+    """A planned move.
+
+    Attributes:
+        q: Configurations that its joint path passes, shape (k, dof) [rad or m].
+        rest: Indices of those between its ends where it stops.
+        goal: Index of the goal that it leads to.
+        report: What the result says of it.
+    """
+
+    q: Array
+    rest: list[int]
+    goal: int
+    report: MoveReport
+
+
+class MovePlanner:
+    """Plans the moves of one path.
+
+    Args:
+        problem: The path.
+    """
+
+    def __init__(self, problem: JointPathProblem) -> None:
+        self._problem = problem
+
+    def goals(self, leg: MoveLeg, problems: list[WaypointProblem]) -> MoveGoals:
+        """Return every configuration that a move may end at.
+
+        Args:
+            leg: The move.
+            problems: The problem of each of its targets.
+
+        Raises:
+            InvalidRequest: Joint values are outside their limits.
+            InCollision: No target is free: of the first one in contact.
+            Unreachable: No target is reachable: of the first.
+        """
+        rows: list[Array] = []
+        targets: list[Target] = []
+        refused: InCollision | Unreachable | None = None
+        for waypoint, problem in zip(leg.targets, problems, strict=True):
+            try:
+                if waypoint.q is None:
+                    found = branches(problem)
+                    target = problem.targets[0]
+                else:
+                    found = self._joint_values(waypoint, problem)[None]
+                    T = problem.robot.fk(found[0])
+                    target = pose_target(T.translation.copy(), T.rotation.copy())
+            except (InCollision, Unreachable) as verdict:
+                if refused is None or (
+                    isinstance(refused, Unreachable) and isinstance(verdict, InCollision)
+                ):
+                    refused = verdict
+                continue
+            rows.append(found)
+            targets += [target] * len(found)
+        if refused is not None and not rows:
+            raise refused
+        return MoveGoals(np.concatenate(rows), targets)
+
+    def _joint_values(self, waypoint: JointWaypoint, problem: WaypointProblem) -> Array:
+        assert waypoint.q is not None
+        q = check_start(problem.robot, waypoint.q, waypoint.name)
+        segment = problem.segment(0)
+        if problem.contact is not None and not problem.contact.free(q[None], segment)[0]:
+            raise in_collision(
+                problem.contact, q[None], waypoint.row, waypoint.name, segment, proven=True
+            )
+        return q
+
+    def plan(self, leg: MoveLeg, q_start: Array, goals: Array) -> PlannedMove:
+        """Plan the way to one of some goals.
+
+        Args:
+            leg: The move.
+            q_start: Where it begins, shape (dof,) [rad or m].
+            goals: The goals, free of contact, shape (g, dof) [rad or m].
+
+        Raises:
+            InCollision: It begins in contact, or no way was found within the effort.
+            BudgetExceeded: The time budget ran out.
+        """
+        problem, segment = self._problem, segment_number(leg.name)
+        straight = np.linalg.norm(goals - q_start, axis=1)
+        if problem.contact is None:
+            goal = int(np.argmin(straight))
+            way = Way(np.vstack([q_start, goals[goal]]), goal, float(straight[goal]), 0)
+            samples = 0
+        else:
+            way, samples = self._search(problem.contact, leg, q_start, goals, segment)
+        extra = problem.move_margins.get(leg.name, 0.0)
+        rounded = round_way(way.q, problem.limits, problem.contact, segment, extra)
+        report = MoveReport(
+            field=leg.name,
+            length=rounded.length,
+            found_length=way.found_length,
+            least_length=float(straight[way.goal]),
+            corners=len(way.q) - 2,
+            stops=len(rounded.rest),
+            samples=samples,
+        )
+        return PlannedMove(rounded.q, rounded.rest, way.goal, report)
+
+    def _search(
+        self,
+        contact: ContactCheck,
+        leg: MoveLeg,
+        q_start: Array,
+        goals: Array,
+        segment: int | None,
+    ) -> tuple[Way, int]:
+        problem, options = self._problem, self._problem.options
+        row = leg.targets[0].row
+        if not contact.free(q_start[None], segment)[0]:
+            subject = f"{leg.name}: the configuration at which the move begins"
+            raise in_collision(contact, q_start[None], row - 1, subject, segment, proven=True)
+        cut = np.zeros(1, dtype=np.bool_)
+        limits = (problem.robot.lower, problem.robot.upper)
+        problem.clock.check()
+        with problem.clock.cutting(cut, _WATCHED):
+            way, samples = find_way(
+                contact.arrays(segment), limits, q_start, goals, options.effort, options.seed, cut
+            )
+        if way is None:
+            raise self._not_found(contact, leg, q_start, goals, segment)
+        return way, samples
+
+    def _not_found(
+        self,
+        contact: ContactCheck,
+        leg: MoveLeg,
+        q_start: Array,
+        goals: Array,
+        segment: int | None,
+    ) -> InCollision:
+        """The verdict where the effort is used up: not that there is no way."""
+        nearest = goals[np.argmin(np.linalg.norm(goals - q_start, axis=1))]
+        met = contact.first_contact(np.vstack([q_start, nearest]), segment)
+        assert met is not None  # a straight way is found at once
+        depth, _ = contact.shortfall(met.q, segment)
+        a, b = met.pair
+        effort = self._problem.options.effort or DEFAULT_EFFORT
+        return InCollision(
+            f"{leg.name}: no way was found within an effort of {effort:,} samples, which does not "
+            f"prove that there is none; the straight motion meets {a} and {b}. A larger ik.effort "
+            "searches longer",
+            waypoint=leg.targets[0].row,
+            pair=met.pair,
+            depth=depth,
+            q=met.q.tolist(),
+            proven=False,
+            reason=f"{a} and {b}",
+        )

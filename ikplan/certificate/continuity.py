@@ -47,7 +47,7 @@ def discontinuities(claim: Claim) -> list[str]:
     if not np.array_equal(claim.q[-1], claim.waypoint_q[-1]):
         wrong.append("the last sample is not the last waypoint")
     limits = claim.limits
-    a = np.maximum(limits.acceleration, -limits.acceleration_lower) * (1.0 + 1e-6)
+    a = limits.largest_acceleration * (1.0 + 1e-6)
     dt = steps[:, None]
     if (np.abs(np.diff(claim.dq, axis=0)) > a * dt + _ROUNDING).any():
         wrong.append("velocities jump between samples")

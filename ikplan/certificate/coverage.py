@@ -84,7 +84,7 @@ def _unseen(claim: Claim) -> float:
     a h^2 / 8 away from the straight line between its ends, and the cubic is no farther off.
     """
     limits = claim.limits
-    a = np.maximum(limits.acceleration, -limits.acceleration_lower)
+    a = limits.largest_acceleration
     h = float(np.diff(claim.time).max())
     return float(joint_reach(claim.robot) @ a) * h * h / 8.0
 

@@ -27,6 +27,8 @@ __all__ = [
 ]
 
 
+_STILL = 1e-9
+"""Velocity of a joint at rest, but for rounding [rad/s or m/s]."""
 RATIO_SLACK = 1e-9
 """Rounding allowed in a ratio against a limit."""
 
@@ -51,7 +53,7 @@ def measured_limits(
     exceeded = []
     of_joints = {
         "velocity": np.maximum(dq / limits.velocity, dq / limits.velocity_lower),
-        "acceleration": np.maximum(ddq / limits.acceleration, ddq / limits.acceleration_lower),
+        "acceleration": _acceleration_ratios(limits, dq, ddq),
     }
     if limits.jerk is not None:
         of_joints["jerk"] = jerk_ratios(time, ddq, limits.jerk)
@@ -209,3 +211,17 @@ def _larger(twists: Array, limit: tuple[float, float]) -> Array:
     linear = np.linalg.norm(twists[:, :3], axis=1) / limit[0]
     angular = np.linalg.norm(twists[:, 3:], axis=1) / limit[1]
     return np.asarray(np.maximum(linear, angular))
+
+
+def _acceleration_ratios(limits: MotionLimits, dq: Array, ddq: Array) -> Array:
+    """Ratios of accelerations to their limits, of joints that slow down to those for that."""
+    slowing = limits.deceleration
+    if slowing is None:
+        return np.maximum(ddq / limits.acceleration, ddq / limits.acceleration_lower)
+    speeding_up = np.maximum(ddq / limits.acceleration, ddq / limits.acceleration_lower)
+    slowing_down = np.abs(ddq) / slowing
+    # A joint at rest begins to move, or ends: which, its velocity does not say.
+    still = np.abs(dq) <= _STILL
+    slows = dq * ddq < 0.0
+    moving = np.where(slows, slowing_down, speeding_up)
+    return np.asarray(np.where(still, np.minimum(speeding_up, slowing_down), moving))

@@ -38,7 +38,7 @@ def false_stops(claim: Claim) -> list[str]:
     """
     wrong = []
     limits = claim.limits
-    a = np.maximum(limits.acceleration, -limits.acceleration_lower) * (1.0 + 1e-6)
+    a = limits.largest_acceleration * (1.0 + 1e-6)
     after = np.clip(np.searchsorted(claim.time, claim.stop_time), 1, len(claim.time) - 1)
     for k in (after - 1, after):
         away = np.abs(claim.time[k] - claim.stop_time)[:, None]

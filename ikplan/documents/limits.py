@@ -165,6 +165,12 @@ class LimitOptions(_Limits):
         description="Limits of single joints by name, position limits among them, as if they were "
         "the robot's own: none may be wider, and scales are shares of these. null: the robot's.",
     )
+    deceleration: Annotated[PerJoint | None, IfGiven()] = Field(
+        None,
+        description="Highest rates at which joints may slow down, whichever way they move, one "
+        "each or one for all [rad/s^2 or m/s^2], inside the robot's own limits; `acceleration` is "
+        "then how fast they may speed up. null: as `acceleration`.",
+    )
     jerk: WholeJerk | None = Field(
         None,
         description="Highest joint jerks, both ways, one each or one for all [rad/s^3 or m/s^3], "

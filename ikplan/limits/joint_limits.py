@@ -62,6 +62,8 @@ class JointLimits:
         velocity_lower: Lowest velocities, shape (dof,), < 0.
         acceleration_lower: Lowest accelerations, shape (dof,), < 0.
         jerk: Highest jerks, both ways [rad/s^3 or m/s^3], shape (dof,), > 0; None: no limit.
+        deceleration: Highest rates of slowing down, both ways, shape (dof,), > 0; None: those of
+            the accelerations.
 
     Raises:
         InvalidRequest: An array has the wrong length, is not finite (positions apart), is not
@@ -76,6 +78,7 @@ class JointLimits:
     velocity_lower: Array = None  # type: ignore[assignment]
     acceleration_lower: Array = None  # type: ignore[assignment]
     jerk: Array | None = None
+    deceleration: Array | None = None
 
     def __post_init__(self) -> None:
         names = tuple(str(name) for name in self.joint_names)
@@ -94,6 +97,8 @@ class JointLimits:
             self._check_rate(f"{field}_lower", -1.0)
         if self.jerk is not None:
             self._check_rate("jerk", 1.0)
+        if self.deceleration is not None:
+            self._check_rate("deceleration", 1.0)
 
     def _check_positions(self) -> None:
         # A comparison with NaN is false, so NaN is refused here as well.

@@ -29,6 +29,8 @@ class MotionLimits:
         velocity_lower: Lowest joint velocities, shape (dof,), negative.
         acceleration: Highest joint accelerations, shape (dof,) [rad/s^2 or m/s^2].
         acceleration_lower: Lowest joint accelerations, shape (dof,), negative.
+        deceleration: Highest rates of slowing down, shape (dof,); None: the accelerations hold for
+            slowing down too, else for speeding up only.
         jerk: Highest joint jerks, shape (dof,) [rad/s^3 or m/s^3]; None: no limit.
         torque: Highest joint torques, shape (dof,) [N m or N]; None: no limit.
         payload_mass: Mass that the tool carries [kg].
@@ -50,6 +52,13 @@ class MotionLimits:
     tool_speed: tuple[float, float]
     tool_acceleration: tuple[float, float]
     jerk_source: str | None = None
+    deceleration: Array | None = None
+
+    @property
+    def largest_acceleration(self) -> Array:
+        """Largest acceleration of each joint, whichever way and whether it speeds up, (dof,)."""
+        most = np.maximum(self.acceleration, -self.acceleration_lower)
+        return most if self.deceleration is None else np.maximum(most, self.deceleration)
 
     @classmethod
     def of(cls, robot: Robot, options: LimitOptions) -> MotionLimits:
@@ -124,6 +133,7 @@ class MotionLimits:
             velocity_lower=np.maximum(self.velocity_lower, down),
             acceleration=np.minimum(self.acceleration, a_up),
             acceleration_lower=np.maximum(self.acceleration_lower, a_down),
+            deceleration=self._slowing_down(robot, options, a_up, a_down, field),
             jerk=jerk,
             torque=torque,
             payload_mass=mass,
@@ -132,6 +142,27 @@ class MotionLimits:
             tool_acceleration=_stricter(self.tool_acceleration, _tool(options.tool_acceleration)),
             jerk_source=jerk_source,
         )
+
+    def _slowing_down(
+        self,
+        robot: Robot,
+        options: SegmentLimits | LimitOptions,
+        up: Array,
+        down: Array,
+        field: str,
+    ) -> Array | None:
+        """Merge how fast joints may slow down; None: as fast as they may speed up."""
+        given = options.deceleration if isinstance(options, LimitOptions) else None
+        if given is None and self.deceleration is None:
+            return None
+        known = self.deceleration
+        if known is None:
+            known = np.minimum(self.acceleration, -self.acceleration_lower)
+        if given is None:
+            return np.minimum(known, np.minimum(up, -down))
+        own = options.acceleration_scale * robot.acceleration_limit
+        asked = _each(robot, given, f"{field}.deceleration")
+        return np.minimum(known, np.minimum(own, asked))
 
 
 @dataclass(frozen=True, eq=False)

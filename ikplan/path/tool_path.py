@@ -90,6 +90,7 @@ class ToolPath:
             both their neighbours.
         rounded: Whether corners may be rounded within the tolerance.
         sharp: Whether sharp ones are among them.
+        slight: Whether others are among them, of a path of few pieces.
     """
 
     pieces: tuple[Piece, ...]
@@ -98,6 +99,7 @@ class ToolPath:
     segments: tuple[SegmentRange, ...] = ()
     rounded: bool = False
     sharp: bool = False
+    slight: bool = False
 
     @cached_property
     def begins(self) -> Array:

@@ -161,10 +161,10 @@ def _motion(
         except (Unreachable, Disconnected) as error:
             error.repairs = find_repairs(problem, error)
             raise
-    stages = MotionStages(request, robot, limits, limits_of, solver)
-    path, timing = stages.timed(problem, route)
-    if route.sharp:
-        route, path, timing = stages.faster(problem, route, path, timing)
+        stages = MotionStages(request, limits, limits_of)
+        laid = stages.laid(problem, route)
+    with clock.stage("timing"):
+        route, path, timing = stages.fastest(problem, laid)
     # Configurations too close to tell apart are passed as one.
     passed = path.q_knots[path.knot_of_waypoint]
     waypoint_q = passed[[w.index for w in route.waypoints]]
@@ -206,10 +206,13 @@ def _segment_times(
     if not found:
         ends = [float(times[w.index]) for w in route.waypoints]
         return list(zip([0.0, *ends], ends, strict=False)) or None
-    last = 0.0
+    last = begun = 0.0
     rows = []
     for number in range(max(found) + 1):
-        rows.append(found.get(number, (last, last)))
+        begin, end = found.get(number, (last, last))
+        # One that leads nowhere, at a rounded corner, is passed after the next one has begun.
+        begun = max(begun, begin)
+        rows.append((begun, max(begun, end)))
         last = rows[-1][1]
     return rows
 

@@ -31,6 +31,7 @@ from ikplan.timing import (
     time_joint_path,
     what_if,
 )
+from ikplan.timing.braking import turning_points
 from ikplan.timing.constraints.models import inverse_dynamics, tool_motion
 from ikplan.timing.engines.engine import Check, unlimited
 
@@ -76,6 +77,7 @@ def joint_limits(robot: Robot, limits: MotionLimits) -> JointLimits:
         acceleration=limits.acceleration,
         acceleration_lower=limits.acceleration_lower,
         jerk=limits.jerk,
+        deceleration=limits.deceleration,
         joint_names=tuple(robot.joint_names),
     )
 
@@ -123,6 +125,8 @@ def time_motion(
         TimingFailed: No timing under the limits: where, which joint, which limit.
     """
     refuse_moving(robot, path, limits, 0.0, path.length)
+    if any(x.deceleration is not None for x in (limits, *(s.limits for s in segments))):
+        path = path.with_knots(turning_points(path))
     constraints = _constraints(robot, limits)
     joint_segments = []
     for segment in segments:

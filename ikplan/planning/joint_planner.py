@@ -149,6 +149,7 @@ class _JointPathPlanner:
         self.moves: list[RouteMove] = []
         self.move_planner = MovePlanner(problem)
         self.sharp = False
+        self.slight = False
         self.opened: _Open | None = None
 
     def check_start_free(self) -> None:
@@ -172,6 +173,7 @@ class _JointPathPlanner:
             self.segments,
             self.moves,
             self.sharp,
+            self.slight,
         )
 
     @property
@@ -301,6 +303,7 @@ class _JointPathPlanner:
                 starts, costs = np.ascontiguousarray(starts[left]), costs[left]
         self._append(path, tracked)
         self.sharp |= path.sharp
+        self.slight |= path.slight
 
     def _tracked(self, path: ToolPath, starts: Array, costs: Array) -> TrackedPath:
         try:

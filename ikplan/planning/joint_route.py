@@ -112,6 +112,7 @@ class JointRoute:
         segments: The segments of the request, in order.
         moves: The moves around obstacles, in order.
         sharp: Whether sharp corners are rounded within the tolerance.
+        slight: Whether others are, of a path of few pieces.
     """
 
     q: Array
@@ -120,3 +121,4 @@ class JointRoute:
     segments: list[RouteSegment]
     moves: list[RouteMove] = field(default_factory=list)
     sharp: bool = False
+    slight: bool = False

@@ -11,6 +11,7 @@ from ikplan.arrays import Array
 from ikplan.errors import InvalidRequest
 from ikplan.joint_path.joint_path import JointPath
 from ikplan.limits.joint_limits import JointLimits
+from ikplan.timing.braking import acceleration_bounds, directions
 
 __all__ = ["LimitProfile", "SegmentJointLimits"]
 
@@ -77,15 +78,20 @@ class LimitProfile:
             The profile.
         """
         k = len(path.s_knots) - 1
+        up, down = directions(path)
         middle = 0.5 * (path.s_knots[:-1] + path.s_knots[1:])
         rates = {name: np.tile(getattr(limits, name), (k, 1)) for name in _RATES}
+        rates["acceleration"], rates["acceleration_lower"] = acceleration_bounds(limits, up, down)
         jerk = np.tile(np.inf if limits.jerk is None else limits.jerk, (k, 1))
         jerk = np.broadcast_to(jerk, (k, path.dof)).copy()
         for segment in segments:
             inside = (middle > segment.start) & (middle < segment.end)
-            for name in _RATES:
+            own = {name: getattr(segment.limits, name) for name in _RATES[:2]}
+            bounds = acceleration_bounds(segment.limits, up[inside], down[inside])
+            own |= dict(zip(_RATES[2:], bounds, strict=True))
+            for name, values in own.items():
                 stricter = np.maximum if name.endswith("lower") else np.minimum
-                rates[name][inside] = stricter(rates[name][inside], getattr(segment.limits, name))
+                rates[name][inside] = stricter(rates[name][inside], values)
             if segment.limits.jerk is not None:
                 jerk[inside] = np.minimum(jerk[inside], segment.limits.jerk)
         return cls(joint_names=limits.joint_names, jerk=jerk, **rates)

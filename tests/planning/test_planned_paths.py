@@ -99,7 +99,7 @@ def test_all_segments_in_one_path() -> None:
          "frame": {"position": (robot.fk(q).translation - [0.03, 0, 0]).tolist()}},
         {"type": "circle", "radius": 0.03, "frame": {"position": p.tolist()}},
     ]  # fmt: skip
-    plan = planned("ur5", UR5_START, {"segments": segments})
+    plan = planned("ur5", UR5_START, {"segments": segments, "corners": "exact"})
     check_motion(plan.trajectory, robot)
     corners = [p, np.add(p, [0.0, 0.06, 0.0]), np.add(p, [0.06, 0.06, 0.0])]
     reached = [robot.fk(plan.waypoints.q[k]).translation for k in range(4)]
@@ -118,7 +118,7 @@ def test_all_segments_in_one_path() -> None:
 
 def test_an_exact_corner_stops_and_a_rounded_one_does_not() -> None:
     corner = [0.08, 0.0, 0.0], [0.08, 0.08, 0.0]
-    exact, rounded = ur5_line(*corner), ur5_line(*corner, blend=0.02)
+    exact, rounded = ur5_line(*corner, blend=0.0), ur5_line(*corner, blend=0.02)
     speed = {}
     for name, plan in (("exact", exact), ("rounded", rounded)):
         near = np.abs(plan.time - plan.waypoints.time[0]) < 0.003

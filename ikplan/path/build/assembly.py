@@ -20,6 +20,10 @@ from ikplan.path.tool_path import Corner, PathWaypoint, SegmentRange, ToolPath
 __all__ = ["assemble"]
 
 
+_FEW = 64
+"""Of fewer pieces, a motion that stops at all corners is tried too."""
+
+
 def assemble(
     begin: Pose,
     first: Sequence[ItemWaypoint],
@@ -53,7 +57,8 @@ def assemble(
     kept = _without_empty(whole)
     junctions = Junctions.between(kept)
     may = may_round(kept, junctions) if rounding is not None else np.zeros(0, dtype=bool)
-    sharp = bool((may & junctions.sharp).any()) if rounding is not None else False
+    corners = junctions
+    sharp = bool((may & corners.sharp).any()) if rounding is not None else False
     if rounding is not None:
         smooth = smooth_runs(kept, junctions, rounding)
         if len(smooth) != len(kept) or any(a is not b for a, b in zip(smooth, kept, strict=True)):
@@ -66,7 +71,8 @@ def assemble(
     if rounding is not None:
         blends = rounded_corners(kept, junctions, blends, rounding)
     path = _lay_out(waypoints, segments, kept, blends, junctions)
-    return replace(path, rounded=bool(may.any()), sharp=sharp)
+    slight = rounding is not None and len(may) < _FEW and bool((may & ~corners.sharp).any())
+    return replace(path, rounded=bool(may.any()), sharp=sharp, slight=slight)
 
 
 def _is_empty(item: PathItem) -> bool:

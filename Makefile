@@ -5,7 +5,7 @@ BIN    := $(VENV)/bin
 STAMP  := $(VENV)/.ready
 DOCS   := $(VENV)/.docs-ready
 
-.PHONY: help setup demo page picture test coverage check docs serve bench papers mutants lock sbom audit clean
+.PHONY: help setup demo kernels page picture test coverage check docs serve bench papers mutants lock sbom audit clean
 help:            ## list the targets
 	@grep -E '^[a-z]+: .*##|^[a-z]+:  *##' $(MAKEFILE_LIST) | sed 's/:.*##/\t/'
 
@@ -19,6 +19,10 @@ setup: $(STAMP)  ## make the virtual environment in .venv
 
 demo: $(STAMP)   ## plan the helix of examples/ and write out/helix.{json,csv,png}
 	$(BIN)/python examples/demo.py
+
+kernels: $(STAMP) ## compile every kernel, for any processor of the family, into a wheel in dist; minutes
+	$(BIN)/python kernels/build.py kernels/ikplan_kernels/kernels.pack
+	$(BIN)/python -m pip wheel --quiet --disable-pip-version-check --no-deps --wheel-dir dist kernels
 
 page: $(STAMP)   ## check and bundle the page that the service shows at /
 	$(BIN)/python web/build.py

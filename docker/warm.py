@@ -1,10 +1,15 @@
-"""Compile every kernel of the service and check that plans can be made."""
+"""Compile every kernel of the service, check that plans can be made, and pack the kernels.
+
+``python docker/warm.py FILE``: the file is found within the package, ``ikplan/kernels.pack``.
+"""
 
 import contextlib
 import json
+import sys
 from pathlib import Path
 
 from ikplan._jit import cache_folder
+from ikplan._kernels.pack import write_pack
 from ikplan.errors import Unreachable
 from ikplan.ik.registry import solvers
 from ikplan_api.workers.tasks import TaskInput, run_task, warm_up
@@ -19,5 +24,5 @@ if __name__ == "__main__":
             # One of them asks for too much; repairs have kernels of their own.
             with contextlib.suppress(Unreachable):
                 run_task("plan", TaskInput(json.dumps({**request, "budget_s": 3600}).encode()))
-    kernels = len(list(cache_folder().rglob("*.nbc")))
-    print(f"{kernels} kernels in {cache_folder()}")
+    kernels = write_pack(cache_folder(), Path(sys.argv[1]))
+    print(f"{kernels} kernels in {sys.argv[1]}")

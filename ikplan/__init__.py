@@ -5,9 +5,9 @@ The public names are imported on first use, so that a client needs neither Pinoc
 
 from __future__ import annotations
 
-import importlib
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
+from ikplan._lazy import on_first_use
 from ikplan._version import __version__
 
 if TYPE_CHECKING:
@@ -38,59 +38,62 @@ if TYPE_CHECKING:
         Unreachable,
         WorkerLost,
     )
-    from ikplan.ik import solve_ik
     from ikplan.pipeline.move import move
     from ikplan.pipeline.plan import plan
+    from ikplan.pipeline.poses import solve_ik
     from ikplan.pipeline.retime import time_path, time_request
     from ikplan.plans.plan import Plan
     from ikplan.points import read_waypoints
     from ikplan.robots import Robot, load_robot, robot_names
     from ikplan.scene.read_scene import read_scene
-
-_HOMES = {
-    "AccessDenied": "errors",
-    "AsyncClient": "client",
-    "AsyncPlanJob": "client",
-    "BudgetExceeded": "errors",
-    "Certificate": "documents.certificate",
-    "CertificateViolated": "errors",
-    "Client": "client",
-    "Disconnected": "errors",
-    "FkRequest": "documents.plan_request",
-    "FkResult": "documents.pose_results",
-    "IkRequest": "documents.plan_request",
-    "IkSolution": "documents.pose_results",
-    "IkplanError": "errors",
-    "InvalidInput": "errors",
-    "InCollision": "errors",
-    "InvalidRequest": "errors",
-    "InvalidRobot": "errors",
-    "MemoryExceeded": "errors",
-    "NoPlan": "errors",
-    "Plan": "plans.plan",
-    "PlanJob": "client",
-    "PlanNotFound": "errors",
-    "PlanRequest": "documents.plan_request",
-    "PlanStatus": "documents.status",
-    "RateLimited": "errors",
-    "Robot": "robots",
-    "RobotNotFound": "errors",
-    "ServiceError": "errors",
-    "ServiceUnavailable": "errors",
-    "TimingFailed": "errors",
-    "TimingRequest": "documents.timing_request",
-    "Unreachable": "errors",
-    "WorkerLost": "errors",
-    "load_robot": "robots",
-    "move": "pipeline.move",
-    "plan": "pipeline.plan",
-    "read_scene": "scene.read_scene",
-    "read_waypoints": "points",
-    "robot_names": "robots",
-    "solve_ik": "ik",
-    "time_path": "pipeline.retime",
-    "time_request": "pipeline.retime",
-}
+else:
+    __getattr__ = on_first_use(
+        __name__,
+        {
+            "AccessDenied": "errors",
+            "AsyncClient": "client",
+            "AsyncPlanJob": "client",
+            "BudgetExceeded": "errors",
+            "Certificate": "documents.certificate",
+            "CertificateViolated": "errors",
+            "Client": "client",
+            "Disconnected": "errors",
+            "FkRequest": "documents.plan_request",
+            "FkResult": "documents.pose_results",
+            "IkRequest": "documents.plan_request",
+            "IkSolution": "documents.pose_results",
+            "IkplanError": "errors",
+            "InvalidInput": "errors",
+            "InCollision": "errors",
+            "InvalidRequest": "errors",
+            "InvalidRobot": "errors",
+            "MemoryExceeded": "errors",
+            "NoPlan": "errors",
+            "Plan": "plans.plan",
+            "PlanJob": "client",
+            "PlanNotFound": "errors",
+            "PlanRequest": "documents.plan_request",
+            "PlanStatus": "documents.status",
+            "RateLimited": "errors",
+            "Robot": "robots",
+            "RobotNotFound": "errors",
+            "ServiceError": "errors",
+            "ServiceUnavailable": "errors",
+            "TimingFailed": "errors",
+            "TimingRequest": "documents.timing_request",
+            "Unreachable": "errors",
+            "WorkerLost": "errors",
+            "load_robot": "robots",
+            "move": "pipeline.move",
+            "plan": "pipeline.plan",
+            "read_scene": "scene.read_scene",
+            "read_waypoints": "points",
+            "robot_names": "robots",
+            "solve_ik": "pipeline.poses",
+            "time_path": "pipeline.retime",
+            "time_request": "pipeline.retime",
+        },
+    )
 
 __all__ = [
     "AccessDenied",
@@ -137,14 +140,6 @@ __all__ = [
     "time_path",
     "time_request",
 ]
-
-
-def __getattr__(name: str) -> Any:
-    if name not in _HOMES:
-        raise AttributeError(f"module 'ikplan' has no attribute {name!r}")
-    value = getattr(importlib.import_module(f"ikplan.{_HOMES[name]}"), name)
-    globals()[name] = value
-    return value
 
 
 def __dir__() -> list[str]:

@@ -3,11 +3,10 @@
     python robots/make_collision.py ur5 [--out robots]
 
 Each link gets the convex hull of each of its meshes; where that reaches more than 15 mm beyond the
-mesh, the mesh is split by CoACD (Wei et al., ACM Transactions on Graphics 41(4), 2022; PyPI:
-coacd, needed here only). What CoACD returns is not trusted to cover the mesh: the mesh is cut into
-small triangles, each is given to the piece nearest to it, and a piece becomes the hull of itself
-and of its triangles. So every triangle lies in one piece. Pieces are thinned to few points and
-enlarged by a radius that brings back inside what was left out.
+mesh, the mesh is split. It is cut into small triangles, and the part that gains most is divided at
+the plane across an axis of the link that leaves the least volume of both hulls, over and over.
+Every triangle lies in one part, and so in its hull. Pieces are thinned to few points and enlarged
+by a radius that brings back inside what was left out.
 """
 
 from __future__ import annotations
@@ -29,11 +28,15 @@ Array = NDArray[np.float64]
 
 SPLIT_BEYOND = 0.015
 """Excess of a hull from which on a mesh is split [m]."""
-THRESHOLD = 0.05
-"""CoACD's measure of concavity at which it stops."""
 MOST_PIECES = 6
+GAIN = 0.005
+"""Least share of a mesh's hull that a further division has to take away."""
+PLANES = 16
+"""Places at which a part is tried to be divided across each axis."""
+GRID = 0.003
+"""About the distance of the triangles that planes are chosen by [m]."""
 HULL_POINTS = 128
-PIECE_POINTS = 64
+PIECE_POINTS = 96
 TOLERANCE = 5e-4
 EDGE = 0.005
 """Longest edge of the triangles that are given to pieces [m]."""
@@ -62,7 +65,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("robots", nargs="+", choices=sorted(LICENCES))
     parser.add_argument("--out", type=Path, default=Path(__file__).parent)
-    parser.add_argument("--hulls", action="store_true", help="hulls only, excess not measured")
+    parser.add_argument("--hulls", action="store_true", help="hulls only: no mesh is split")
     arguments = parser.parse_args()
     for name in arguments.robots:
         file = arguments.out / name / "collision.json"
@@ -76,7 +79,7 @@ def _text(document: dict[str, Any]) -> str:
 
 
 def make(name: str, *, hulls: bool = False) -> dict[str, Any]:
-    """Return the file of a robot; with ``hulls``, nothing is split and no excess measured."""
+    """Return the file of a robot; with ``hulls``, no mesh is split."""
     source = load_robot(name).description.shapes
     links: dict[str, list[MeshGeometry]] = {}
     for mesh in link_meshes(source.urdf, source.folder, name):
@@ -90,19 +93,17 @@ def make(name: str, *, hulls: bool = False) -> dict[str, Any]:
 
 
 def _link(link: str, meshes: list[MeshGeometry], hulls: bool) -> dict[str, Any]:
-    if hulls:
-        made = [_thinned(mesh.vertices, HULL_POINTS) for mesh in meshes]
-        source = "convex hulls of the meshes of example-robot-data 6.0.0, excess not measured"
-        return {"source": source, "pieces": _entries(made)}
     pieces: list[Piece] = []
     excess, split = 0.0, 0
     for mesh in meshes:
         made = [_thinned(mesh.vertices, HULL_POINTS)]
         reach = hull_reach = _excess(made, mesh)
-        if reach > SPLIT_BEYOND:
+        if reach > SPLIT_BEYOND and not hulls:
             parts = [_thinned(part, PIECE_POINTS) for part in _split(mesh)]
-            reach = _excess(parts, mesh)
-            made, split = parts, split + 1
+            beyond = _excess(parts, mesh)
+            if beyond < reach:
+                made, reach = parts, beyond
+        split += len(made) > 1
         print(
             f"{link}: {len(made)} piece(s), {sum(len(p[0]) for p in made)} points, "
             f"excess {1e3 * reach:.1f} mm, of the hull {1e3 * hull_reach:.1f} mm",
@@ -115,9 +116,7 @@ def _link(link: str, meshes: list[MeshGeometry], hulls: bool) -> dict[str, Any]:
         "pieces": _entries(pieces),
     }
     if split:
-        entry["source"] = (
-            "convex pieces, found with CoACD, of the meshes of example-robot-data 6.0.0"
-        )
+        entry["source"] = "convex pieces of the meshes of example-robot-data 6.0.0"
     return entry
 
 
@@ -134,25 +133,42 @@ def _thinned(points: Array, most: int) -> Piece:
 
 
 def _split(mesh: MeshGeometry) -> list[Array]:
-    """Points of convex pieces that cover every triangle of a mesh."""
-    import coacd
+    """Points of parts of a mesh, each of its triangles in one."""
+    parts = [_cut(mesh.vertices[mesh.triangles])]
+    whole = _volume(parts[0])
+    divided = [_divided(parts[0])]
+    while len(parts) < MOST_PIECES:
+        k = max(range(len(parts)), key=lambda k: divided[k][0])
+        gain, halves = divided[k]
+        if gain < GAIN * whole:
+            break
+        parts[k : k + 1] = halves
+        divided[k : k + 1] = [_divided(half) for half in halves]
+    return [part.reshape(-1, 3) for part in parts]
 
-    coacd.set_log_level("error")
-    parts = coacd.run_coacd(
-        coacd.Mesh(mesh.vertices, mesh.triangles),
-        threshold=THRESHOLD,
-        max_convex_hull=MOST_PIECES,
-        seed=0,
-    )
-    hulls = [hull_of(np.array(vertices)) for vertices, _ in parts]
-    triangles = _cut(mesh.vertices[mesh.triangles])
-    corners = triangles.reshape(-1, 3)
-    beyond = [distance_beyond(corners, hull).reshape(-1, 3).max(axis=1) for hull in hulls]
-    owner = np.argmin(beyond, axis=0)
-    return [
-        np.concatenate([hull.points[hull.vertices], triangles[owner == k].reshape(-1, 3)])
-        for k, hull in enumerate(hulls)
-    ]
+
+def _divided(triangles: Array) -> tuple[float, list[Array]]:
+    """Volume that the best division takes off the hull of a part [m^3], and both halves."""
+    middle = triangles.mean(axis=1)
+    _, some = np.unique(np.round(middle / GRID).astype(np.int64), axis=0, return_index=True)
+    few, centre = triangles[some], middle[some]
+    best, plane, whole = 0.0, (0, np.inf), _volume(few)
+    for axis in range(3):
+        low, high = middle[:, axis].min(), middle[:, axis].max()
+        for share in np.arange(1, PLANES) / PLANES:
+            place = float(low + share * (high - low))
+            below = centre[:, axis] < place
+            gain = whole - _volume(few[below]) - _volume(few[~below])
+            if gain > best:
+                best, plane = gain, (axis, place)
+    below = middle[:, plane[0]] < plane[1]
+    return best, [triangles[below], triangles[~below]]
+
+
+def _volume(triangles: Array) -> float:
+    """Volume of the hull of triangles [m^3]."""
+    hull = hull_of(triangles.reshape(-1, 3))
+    return 0.0 if hull is None else float(hull.volume)
 
 
 def _cut(triangles: Array) -> Array:

@@ -19,7 +19,9 @@ import ikplan
 SOURCE = Path(ikplan.__file__).parent
 API = SOURCE.parent / "api" / "ikplan_api"
 RANK = {
+    "_kernels": -1,
     "_jit": 0,
+    "_lazy": 0,
     "_version": 0,
     "arrays": 0,
     "errors": 0,
@@ -29,6 +31,7 @@ RANK = {
     "kinematics": 3,
     "limits": 3,
     "points": 3,
+    "smoothing": 3,
     "scene": 3,
     "joint_path": 4,
     "path": 4,
@@ -60,13 +63,14 @@ SERVICE_RANK = {
     "jobs": 2,
     "middleware": 2,
     "robots": 2,
+    "scenes": 2,
     "handlers": 3,
     "routes": 4,
     "app": 5,
 }
-"""app -> routes -> handlers -> connections, jobs, middleware, robots -> http, store, workers ->
-settings, telemetry: a room of the service imports rooms of a lower rank only, never one beside
-it."""
+"""app -> routes -> handlers -> connections, jobs, middleware, robots, scenes -> http, store,
+workers -> settings, telemetry: a room of the service imports rooms of a lower rank only, never
+one beside it."""
 MOST_FILES = 15
 """Most modules in a folder of the service."""
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import ast
 import json
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -15,7 +16,7 @@ from typing import Any
 import pytest
 
 import ikplan
-from ikplan import _jit
+from ikplan._kernels.sources import sources_of
 
 SOURCE = Path(ikplan.__file__).parent
 
@@ -131,6 +132,7 @@ class Package:
         (root / "ikplan" / "__init__.py").touch()
         (inner / "__init__.py").touch()
         shutil.copy(SOURCE / "_jit.py", root / "ikplan" / "_jit.py")
+        shutil.copytree(SOURCE / "_kernels", root / "ikplan" / "_kernels")
         (root / "ikplan" / "top.py").write_text(TOP)
         self.write(factor=2.0)
 
@@ -145,8 +147,8 @@ class Package:
         """The digest of the outer kernel's file."""
         file = str(self.root / "ikplan" / "top.py")
         script = (
-            "import json; from pathlib import Path; from ikplan import _jit; "
-            f"print(json.dumps(_jit._digest(Path({file!r}))))"
+            "import json; from pathlib import Path; from ikplan._kernels import sources; "
+            f"print(json.dumps(sources.digest_of(Path({file!r}))))"
         )
         return str(self.forge.run(script, self.root, self.cache)[0])
 
@@ -249,7 +251,7 @@ def absolute_imports(file: Path) -> set[str]:
     for node in ast.parse(file.read_text()).body:
         if isinstance(node, ast.ImportFrom):
             assert node.level == 0, f"{file}: kernels are imported by absolute names"
-            if str(node.module).startswith("ikplan"):
+            if re.match(r"ikplan(?!\._kernels)", str(node.module)):
                 found.add(str(node.module))
     return found
 
@@ -259,7 +261,7 @@ KERNEL_FILES = [f for f in sorted(SOURCE.rglob("*.py")) if "kernel\ndef " in f.r
 
 @pytest.mark.parametrize("file", KERNEL_FILES, ids=lambda f: str(f.relative_to(SOURCE)))
 def test_every_file_that_a_kernel_is_built_of_is_in_its_digest(file: Path) -> None:
-    sources = _jit._sources(file)
+    sources = sources_of(file)
     assert file in sources
     pending, seen = [file], set()
     while pending:

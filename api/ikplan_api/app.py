@@ -24,10 +24,10 @@ from ikplan_api.middleware.install import install_middleware
 from ikplan_api.robots.robot_builder import RobotBuilder
 from ikplan_api.routes import ROUTERS
 from ikplan_api.settings import Settings, load_settings, unknown_variables
+from ikplan_api.store.document_store import DocumentStore, MemoryDocumentStore
 from ikplan_api.store.plan_store import PlanStore, StoreFault
-from ikplan_api.store.robot_store import MemoryRobotStore, RobotStore
+from ikplan_api.store.sqlite_documents import SqliteDocumentStore, Table
 from ikplan_api.store.sqlite_plans import SqlitePlanStore
-from ikplan_api.store.sqlite_robots import SqliteRobotStore
 from ikplan_api.telemetry.loop_lag import watch_loop
 from ikplan_api.telemetry.metrics import Metrics
 from ikplan_api.workers.instrumented_planner import InstrumentedPlanner
@@ -44,7 +44,8 @@ def create_app(
     *,
     planner: Planner | None = None,
     store: PlanStore | None = None,
-    robots: RobotStore | None = None,
+    robots: DocumentStore | None = None,
+    scenes: DocumentStore | None = None,
 ) -> FastAPI:
     """Create the application.
 
@@ -53,6 +54,7 @@ def create_app(
         planner: The planner; None: worker processes according to the settings.
         store: The store of plans and jobs; None: according to the settings.
         robots: The store of uploaded robots; None: in the file of the plans, else in memory.
+        scenes: The store of uploaded scenes, likewise.
 
     Returns:
         The application. Its lifespan warms the planner up in the background: ``/livez`` answers
@@ -93,7 +95,10 @@ def create_app(
     app.state.store = store or _store(settings)
     app.state.plan_jobs = PlanJobs(app.state.planner, app.state.store, settings.max_budget_s)
     app.state.shutdown = Shutdown(app.state.plan_jobs, settings.stop_s)
-    app.state.robots = robots or _robots(settings, app.state.store)
+    bounds = settings.store_robots, settings.store_robot_bytes
+    app.state.robots = robots or _uploads("robots", bounds, app.state.store)
+    bounds = settings.store_scenes, settings.store_scene_bytes
+    app.state.scenes = scenes or _uploads("scenes", bounds, app.state.store)
     app.state.robot_builder = RobotBuilder(settings.robot_memory_bytes, settings.robot_timeout_s)
     for router in ROUTERS:
         app.include_router(router)
@@ -153,11 +158,10 @@ def _store(settings: Settings) -> SqlitePlanStore:
     return store
 
 
-def _robots(settings: Settings, store: PlanStore) -> RobotStore:
-    bounds = settings.store_robots, settings.store_robot_bytes
+def _uploads(table: Table, bounds: tuple[int, int], store: PlanStore) -> DocumentStore:
     if isinstance(store, SqlitePlanStore):
-        return SqliteRobotStore(store, *bounds)
-    return MemoryRobotStore(*bounds)
+        return SqliteDocumentStore(store, table, *bounds)
+    return MemoryDocumentStore(*bounds)
 
 
 @contextlib.asynccontextmanager

@@ -19,9 +19,11 @@ from ikplan.certificate.deviation import MatchedLeg, Tool, match_legs, timed_leg
 from ikplan.certificate.elongation import elongation_lower_bound
 from ikplan.certificate.limits import measured_limits, measured_positions
 from ikplan.certificate.offsets import Allowance
+from ikplan.certificate.polyline import polyline_deviation
 from ikplan.certificate.requested import RequestedMotion, read_motion
 from ikplan.certificate.segments import segment_checks, timed_segments
 from ikplan.certificate.singular_value import least_singular_value
+from ikplan.certificate.stops import false_stops, stops
 from ikplan.certificate.waypoints import met_waypoints, missed_waypoints, waypoint_misses
 from ikplan.documents.certificate import Certificate
 from ikplan.errors import CertificateViolated
@@ -51,6 +53,10 @@ def certify(claim: Claim) -> Certificate:
     if claim.path is not None:
         motion = read_motion(claim.robot, claim.path, claim.q_start)
         matched = _check_path(claim, motion, fields, violations)
+    elif claim.joint_waypoints is not None:
+        found, exceeded = polyline_deviation(claim, claim.joint_waypoints)
+        fields |= found
+        violations += exceeded
     for found, exceeded in (
         measured_positions(claim.robot, claim.time, claim.q),
         measured_limits(claim.robot, claim.limits, claim.time, claim.q, claim.dq, claim.ddq),
@@ -61,6 +67,8 @@ def certify(claim: Claim) -> Certificate:
     violations += exceeded
     value, time = least_singular_value(claim, motion, matched)
     fields |= {"min_singular_value": value, "min_singular_value_time": time}
+    fields["stops"] = stops(claim)
+    violations += false_stops(claim)
     fields["assumptions"] = list(claim.robot.description.assumptions)
     certificate = Certificate(valid=not violations, **fields)
     if violations:

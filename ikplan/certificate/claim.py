@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+
+import numpy as np
 
 from ikplan.arrays import Array
 from ikplan.documents.limits import SegmentLimits
 from ikplan.documents.path import PathRequest
+from ikplan.documents.timing_request import PathNearness
 from ikplan.limits.motion_limits import MotionLimits
 from ikplan.robots import Robot
 
@@ -49,6 +52,10 @@ class Claim:
         ddq: Joint accelerations, shape (m, dof) [rad/s^2 or m/s^2].
         limits: The limits of the whole motion.
         segments: Parts of a joint path with limits of their own; those of a path are read from it.
+        stop_time: When the motion is said to rest between its ends, shape (k,) [s].
+        joint_waypoints: Joint values that a timing asks for, shape (n, dof); None: a path is.
+        joint_tolerance: How far from the polyline through them the motion may be; None: it is
+            measured only.
     """
 
     robot: Robot
@@ -62,3 +69,6 @@ class Claim:
     ddq: Array
     limits: MotionLimits
     segments: tuple[RequestedSegment, ...] = ()
+    stop_time: Array = field(default_factory=lambda: np.zeros(0))
+    joint_waypoints: Array | None = None
+    joint_tolerance: PathNearness | None = None

@@ -7,8 +7,8 @@ import signal
 import sys
 from collections.abc import Sequence
 
-from ikplan.cli.adding import as_one_command
-from ikplan.cli.parser import make_parser, numbers_as_values
+from ikplan.cli.parser import as_one_command, make_parser, numbers_as_values
+from ikplan.cli.requests.service import choose_service
 from ikplan.cli.terminal.failing import fail, fail_of_fault, fail_of_file
 from ikplan.errors import IkplanError
 
@@ -31,6 +31,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     as_json = "--json" in arguments
     try:
         options = make_parser().parse_args(arguments)
+        choose_service(options)
         code = options.run(options)
         sys.stdout.flush()
     except IkplanError as error:

@@ -14,17 +14,7 @@ from ikplan.errors import InvalidRequest
 if TYPE_CHECKING:
     from ikplan.robots import Robot
 
-__all__ = ["ADD", "add", "as_one_command"]
-
-ADD = "robots-add"
-"""What the parser calls ``robots add``: ``robots`` alone takes the name of a robot."""
-
-
-def as_one_command(arguments: list[str]) -> list[str]:
-    """Return a command line with ``robots add`` as the one word that the parser knows."""
-    if arguments[:2] == ["robots", "add"]:
-        return [ADD, *arguments[2:]]
-    return arguments
+__all__ = ["add"]
 
 
 def add(options: argparse.Namespace) -> None:

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any, BinaryIO
 
 from ikplan.cli.requests.robot import name_robot
-from ikplan.cli.terminal.failing import NO_PLAN
+from ikplan.cli.terminal.exit_codes import NO_PLAN
 from ikplan.cli.terminal.output import say
 from ikplan.cli.terminal.progress import progress_bar
 from ikplan.cli.terminal.telling import tell_start

@@ -6,7 +6,6 @@ import argparse
 import math
 from typing import TYPE_CHECKING
 
-from ikplan.cli.bodies import body_lines
 from ikplan.cli.controllers import controller_lines
 from ikplan.cli.requests.robot import named_or_loaded
 from ikplan.cli.terminal.output import number, say, say_json, table
@@ -19,20 +18,23 @@ __all__ = ["robots", "say_joints", "schema", "solvers"]
 
 def robots(options: argparse.Namespace) -> None:
     """List the robots, or describe one."""
-    from ikplan.robots import load_robot, robot_names
-
     if options.robot is not None:
         _robot(options)
         return
-    infos = [load_robot(name).info() for name in robot_names()]
     if options.json:
+        from ikplan.robots import load_robot, robot_names
+
+        infos = [load_robot(name).info() for name in robot_names()]
         say_json({"robots": [info.model_dump(mode="json") for info in infos]})
         return
-    rows = [(i.name, i.title, str(i.dof)) for i in infos]
+    from ikplan.robots.listing import listed_robots
+
+    rows = [(robot.name, robot.title, str(robot.dof)) for robot in listed_robots()]
     say(*table(("name", "title", "joints"), rows, left=2))
 
 
 def _robot(options: argparse.Namespace) -> None:
+    from ikplan.cli.bodies import body_lines
     from ikplan.scene.describe import info_with_bodies
 
     info = info_with_bodies(named_or_loaded(options, options.robot))

@@ -5,17 +5,17 @@ from __future__ import annotations
 import argparse
 from collections.abc import Iterator
 
+from ikplan.cli.parser import SHELLS
 from ikplan.cli.terminal.output import say
 from ikplan.errors import InvalidRequest
 
-__all__ = ["SHELLS", "completion"]
+__all__ = ["completion"]
 
-SHELLS = ("bash", "zsh", "tcsh")
 _FILES = ("FILE", "FOLDER")
 """What help calls an argument that is a file."""
 
 
-def completion(options: argparse.Namespace, parser: argparse.ArgumentParser) -> None:
+def completion(options: argparse.Namespace) -> None:
     """Print the script by which a shell completes the command.
 
     Raises:
@@ -29,6 +29,7 @@ def completion(options: argparse.Namespace, parser: argparse.ArgumentParser) -> 
         )
     import shtab
 
+    parser = options.parser
     for action in _actions(parser):
         if action.metavar in _FILES:
             action.complete = shtab.FILE  # type: ignore[attr-defined]

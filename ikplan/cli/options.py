@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import argparse
 
-from ikplan.points.choices import INTERPOLATIONS
-from ikplan.points.poses import TOOL_AXES
+from ikplan.points.names import INTERPOLATIONS, TOOL_AXES
 from ikplan.points.units import ANGLES, LENGTHS
 
 __all__ = [
@@ -15,6 +14,7 @@ __all__ = [
     "add_path",
     "add_robot",
     "add_robot_frames",
+    "add_scene",
     "add_server",
     "add_talk",
 ]
@@ -42,7 +42,12 @@ def add_json(parser: argparse.ArgumentParser) -> None:
 
 def add_server(parser: argparse.ArgumentParser) -> None:
     """Who plans."""
-    parser.add_argument("--server", metavar="URL", help="let the service at that address plan")
+    parser.add_argument(
+        "--server",
+        metavar="URL",
+        help="let the service at that address plan; absent: that of IKPLAN_SERVER, if it runs",
+    )
+    parser.set_defaults(may_use_service=True)
 
 
 def add_robot_frames(parser: argparse.ArgumentParser) -> None:
@@ -82,6 +87,17 @@ def add_robot(parser: argparse.ArgumentParser) -> None:
         "the request",
     )
     add_robot_frames(parser)
+
+
+def add_scene(parser: argparse.ArgumentParser) -> None:
+    """What stands around the arm."""
+    parser.add_argument(
+        "--scene",
+        metavar="FILE",
+        help="what the arm must not touch, instead of the request's scene: a scene in JSON or "
+        "YAML, a planning scene of MoveIt, or the URDF of a cell; with --server, also the id of "
+        "an uploaded one",
+    )
 
 
 def add_outputs(parser: argparse.ArgumentParser) -> None:

@@ -112,6 +112,8 @@ def draw(
     """Draw a plan with the tool and the limits of its request, which a plan does not tell."""
     if options.plot is None and options.plot_timing is None:
         return
+    from ikplan.documents.plan_request import PlanRequest
+    from ikplan.pipeline.collisions import requested_model
     from ikplan.pipeline.resolve import resolve_robot
     from ikplan.plans.figures.plan import plot_plan
     from ikplan.plans.figures.timing import plot_timing
@@ -121,6 +123,15 @@ def draw(
     if robot is not None or request.robot in robot_names():
         robot = resolve_robot(request, robot)
     if options.plot is not None:
-        plot_plan(made, options.plot, robot=robot)
+        bodies = None
+        if robot is not None and not isinstance(request.scene, str):
+            bodies = requested_model(
+                robot,
+                request.scene,
+                request.fixed_joints,
+                request.tool,
+                always=isinstance(request, PlanRequest),
+            )
+        plot_plan(made, options.plot, robot=robot, model=bodies)
     if options.plot_timing is not None:
         plot_timing(made, options.plot_timing, robot=robot, limits=request.limits)

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import argparse
 import contextlib
+import importlib
 import os
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any, NoReturn
 
 import ikplan
-from ikplan.cli import adding, batch, catalogue, completion, keys, planning, poses, serving, timing
 from ikplan.cli.options import (
     add_changes,
     add_json,
@@ -17,13 +17,19 @@ from ikplan.cli.options import (
     add_path,
     add_robot,
     add_robot_frames,
+    add_scene,
     add_server,
     add_talk,
 )
-from ikplan.cli.terminal.failing import NO_PLAN
+from ikplan.cli.terminal.exit_codes import NO_PLAN
 from ikplan.errors import InvalidRequest
 
-__all__ = ["make_parser", "numbers_as_values"]
+__all__ = ["as_one_command", "make_parser", "numbers_as_values"]
+
+ADD = "robots-add"
+"""What the parser calls ``robots add``: ``robots`` alone takes the name of a robot."""
+SHELLS = ("bash", "zsh", "tcsh")
+"""Shells that there is a completion for."""
 
 
 class _Parser(argparse.ArgumentParser):
@@ -36,6 +42,13 @@ class _Parser(argparse.ArgumentParser):
         raise InvalidRequest(f"{message} (see {self.prog} --help)", field="command line")
 
 
+def as_one_command(arguments: list[str]) -> list[str]:
+    """Return a command line with ``robots add`` as the one word that the parser knows."""
+    if arguments[:2] == ["robots", "add"]:
+        return [ADD, *arguments[2:]]
+    return arguments
+
+
 def numbers_as_values(arguments: Sequence[str]) -> list[str]:
     """Keep argparse from taking ``-1e-3`` for an option: with a space before it, it cannot."""
     values = []
@@ -46,6 +59,18 @@ def numbers_as_values(arguments: Sequence[str]) -> list[str]:
                 argument = " " + argument
         values.append(argument)
     return values
+
+
+def _command(module: str, function: str) -> Callable[[argparse.Namespace], int | None]:
+    """A command that imports what it needs when it runs: help and other commands need less."""
+
+    def run(options: argparse.Namespace) -> int | None:
+        code: int | None = getattr(importlib.import_module(f"ikplan.cli.{module}"), function)(
+            options
+        )
+        return code
+
+    return run
 
 
 def make_parser() -> argparse.ArgumentParser:
@@ -62,10 +87,10 @@ def make_parser() -> argparse.ArgumentParser:
     )
     add_robot_frames(robots)
     add_json(robots)
-    robots.set_defaults(run=catalogue.robots)
+    robots.set_defaults(run=_command("catalogue", "robots"))
 
     new_robot = commands.add_parser(
-        adding.ADD,
+        ADD,
         prog="ikplan robots add",
         help="bring a robot of your own: ikplan robots add FILE [NAME:=VALUE ...]",
         description="Reads a URDF, a xacro file, a DH table or a package's folder, tells what was "
@@ -92,12 +117,12 @@ def make_parser() -> argparse.ArgumentParser:
     new_robot.add_argument("--server", metavar="URL", help="upload it to that service instead")
     add_robot_frames(new_robot)
     add_json(new_robot)
-    new_robot.set_defaults(run=adding.add)
+    new_robot.set_defaults(run=_command("adding", "add"))
 
     solvers = commands.add_parser("solvers", help="list the solvers of joint values")
     solvers.add_argument("solver", nargs="?", metavar="SOLVER", help="a name: its parameters")
     add_json(solvers)
-    solvers.set_defaults(run=catalogue.solvers)
+    solvers.set_defaults(run=_command("catalogue", "solvers"))
 
     fk = commands.add_parser("fk", help="place the tool: joint values to tool pose")
     fk.add_argument("robot", metavar="ROBOT", help="a name or a file")
@@ -106,7 +131,7 @@ def make_parser() -> argparse.ArgumentParser:
     fk.add_argument("--angles", metavar="UNIT", help="unit of the angles: rad (if absent), deg")
     add_json(fk)
     add_talk(fk)
-    fk.set_defaults(run=poses.fk)
+    fk.set_defaults(run=_command("poses", "fk"))
 
     ik = commands.add_parser("ik", help="find joint values: tool pose to joint values")
     ik.add_argument("robot", metavar="ROBOT", help="a name or a file")
@@ -133,11 +158,12 @@ def make_parser() -> argparse.ArgumentParser:
         metavar="Q",
         help="joint values to stay close to [rad or m]; absent: the robot's home",
     )
+    add_scene(ik)
     ik.add_argument("--method", help="a solver (see ikplan solvers)")
     ik.add_argument("--seed", type=int, help="seed of every random choice")
     add_json(ik)
     add_talk(ik)
-    ik.set_defaults(run=poses.ik)
+    ik.set_defaults(run=_command("poses", "ik"))
 
     plan = commands.add_parser("plan", help="make a plan from a request or a file of points")
     plan.add_argument(
@@ -147,6 +173,7 @@ def make_parser() -> argparse.ArgumentParser:
     )
     add_outputs(plan)
     add_robot(plan)
+    add_scene(plan)
     add_changes(plan)
     plan.add_argument(
         "--repair",
@@ -157,7 +184,7 @@ def make_parser() -> argparse.ArgumentParser:
     add_path(plan)
     add_json(plan)
     add_talk(plan)
-    plan.set_defaults(run=planning.plan)
+    plan.set_defaults(run=_command("planning", "plan"))
 
     many = commands.add_parser(
         "batch",
@@ -180,7 +207,7 @@ def make_parser() -> argparse.ArgumentParser:
         help="without a service: plans made at the same time; 0: one a processor",
     )
     add_talk(many)
-    many.set_defaults(run=batch.batch, plot=None, plot_timing=None)
+    many.set_defaults(run=_command("batch", "batch"), plot=None, plot_timing=None)
 
     time = commands.add_parser("time", help="time a joint path: no planning")
     time.add_argument("robot", nargs="?", metavar="ROBOT", help="a name, with joint values")
@@ -190,6 +217,7 @@ def make_parser() -> argparse.ArgumentParser:
         help="a request document, or with a robot: joint values as a JSON list of rows, or CSV",
     )
     add_robot(time)
+    add_scene(time)
     add_changes(time)
     time.add_argument("--angles", metavar="UNIT", help="unit of angles in a CSV file: rad, deg")
     time.add_argument("--units", metavar="UNIT", help="unit of lengths in a CSV file: m, mm, ...")
@@ -198,7 +226,7 @@ def make_parser() -> argparse.ArgumentParser:
     add_outputs(time)
     add_json(time)
     add_talk(time)
-    time.set_defaults(run=timing.time)
+    time.set_defaults(run=_command("timing", "time"))
 
     serve = commands.add_parser(
         "serve", help="start the service", description="Settings are read from IKPLAN_... too."
@@ -210,16 +238,16 @@ def make_parser() -> argparse.ArgumentParser:
         "--port", type=int, default=os.environ.get("IKPLAN_PORT", "8000"), help="0: any free port"
     )
     serve.add_argument("--workers", type=int, help="plans made at the same time; 0: all processors")
-    serve.set_defaults(run=serving.serve)
+    serve.set_defaults(run=_command("serving", "serve"))
 
     known = commands.add_parser("keys", help="keys of the service")
     key_commands = known.add_subparsers(title="commands", metavar="COMMAND", required=True)
     new = key_commands.add_parser("new", help="make a key, and its hash for IKPLAN_API_KEYS")
     new.add_argument("--name", help="what logs and metrics call its owner")
-    new.set_defaults(run=keys.new)
+    new.set_defaults(run=_command("keys", "new"))
 
     schema = commands.add_parser("schema", help="print the JSON schema of the plan request")
-    schema.set_defaults(run=catalogue.schema)
+    schema.set_defaults(run=_command("catalogue", "schema"))
 
     complete = commands.add_parser(
         "completion",
@@ -227,6 +255,6 @@ def make_parser() -> argparse.ArgumentParser:
         description="For bash: ikplan completion bash > "
         "~/.local/share/bash-completion/completions/ikplan",
     )
-    complete.add_argument("shell", metavar="SHELL", help=", ".join(completion.SHELLS))
-    complete.set_defaults(run=lambda options: completion.completion(options, parser))
+    complete.add_argument("shell", metavar="SHELL", help=", ".join(SHELLS))
+    complete.set_defaults(run=_command("completion", "completion"), parser=parser)
     return parser

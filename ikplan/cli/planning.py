@@ -11,6 +11,7 @@ from ikplan.cli.outputs import check_formats, check_outputs, draw, report
 from ikplan.cli.requests.changes import merged, set_values
 from ikplan.cli.requests.points import choices_as_changes, is_points, plan_of_points
 from ikplan.cli.requests.robot import info_of, name_robot
+from ikplan.cli.requests.scene import set_scene, with_meshes_beside
 from ikplan.cli.terminal.progress import progress_bar, watched
 from ikplan.cli.terminal.telling import tell, tell_start
 from ikplan.documents import load_json
@@ -32,6 +33,7 @@ def plan(options: argparse.Namespace) -> None:
     document = _document(options)
     tell_start(options, "loading")
     robot = name_robot(options, document)
+    set_scene(options, document)
     set_values(document, options.set)
     check_formats(options, info_of(options, document, robot) if options.output else None)
     made, document = _repaired(options, document, robot)
@@ -46,7 +48,7 @@ def _document(options: argparse.Namespace) -> Any:
     if is_points(name, data):
         document: Any = plan_of_points(options, data)
     else:
-        document = load_json(data)
+        document = with_meshes_beside(load_json(data), name)
         changes = choices_as_changes(options)
         if changes and isinstance(document, dict):
             document = merged(document, changes)

@@ -11,6 +11,7 @@ import numpy as np
 
 from ikplan.arrays import Array
 from ikplan.cli.requests.robot import named_or_loaded
+from ikplan.cli.requests.scene import set_scene
 from ikplan.cli.terminal.output import number, say, say_json, table
 from ikplan.cli.terminal.telling import tell, tell_start
 from ikplan.errors import InvalidRequest
@@ -112,6 +113,7 @@ def ik(options: argparse.Namespace) -> None:
         "start": options.start,
         "ik": {name: value for name, value in settings.items() if value is not None},
     }
+    set_scene(options, request)
     solution = solve_ik_request(request, robot=robot)
     if options.json:
         say_json(solution.model_dump(mode="json"))

@@ -11,6 +11,7 @@ from ikplan.cli.outputs import check_formats, check_outputs, draw, report
 from ikplan.cli.requests.changes import merged, set_values
 from ikplan.cli.requests.points import is_points, read_joint_rows
 from ikplan.cli.requests.robot import info_of, name_robot
+from ikplan.cli.requests.scene import set_scene, with_meshes_beside
 from ikplan.cli.terminal.progress import progress_bar, watched
 from ikplan.cli.terminal.telling import tell_start
 from ikplan.documents import load_json
@@ -30,6 +31,7 @@ def time(options: argparse.Namespace) -> None:
     document = _document(options)
     tell_start(options, "loading")
     robot = name_robot(options, document)
+    set_scene(options, document)
     set_values(document, options.set)
     check_formats(options, info_of(options, document, robot) if options.output else None)
     made = _by_service(options, document) if options.server else _here(options, document, robot)
@@ -50,7 +52,7 @@ def _document(options: argparse.Namespace) -> Any:
             raise _unclear()
         read: Any = read_joint_rows(options, data)
     else:
-        read = load_json(data)
+        read = with_meshes_beside(load_json(data), name)
     if isinstance(read, dict) and options.robot is None:
         document: dict[str, Any] = read
     elif isinstance(read, list) and options.robot_override is not None:

@@ -17,6 +17,7 @@ from ikplan.client.streams import BATCH, batch_body, read_event, read_line
 from ikplan.client.wire import EVENTS, PROBLEM, Call, client_headers, read, unreachable
 from ikplan.documents.plan_request import FkRequest, IkRequest, PlanRequest
 from ikplan.documents.pose_results import FkResult, IkSolution
+from ikplan.documents.scene import Scene
 from ikplan.documents.status import PlanStatus
 from ikplan.documents.timing_request import TimingRequest
 from ikplan.errors import IkplanError
@@ -268,6 +269,40 @@ class AsyncClient:
             RobotNotFound: The service keeps no robot of that name.
         """
         await self._send(calls.delete_robot(name))
+
+    async def upload_scene(
+        self, scene: Mapping[str, Any] | Scene, *, name: str | None = None
+    ) -> dict[str, Any]:
+        """Upload a scene, to name it by its id in requests.
+
+        Args:
+            scene: The scene, as in a request or from :func:`ikplan.read_scene`; meshes in files
+                are read here, relative to the working folder.
+            name: What it is called, for people.
+
+        Returns:
+            The scene with its ``id``, which stands for it in the field ``scene`` of requests.
+
+        Raises:
+            InvalidRequest: A field is wrong, or a mesh cannot be read.
+        """
+        return await self._send(calls.upload_scene(scene, name))
+
+    async def scene(self, scene_id: str) -> dict[str, Any]:
+        """Return an uploaded scene, with its ``id`` and ``name``.
+
+        Raises:
+            InvalidRequest: The service keeps no scene of that id.
+        """
+        return await self._send(calls.scene(scene_id))
+
+    async def delete_scene(self, scene_id: str) -> None:
+        """Forget an uploaded scene, but none of its plans.
+
+        Raises:
+            InvalidRequest: The service keeps no scene of that id.
+        """
+        await self._send(calls.delete_scene(scene_id))
 
     async def solvers(self) -> list[dict[str, Any]]:
         """List the solvers, with their parameters and defaults."""

@@ -4,8 +4,11 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Mapping
+from pathlib import Path
 from typing import Any
 from urllib.parse import quote
+
+from pydantic import BaseModel
 
 from ikplan.client.wire import Call, encode
 from ikplan.documents.plan_request import FkRequest, IkRequest, PlanRequest
@@ -14,10 +17,12 @@ from ikplan.documents.status import PlanStatus
 from ikplan.documents.timing_request import TimingRequest
 from ikplan.errors import InvalidRobot, ServiceUnavailable
 from ikplan.plans.plan import Plan
+from ikplan.scene.mesh_files import without_mesh_files
 
 __all__ = [
     "delete_plan",
     "delete_robot",
+    "delete_scene",
     "fk",
     "get_plan",
     "ik",
@@ -26,11 +31,13 @@ __all__ = [
     "plan_path",
     "robot",
     "robots",
+    "scene",
     "solvers",
     "submit",
     "submit_time",
     "time",
     "upload_robot",
+    "upload_scene",
     "version",
 ]
 
@@ -127,6 +134,26 @@ def upload_robot(urdf: str | bytes, options: Mapping[str, Any]) -> Call[dict[str
 def delete_robot(name: str) -> Call[None]:
     """Forget an uploaded robot."""
     return Call("DELETE", f"/v1/robots/{quote(name, safe='')}", lambda _: None)
+
+
+def upload_scene(scene: Mapping[str, Any] | BaseModel, name: str | None) -> Call[dict[str, Any]]:
+    """Upload a scene."""
+    document = without_mesh_files({"scene": scene}, Path.cwd())["scene"]
+    if isinstance(document, BaseModel):
+        document = document.model_dump(mode="json", exclude_unset=True)
+    if name is not None and isinstance(document, Mapping):
+        document = {**document, "name": name}
+    return Call("POST", "/v1/scenes", _object, encode(document))
+
+
+def scene(scene_id: str) -> Call[dict[str, Any]]:
+    """Fetch an uploaded scene."""
+    return Call("GET", f"/v1/scenes/{quote(scene_id, safe='')}", _object)
+
+
+def delete_scene(scene_id: str) -> Call[None]:
+    """Forget an uploaded scene."""
+    return Call("DELETE", f"/v1/scenes/{quote(scene_id, safe='')}", lambda _: None)
 
 
 def solvers() -> Call[list[dict[str, Any]]]:

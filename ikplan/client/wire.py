@@ -7,6 +7,7 @@ import json
 import os
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any, Generic, TypeVar
 
 import httpx
@@ -15,6 +16,7 @@ from pydantic import BaseModel, ValidationError
 
 from ikplan._version import __version__
 from ikplan.errors import IkplanError, InvalidRequest, ServiceUnavailable, error_from_problem
+from ikplan.scene.mesh_files import without_mesh_files
 
 __all__ = [
     "EVENTS",
@@ -92,16 +94,20 @@ class Call(Generic[T]):
 def encode(document: Mapping[str, Any] | BaseModel) -> bytes:
     """Write a request as JSON, arrays as lists, without judging it: that is the service's part.
 
+    Meshes in files are read, relative to the working folder, and sent as their convex hulls.
+
     Raises:
-        InvalidRequest: It holds NaN or an infinity, or something that JSON cannot hold.
+        InvalidRequest: It holds NaN or an infinity, or something that JSON cannot hold; or a mesh
+            cannot be read.
     """
     if isinstance(document, BaseModel):
-        document = _plain(document)
-    elif not isinstance(document, Mapping):
+        document = document.model_dump(mode="json", exclude_unset=True)
+    if not isinstance(document, Mapping):
         raise InvalidRequest(
             f"a request is a JSON object, not {type(document).__name__}", allowed="an object"
         )
     _refuse_not_finite(document, "")
+    document = without_mesh_files(document, Path.cwd())
     try:
         return json.dumps(dict(document), allow_nan=False, default=_plain).encode()
     except (TypeError, ValueError, RecursionError) as error:

@@ -8,9 +8,8 @@ import numpy as np
 import pinocchio as pin
 
 from ikplan.arrays import Array, Indices
-from ikplan.collision.capsules import enclosing_capsule
-from ikplan.collision.coverings import covering_spheres, enclosing_box
 from ikplan.collision.frames import link_frames
+from ikplan.collision.piece_bounds import PieceBounds, bounds_of
 from ikplan.kinematics.chain import Chain
 from ikplan.robots import Robot
 from ikplan.scene.body import CollisionModel
@@ -68,40 +67,25 @@ def flat_bodies(robot: Robot, chain: Chain, model: CollisionModel) -> Bodies:
         model: The bodies and pairs.
     """
     to_chain = _chain_frames_in_joint_frames(robot, chain)
-    points: list[Array] = []
     first, carrier = [0], list[int]()
-    radius, centre, bound = list[float](), list[Array](), list[float]()
-    axis, around = list[Array](), list[float]()
+    radius, bounds = list[float](), list[PieceBounds]()
     spheres, first_sphere = list[Array](), [0]
-    box, half = list[Array](), list[Array]()
     pieces_of: list[list[int]] = []
     for body in model.bodies:
         rows = []
         T = to_chain[body.carrier]
-        for piece in body.pieces:
-            moved = np.asarray(piece.points, dtype=np.float64) @ T.rotation.T + T.translation
-            middle = 0.5 * (moved.min(axis=0) + moved.max(axis=0))
+        for piece, about in zip(body.pieces, bounds_of(body, T), strict=True):
             rows.append(len(radius))
-            points.append(moved)
-            first.append(first[-1] + len(moved))
+            first.append(first[-1] + len(about.points))
             radius.append(piece.radius)
-            centre.append(middle)
-            bound.append(float(np.linalg.norm(moved - middle, axis=1).max()) + piece.radius)
-            standing = body.carrier == 0  # what stands is bounded by its box
-            about = middle, middle, bound[-1] - piece.radius
-            begin, end, wide = about if standing else enclosing_capsule(moved)
-            axis.append(np.concatenate([begin, end]))
-            around.append(wide + piece.radius)
-            ball = np.append(middle, bound[-1] - piece.radius)[None]
-            cover = ball if standing else covering_spheres(moved)
-            cover = cover + np.array([0.0, 0.0, 0.0, piece.radius])
-            spheres.append(cover)
-            first_sphere.append(first_sphere[-1] + len(cover))
-            axes, place, edges = enclosing_box(moved)
-            box.append(np.append(axes.ravel(), place))
-            half.append(edges)
+            bounds.append(about)
+            spheres.append(about.spheres)
+            first_sphere.append(first_sphere[-1] + len(about.spheres))
             carrier.append(body.carrier)
         pieces_of.append(rows)
+    points = [about.points for about in bounds]
+    sphere = np.array([about.sphere for about in bounds], dtype=np.float64).reshape(-1, 4)
+    capsule = np.array([about.capsule for about in bounds], dtype=np.float64).reshape(-1, 7)
     pairs, pair_of = [], []
     for row, (a, b) in enumerate(np.asarray(model.pairs, dtype=np.int64).reshape(-1, 2)):
         if model.bodies[a].carrier > model.bodies[b].carrier:
@@ -114,14 +98,14 @@ def flat_bodies(robot: Robot, chain: Chain, model: CollisionModel) -> Bodies:
         np.ascontiguousarray(np.vstack(points) if points else np.empty((0, 3))),
         np.array(first, dtype=np.int64),
         np.array(radius, dtype=np.float64),
-        np.array(centre, dtype=np.float64).reshape(-1, 3),
-        np.array(bound, dtype=np.float64),
-        np.array(axis, dtype=np.float64).reshape(-1, 6),
-        np.array(around, dtype=np.float64),
+        np.ascontiguousarray(sphere[:, :3]),
+        np.ascontiguousarray(sphere[:, 3]),
+        np.ascontiguousarray(capsule[:, :6]),
+        np.ascontiguousarray(capsule[:, 6]),
         np.ascontiguousarray(np.vstack(spheres) if spheres else np.empty((0, 4))),
         np.array(first_sphere, dtype=np.int64),
-        np.array(box, dtype=np.float64).reshape(-1, 12),
-        np.array(half, dtype=np.float64).reshape(-1, 3),
+        np.array([about.box for about in bounds], dtype=np.float64).reshape(-1, 12),
+        np.array([about.half for about in bounds], dtype=np.float64).reshape(-1, 3),
         np.array(carrier, dtype=np.int64),
         np.array(pairs, dtype=np.int64).reshape(-1, 2),
         np.array(pair_of, dtype=np.int64),

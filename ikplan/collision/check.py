@@ -55,6 +55,9 @@ class ContactCheck(Protocol):
     def changes_by_segment(self) -> bool:
         """Whether bodies are attached on some segments only."""
 
+    def wider(self, extra: float) -> ContactCheck:
+        """Return the same check with a gap that is larger by ``extra`` asked for [m]."""
+
     def free(self, q: Array, segment: int | None = None) -> Flags:
         """Return which configurations, shape (m, dof) [rad or m], are free, shape (m,).
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 from collections import Counter
 
 import numpy as np
@@ -47,6 +48,16 @@ class CollisionChecker:
     def changes_by_segment(self) -> bool:
         """Whether bodies are attached on some segments only."""
         return self._windowed
+
+    def wider(self, extra: float) -> CollisionChecker:
+        """Return the same check with a larger gap asked for; both share their work space.
+
+        Args:
+            extra: What is asked for on top [m].
+        """
+        other = copy.copy(self)
+        other._margin = self._margin + extra
+        return other
 
     def active(self, segment: int | None) -> Flags:
         """Return which pairs of pieces count in a segment, shape (m,); None: all of them."""

@@ -1,6 +1,7 @@
 """What the request and result documents are built of; a file for each part of them."""
 
 from ikplan.documents.base import (
+    HASHED,
     MAX_NUMBER,
     Document,
     Floats,
@@ -19,6 +20,7 @@ from ikplan.documents.base import (
 )
 
 __all__ = [
+    "HASHED",
     "MAX_NUMBER",
     "Document",
     "Floats",

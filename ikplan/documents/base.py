@@ -62,13 +62,17 @@ class IfGiven:
     """
 
 
+HASHED = "hashed"
+"""Key of the context in which a document is written for its hash."""
+
+
 def content_hash(document: Document, *context: str) -> str:
     """Return a hash of a request in canonical form and its context, 32 hexadecimal digits.
 
     The budget is left out: it decides whether there is a plan, never which one.
     """
     left_out = {**_not_given(document), "budget_s": True}
-    content = document.model_dump(mode="json", exclude=left_out)
+    content = document.model_dump(mode="json", exclude=left_out, context={HASHED: True})
     canonical = orjson.dumps([content, *context], option=orjson.OPT_SORT_KEYS)
     return hashlib.sha256(canonical).hexdigest()[:32]
 

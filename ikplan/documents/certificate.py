@@ -66,13 +66,21 @@ class Certificate(Result):
         description="Largest rotation at a waypoint [rad]; null: no waypoint gives an orientation."
     )
     max_path_deviation: float | None = Field(
-        description="Largest distance from the path between waypoints [m]; null for joint paths."
+        description="Largest distance from the path between waypoints [m]; of a timing, of the "
+        "tool from where the polyline through the joint waypoints has it; null for joint segments."
     )
     max_orientation_deviation: float | None = Field(
-        description="Largest rotation from the path between waypoints [rad]; null for joint paths."
+        description="Largest rotation from the path between waypoints [rad]; of a timing, as the "
+        "distance; null for joint segments."
     )
     max_path_deviation_time: float | None = Field(None, description="When [s].")
     max_orientation_deviation_time: float | None = Field(None, description="When [s].")
+    max_joint_deviation: float | None = Field(
+        None,
+        description="Of a timing: largest distance of a joint from the polyline through the joint "
+        "waypoints [rad or m]; null: a plan.",
+    )
+    max_joint_deviation_at: LimitPlace | None = Field(None, description="Where.")
     position_limit_ratio: float = Field(
         description="Largest distance from mid-range over half the range, of any joint; <= 1."
     )
@@ -106,6 +114,10 @@ class Certificate(Result):
         description="Largest linear or angular tool acceleration over its limit; null: no limit.",
     )
     tool_acceleration_time: float | None = Field(None, description="Time of that sample [s].")
+    stops: list[float] = Field(
+        [],
+        description="Times at which the motion rests between its ends, by its samples [s].",
+    )
     assumptions: list[str] = Field(
         [],
         description="Limits that no source gives and that were assumed, in words: the motion keeps "

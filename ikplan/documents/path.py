@@ -4,9 +4,18 @@ from __future__ import annotations
 
 from typing import Annotated, Any, Literal
 
-from pydantic import BeforeValidator, Discriminator, Field, Tag, model_validator
+from pydantic import (
+    BeforeValidator,
+    Discriminator,
+    Field,
+    SerializationInfo,
+    SerializerFunctionWrapHandler,
+    Tag,
+    model_serializer,
+    model_validator,
+)
 
-from ikplan.documents import Document, as_list
+from ikplan.documents import HASHED, Document, IfGiven, as_list
 from ikplan.documents.curve import (
     CircleSegment,
     HelixSegment,
@@ -154,13 +163,21 @@ class PathRequest(Document):
         'for segments by a line; "joint": by a joint motion; "move": by a joint motion around '
         "what is in the way.",
     )
-    blend: float = Field(
-        0.0,
+    blend: float | None = Field(
+        None,
         ge=0,
         le=10,
         description="Radius of the ball around each corner within which it is rounded [m], where "
-        "its segment does not say otherwise; 0: exact corners, where the motion stops. Corners "
-        "that turn back, or at which the tool turns on the spot, stay exact.",
+        "its segment does not say otherwise; 0: exact corners, where the motion stops; null: as "
+        "`corners` says. Corners that turn back, or at which the tool turns on the spot, stay "
+        "exact.",
+    )
+    corners: Annotated[Literal["tolerance", "exact"], IfGiven()] = Field(
+        "tolerance",
+        description='Corners for which neither the path nor a segment gives a blend. "tolerance": '
+        "rounded within the tolerance and passed without a stop; corners that turn back, at which "
+        'the tool turns on the spot, or where its orientation becomes free stay exact. "exact": '
+        "the motion stops there.",
     )
     orientation_free: OrientationFree | None = Field(
         None,
@@ -171,6 +188,18 @@ class PathRequest(Document):
         default_factory=PathTolerance, description="Deviation allowed from the path."
     )
 
+    @model_serializer(mode="wrap")
+    def _written(
+        self, write: SerializerFunctionWrapHandler, info: SerializationInfo
+    ) -> dict[str, Any]:
+        """Write the path; for its hash, a blend that is not given as before there were corners."""
+        written: dict[str, Any] = write(self)
+        if info.context and info.context.get(HASHED) and self.blend is None:
+            written["blend"] = 0.0
+            if self.segments is not None or self.interpolation == "line":
+                written["corners"] = self.corners
+        return written
+
     @model_validator(mode="after")
     def _one_form(self) -> PathRequest:
         if bool(self.waypoints) == bool(self.segments):
@@ -180,6 +209,6 @@ class PathRequest(Document):
             raise ValueError("interpolation is for waypoints; segments say what they are")
         if self.waypoints and self.begin is not None:
             raise ValueError("begin is for segments; waypoints begin at the first of them")
-        if self.waypoints and self.blend > 0.0 and self.interpolation != "line":
+        if self.waypoints and self.blend and self.interpolation != "line":
             raise ValueError('blend is for lines only: set interpolation to "line"')
         return self

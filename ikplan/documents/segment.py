@@ -86,7 +86,7 @@ class ToolSegment(BaseSegment):
         ge=0,
         le=10,
         description="Radius of the ball around the corner at the end of the segment within which "
-        "the corner is rounded [m]; 0: exact, the motion stops there; null: that of the path.",
+        "the corner is rounded [m]; 0: exact, the motion stops there; null: as the path says.",
     )
 
 
@@ -106,15 +106,19 @@ class LineSegment(ToolSegment):
 
 
 class ArcSegment(ToolSegment):
-    """A circular arc, through ``via`` to ``to``, or about ``centre`` by ``angle``."""
+    """A circular arc: through ``via`` to ``to``, or about ``centre`` by ``angle`` or to ``to``."""
 
     type: Literal["arc"] = Field(description="A circular arc.")
     via: Vec3 | None = Field(None, description="A point the arc passes on its way to `to` [m].")
     to: Waypoint | None = Field(
-        None, description="Pose at the end, with `via`; without orientation: free on the way."
+        None,
+        description="Pose at the end, with `via` or `centre`; without orientation: free on the "
+        "way.",
     )
     centre: Vec3 | None = Field(
-        None, description="A point of the axis that the arc turns about, with `angle` [m]."
+        None,
+        description="With `angle`: a point of the axis that the arc turns about; with `to`: the "
+        "centre of the circle, which the arc follows the shorter way, less than half a turn [m].",
     )
     angle: float | None = Field(
         None, ge=-200.0, le=200.0, description="Angle turned about the axis, signed [rad]."
@@ -124,7 +128,7 @@ class ArcSegment(ToolSegment):
     )
     orientation: OrientationRule = Field(
         "constant",
-        description='With `centre`: "constant", "follow" (the tool turns with the arc), "free", or '
+        description='With `angle`: "constant", "follow" (the tool turns with the arc), "free", or '
         "the orientation at the end.",
     )
     turn_axis: Vec3 | None = Field(
@@ -135,11 +139,13 @@ class ArcSegment(ToolSegment):
 
     @model_validator(mode="after")
     def _one_form(self) -> ArcSegment:
-        through = [self.via is not None, self.to is not None]
-        about = [self.centre is not None, self.angle is not None]
-        if not ((all(through) and not any(about)) or (all(about) and not any(through))):
-            raise ValueError("an arc is given by via and to, or by centre and angle")
-        if self.via is not None and (self.axis, self.orientation) != ([0.0, 0.0, 1.0], "constant"):
+        fields = ("via", "to", "centre", "angle")
+        given = {field for field in fields if getattr(self, field) is not None}
+        if given not in ({"via", "to"}, {"centre", "angle"}, {"centre", "to"}):
+            raise ValueError(
+                "an arc is given by via and to, or by centre and angle, or by centre and to"
+            )
+        if self.angle is None and (self.axis, self.orientation) != ([0.0, 0.0, 1.0], "constant"):
             raise ValueError("axis and orientation belong to an arc given by centre and angle")
         if self.angle is not None and abs(self.angle) < 1e-12:
             raise ValueError("an arc needs an angle other than 0")

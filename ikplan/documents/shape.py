@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
-from pydantic import AfterValidator, BeforeValidator, Field, model_validator
+from pydantic import AfterValidator, BeforeValidator, Field
 
 from ikplan.documents.base import Document, as_list
 
@@ -66,7 +66,15 @@ _Points = Annotated[
 ]
 
 
-class BoxShape(Document):
+class _Typed(Document):
+    """A shape whose type is written wherever the shape is, also where Python left it out."""
+
+    def model_post_init(self, _context: Any) -> None:
+        """Count the type as given."""
+        self.model_fields_set.add("type")
+
+
+class BoxShape(_Typed):
     """A box, centred in its frame."""
 
     type: Literal["box"] = "box"
@@ -75,14 +83,14 @@ class BoxShape(Document):
     )
 
 
-class SphereShape(Document):
+class SphereShape(_Typed):
     """A sphere, centred in its frame."""
 
     type: Literal["sphere"] = "sphere"
     radius: Length = Field(description="Radius [m].")
 
 
-class CylinderShape(Document):
+class CylinderShape(_Typed):
     """A cylinder about z, centred in its frame."""
 
     type: Literal["cylinder"] = "cylinder"
@@ -90,7 +98,7 @@ class CylinderShape(Document):
     length: Length = Field(description="Length along z [m].")
 
 
-class CapsuleShape(Document):
+class CapsuleShape(_Typed):
     """A cylinder about z with round ends, centred in its frame."""
 
     type: Literal["capsule"] = "capsule"
@@ -98,14 +106,14 @@ class CapsuleShape(Document):
     length: Length = Field(description="Length along z between the centres of the ends [m].")
 
 
-class ConvexShape(Document):
+class ConvexShape(_Typed):
     """The convex hull of points."""
 
     type: Literal["convex"] = "convex"
     points: _Points = Field(description="Points, shape (n, 3) [m].")
 
 
-class PointsShape(Document):
+class PointsShape(_Typed):
     """Points that each stand for a sphere: a point cloud."""
 
     type: Literal["points"] = "points"
@@ -113,28 +121,19 @@ class PointsShape(Document):
     radius: Length = Field(description="Radius about each [m].")
 
 
-class MeshShape(Document):
+class MeshShape(_Typed):
     """A mesh, of which the convex hull is taken."""
 
     type: Literal["mesh"] = "mesh"
-    file: str | None = Field(
-        None,
+    file: str = Field(
         min_length=1,
         max_length=4096,
-        description="Path of an STL, OBJ or DAE file; in Python, the shell and the client only.",
-    )
-    id: str | None = Field(
-        None, min_length=1, max_length=200, description="Id of a mesh that a service holds."
+        description="Path of an STL, OBJ or DAE file; in Python, the shell and the client only, "
+        "which send its hull.",
     )
     scale: float = Field(
         1.0, gt=0, le=1000, description="Factor on its coordinates; 0.001 for millimetres."
     )
-
-    @model_validator(mode="after")
-    def _one_of(self) -> MeshShape:
-        if (self.file is None) == (self.id is None):
-            raise ValueError("give exactly one of file and id")
-        return self
 
 
 Shape = Annotated[

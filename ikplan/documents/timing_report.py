@@ -59,6 +59,9 @@ class TimingReport(_Result):
         description='Who gave the jerk limits of the whole motion: "request" (the maker\'s hold '
         'too) or "controller"; null: there are none.',
     )
+    hints: list[str] = Field(
+        [], description="What takes time and need not, in words, and the field that changes it."
+    )
     zero_end_acceleration: bool = Field(
         False, description="Whether the motion begins and ends with zero joint accelerations."
     )

@@ -2,20 +2,39 @@
 
 from __future__ import annotations
 
-from typing import Annotated
+from typing import Annotated, Any
 
-from pydantic import BeforeValidator, Field, model_validator
+from pydantic import BeforeValidator, Discriminator, Field, Tag, model_validator
 
 from ikplan.documents import Document, Floats, IfGiven, as_list, content_hash
 from ikplan.documents.limits import LimitOptions, SamplingOptions, SegmentLimits
+from ikplan.documents.poses import Tolerance
 from ikplan.documents.scene import FixedJoints, GivenScene, ToolFrame
 
-__all__ = ["TimingRequest", "TimingSegment"]
+__all__ = ["PathNearness", "TimingRequest", "TimingSegment"]
 
 Rows = Annotated[
     list[Floats], BeforeValidator(as_list), Field(min_length=1, max_length=20_000)
 ]  # fmt: skip
 Index = Annotated[int, Field(ge=0)]
+
+
+_Near = Annotated[float, Field(ge=1e-8, le=10)]
+_NearEach = Annotated[list[_Near], Field(min_length=1, max_length=1000), Tag("[values]")]
+
+
+def _tolerance_tag(value: Any) -> str:
+    if isinstance(value, list):
+        return "[values]"
+    return "[object]" if isinstance(value, dict | Document) else "[number]"
+
+
+# Tagged, so that a fault is told of the form the user wrote and not of all.
+PathNearness = Annotated[
+    Annotated[_Near, Tag("[number]")] | _NearEach | Annotated[Tolerance, Tag("[object]")],
+    Discriminator(_tolerance_tag),
+    BeforeValidator(as_list),
+]
 
 
 class TimingSegment(Document):
@@ -42,6 +61,13 @@ class TimingRequest(Document):
     )
     rest_at: Annotated[list[Index], BeforeValidator(as_list)] = Field(
         [], description="Indices of waypoints where the motion stops and may turn a sharp corner."
+    )
+    tolerance: Annotated[PathNearness | None, IfGiven()] = Field(
+        None,
+        description="How far the motion may be from the polyline through the waypoints, and from "
+        "each of them: of every joint, one value each or one for all [rad or m]; or of the tool, "
+        "`position` [m] and `orientation` [rad]. Within it, the motion takes a smooth path, so "
+        "that noise of the waypoints costs no time. null: a spline through the waypoints.",
     )
     tool: ToolFrame = Field(
         default_factory=ToolFrame,

@@ -1,6 +1,7 @@
 """The path asked for: poses, segments, and what must hold along them."""
 
 from ikplan.path.build.legs import JointLeg, JointWaypoint, Leg, MoveLeg, ToolLeg, legs_of
+from ikplan.path.build.tolerance_corners import Rounding
 from ikplan.path.pieces.piece import TURN_LENGTH, PathDerivatives, Piece, Pose
 from ikplan.path.rotation.so3 import rotation_of
 from ikplan.path.tool_path import Corner, PathWaypoint, SegmentRange, ToolPath
@@ -16,6 +17,7 @@ __all__ = [
     "PathWaypoint",
     "Piece",
     "Pose",
+    "Rounding",
     "SegmentRange",
     "ToolLeg",
     "ToolPath",

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 
 from ikplan.arrays import Array, Flags, Indices
+from ikplan.path.pieces.curved import CurvedPiece
 from ikplan.path.pieces.piece import PathDerivatives, Piece
 from ikplan.path.pieces.steady import SteadyPiece, stack_steady, steady_derivatives
 from ikplan.path.pieces.steady_kernels import SteadyStack
@@ -87,12 +88,16 @@ class ToolPath:
         corner_list: Every corner, rounded or exact, in order.
         segments: What of the request each part comes from, in order; rounded corners belong to
             both their neighbours.
+        rounded: Whether corners may be rounded within the tolerance.
+        sharp: Whether sharp ones are among them.
     """
 
     pieces: tuple[Piece, ...]
     waypoints: tuple[PathWaypoint, ...] = ()
     corner_list: tuple[Corner, ...] = ()
     segments: tuple[SegmentRange, ...] = ()
+    rounded: bool = False
+    sharp: bool = False
 
     @cached_property
     def begins(self) -> Array:
@@ -167,16 +172,41 @@ class ToolPath:
         m = len(s)
         out = PathDerivatives(np.empty((m, 3, 3)), *(np.empty((m, 3)) for _ in range(4)))
         groups = [np.flatnonzero(row >= 0)] if (row >= 0).any() else []
-        groups += [np.flatnonzero(piece == k) for k in np.unique(piece[row < 0])]
+        whole = self._grouped[piece]
+        groups += [np.flatnonzero(whole == k) for k in np.unique(whole[whole >= 0])]
+        groups += [np.flatnonzero(piece == k) for k in np.unique(piece[(row < 0) & (whole < 0)])]
         for here in groups:
             k = row[here]
             if k[0] >= 0:
                 part = steady_derivatives(stack, k, s[here])
+            elif whole[here[0]] >= 0:
+                part = self._part_of_curve(piece[here], s[here])
             else:
                 part = self.pieces[piece[here[0]]].evaluate(s[here])
-            for whole, values in zip(out, part, strict=True):
-                whole[here] = values
+            for everywhere, values in zip(out, part, strict=True):
+                everywhere[here] = values
         return out
+
+    @cached_property
+    def _grouped(self) -> Indices:
+        """For each piece of a curve that many share, the first piece of it; -1 for the others."""
+        first: dict[int, int] = {}
+        found = np.full(len(self.pieces), -1)
+        for k, piece in enumerate(self.pieces):
+            if isinstance(piece, CurvedPiece) and piece.grouped:
+                found[k] = first.setdefault(id(piece.curve), k)
+        return found
+
+    @cached_property
+    def _curve_begins(self) -> Array:
+        """Where on its curve each piece begins [m]; 0 where it is no part of one."""
+        return np.array([p.begin if isinstance(p, CurvedPiece) else 0.0 for p in self.pieces])
+
+    def _part_of_curve(self, piece: Indices, s: Array) -> PathDerivatives:
+        """The motion on pieces of one curve, at lengths from their begins."""
+        first = self.pieces[piece[0]]
+        assert isinstance(first, CurvedPiece)
+        return replace(first, begin=0.0).evaluate(self._curve_begins[piece] + s)
 
     def oriented(self, s: float) -> bool:
         """Whether an orientation is asked for at path length s; yes at the ends of such spans."""

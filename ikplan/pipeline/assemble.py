@@ -11,10 +11,11 @@ from ikplan._version import __version__
 from ikplan.certificate import Claim, RequestedSegment, certify
 from ikplan.documents.path import PathRequest
 from ikplan.documents.plan_request import PlanRequest
-from ikplan.documents.timing_request import TimingRequest
+from ikplan.documents.timing_request import PathNearness, TimingRequest
 from ikplan.documents.trajectory import MoveReport, Stats, WaypointResults
 from ikplan.limits.motion_limits import MotionLimits
 from ikplan.pipeline.collisions import prove_motion
+from ikplan.pipeline.hints import stop_hints
 from ikplan.pipeline.timing_stage import Timing
 from ikplan.plans.plan import Plan
 from ikplan.robots import Robot
@@ -51,6 +52,9 @@ def assemble_plan(
     moves: Sequence[MoveReport] = (),
     model: CollisionModel | None = None,
     segment_times: Sequence[tuple[float, float]] | None = None,
+    joint_waypoints: Array | None = None,
+    tolerance: PathNearness | None = None,
+    hints: Sequence[str] = (),
     plan_id: str,
 ) -> Plan:
     """Certify a timed trajectory and return it as the plan of its request.
@@ -68,6 +72,9 @@ def assemble_plan(
         moves: What is told of the moves around obstacles.
         model: Bodies that must not touch; None: nothing is checked.
         segment_times: When each segment begins and ends [s], for attached bodies.
+        joint_waypoints: Joint values that a timing asks for, shape (n, dof); None: a path is.
+        tolerance: How far from the polyline through them the motion may be; None: not asked.
+        hints: What takes time and need not, in words.
         plan_id: The id of the plan.
 
     Raises:
@@ -90,6 +97,9 @@ def assemble_plan(
                 ddq=samples.ddq,
                 limits=limits,
                 segments=segments,
+                stop_time=timing.timed.stop_times,
+                joint_waypoints=joint_waypoints,
+                joint_tolerance=tolerance,
             )
         )
         if model is not None:
@@ -104,7 +114,7 @@ def assemble_plan(
         waypoints=waypoints,
         trajectory=timing.trajectory,
         certificate=certificate,
-        timing=timing.report,
+        timing=timing.report.model_copy(update={"hints": [*hints, *stop_hints(certificate, path)]}),
         motion=timing.motion,
         controller=None if robot.controller is None else robot.controller.info(),
         stats=Stats(ik_evaluations=clock.evaluations, moves=list(moves), seconds=clock.seconds),

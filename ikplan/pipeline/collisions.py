@@ -4,19 +4,20 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import TypeVar
+from typing import Any, TypeVar
 
 from ikplan.certificate.clearance import JointCurve, prove_clearance
 from ikplan.documents.clearance import Clearance
 from ikplan.documents.plan_request import IkRequest, PlanRequest
-from ikplan.documents.scene import Scene, ToolFrame
+from ikplan.documents.scene import AttachedBody, Obstacle, Scene, ToolFrame, ToolGeometry
+from ikplan.documents.shape import MeshShape
 from ikplan.documents.timing_request import TimingRequest
 from ikplan.errors import InCollision
 from ikplan.pipeline.timing_stage import Timing
 from ikplan.robots import Robot
 from ikplan.scene.body import CollisionModel
 from ikplan.scene.model import collision_model
-from ikplan.scene.resolve import resolve_scene
+from ikplan.scene.resolve import resolve_geometry, resolve_scene
 
 __all__ = ["prove_motion", "requested_model", "with_meshes"]
 
@@ -54,19 +55,31 @@ def requested_model(
 
 
 def with_meshes(request: R) -> R:
-    """Return a request whose scene's mesh files are read, relative to the working folder.
+    """Return a request whose mesh files are read, relative to the working folder.
 
     Args:
-        request: A request with or without a scene.
+        request: A request with or without a scene and shapes of the tool.
 
     Raises:
         InvalidRequest: A mesh cannot be read.
     """
-    scene = request.scene
-    if not isinstance(scene, Scene):
-        return request
-    resolved = resolve_scene(scene, Path.cwd())
-    return request if resolved == scene else request.model_copy(update={"scene": resolved})
+    update: dict[str, Any] = {}
+    if (read := _with_meshes(request.scene)) is not request.scene:
+        update["scene"] = read
+    if _has_mesh(request.tool.geometry):
+        shapes = resolve_geometry(request.tool.geometry, Path.cwd())
+        update["tool"] = request.tool.model_copy(update={"geometry": shapes})
+    return request.model_copy(update=update) if update else request
+
+
+def _with_meshes(scene: Scene | str | None) -> Scene | str | None:
+    if isinstance(scene, Scene) and _has_mesh([*scene.obstacles, *scene.attached]):
+        return resolve_scene(scene, Path.cwd())
+    return scene
+
+
+def _has_mesh(parts: Sequence[Obstacle | AttachedBody | ToolGeometry]) -> bool:
+    return any(isinstance(part.shape, MeshShape) for part in parts)
 
 
 def prove_motion(

@@ -16,21 +16,21 @@ from ikplan.documents.trajectory import WaypointResults
 from ikplan.errors import Disconnected, InCollision, Unreachable
 from ikplan.ik.arguments import check_start
 from ikplan.ik.solve import pose_distance
-from ikplan.joint_path import JointPath
 from ikplan.kinematics.arm import arm_of
-from ikplan.limits.motion_limits import LimitedSegment, MotionLimits
+from ikplan.limits.motion_limits import MotionLimits
 from ikplan.pipeline.assemble import assemble_plan, joint_steps
 from ikplan.pipeline.collisions import requested_model, with_meshes
+from ikplan.pipeline.helpers import helped_by
 from ikplan.pipeline.identity import plan_id
+from ikplan.pipeline.motion_stages import MotionStages
 from ikplan.pipeline.poses import pose_solver
+from ikplan.pipeline.request_budget import RequestBudget
 from ikplan.pipeline.resolve import resolve_robot
-from ikplan.pipeline.timing_stage import joint_limits, time_motion
-from ikplan.pipeline.warm_up import warm_up
+from ikplan.pipeline.timing_stage import joint_limits
 from ikplan.planning import (
     JointPathProblem,
     JointRoute,
     Progress,
-    TimeBudget,
     find_repairs,
     plan_joint_path,
 )
@@ -104,8 +104,8 @@ def make_plan(
     limits = MotionLimits.of(robot, request.limits)
     limits_of = _segment_limits(robot, request, limits)
     jerk = any(x.jerk is not None for x in (limits, *limits_of.values()))
-    warm_up(plan, "plan", request.ik.method, jerk=jerk, moves=_has_moves(request))
-    clock = TimeBudget(request.budget_s, progress)
+    helped_by("plan", request.ik.method, jerk=jerk)
+    clock = RequestBudget(request.budget_s, progress)
     start_free = request.start == "free"
     asked = None if request.start == "free" else request.start
     q_start = check_start(robot, robot.home if asked is None else asked)
@@ -161,17 +161,13 @@ def _motion(
         except (Unreachable, Disconnected) as error:
             error.repairs = find_repairs(problem, error)
             raise
-        path = JointPath.through(route.q, problem.limits, rest_at=route.rest)
-        # Configurations too close to tell apart are passed as one.
-        passed = path.q_knots[path.knot_of_waypoint]
-        waypoint_q = passed[[w.index for w in route.waypoints]]
-    with clock.stage("timing"):
-        segments = [
-            LimitedSegment(x.field, x.first, x.last, limits_of[x.field])
-            for x in route.segments
-            if x.field in limits_of
-        ]
-        timing = time_motion(path, robot, limits, request.sampling, segments, clock.check)
+    stages = MotionStages(request, robot, limits, limits_of, solver)
+    path, timing = stages.timed(problem, route)
+    if route.sharp:
+        route, path, timing = stages.faster(problem, route, path, timing)
+    # Configurations too close to tell apart are passed as one.
+    passed = path.q_knots[path.knot_of_waypoint]
+    waypoint_q = passed[[w.index for w in route.waypoints]]
     times = timing.timed.times
     try:
         return assemble_plan(
@@ -194,11 +190,6 @@ def _motion(
             if violation.time is not None and begin <= violation.time <= end:
                 return move.report.field, violation
         raise
-
-
-def _has_moves(request: PlanRequest) -> bool:
-    path = request.path
-    return path.approach == "move" or any(s.type == "move" for s in path.segments or ())
 
 
 def _segment_times(

@@ -3,29 +3,39 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pinocchio as pin
+from numpy.typing import ArrayLike
 
 from ikplan.arrays import Array
 from ikplan.collision.checker import CollisionChecker
 from ikplan.documents import parse
 from ikplan.documents.plan_request import IkOptions, IkRequest
 from ikplan.documents.pose_results import IkSolution
+from ikplan.documents.poses import Tolerance
+from ikplan.documents.scene import Scene, ToolFrame
 from ikplan.ik.arguments import check_start, target_of
 from ikplan.ik.solve import PoseSolver, pose_distance, solve_pose
 from ikplan.kinematics.arm import arm_of
 from ikplan.path import rotation_of
 from ikplan.pipeline.collisions import requested_model, with_meshes
+from ikplan.pipeline.helpers import helped_by
+from ikplan.pipeline.request_budget import RequestBudget
 from ikplan.pipeline.resolve import resolve_robot
-from ikplan.pipeline.warm_up import warm_up
 from ikplan.planning import Progress, TimeBudget
 from ikplan.planning.waypoints.free_solutions import free_solutions
 from ikplan.planning.waypoints.waypoint_problem import WaypointProblem
 from ikplan.robots import Robot
+from ikplan.scene.body import CollisionModel
+from ikplan.scene.resolve import resolve_scene
 
-__all__ = ["pose_solver", "solve_ik_request"]
+__all__ = ["pose_solver", "solve_ik", "solve_ik_request"]
+
+_LONG_S = 3600.0
+"""Budget of a pose without a request [s]."""
 
 
 def pose_solver(
@@ -71,8 +81,8 @@ def solve_ik_request(
         BudgetExceeded: ``budget_s`` ran out.
     """
     request = with_meshes(parse(IkRequest, request))
-    warm_up(solve_ik_request, "ik", request.ik.method)
-    clock = TimeBudget(request.budget_s, progress)
+    helped_by("ik", request.ik.method)
+    clock = RequestBudget(request.budget_s, progress)
     robot = resolve_robot(request, robot)
     pose: Any = np.array(request.position)
     if request.quaternion_xyzw is not None:
@@ -80,14 +90,88 @@ def solve_ik_request(
     tolerance = request.tolerance
     solver = pose_solver(robot, request.ik, tolerance.position, tolerance.orientation)
     model = requested_model(robot, request.scene, request.fixed_joints, request.tool, always=False)
+    return _free_pose(robot, solver, pose, request.start, model, tolerance, clock)
+
+
+def solve_ik(
+    robot: Robot,
+    pose: Any,
+    *,
+    start: ArrayLike | None = None,
+    method: str = "ik-ba",
+    seed: int = 0,
+    population: int | str | None = None,
+    iterations: int | str | None = None,
+    params: Mapping[str, Any] | None = None,
+    refine: bool = True,
+    tolerance_position: float = 1e-6,
+    tolerance_orientation: float = 1e-6,
+    scene: Mapping[str, Any] | Scene | None = None,
+) -> IkSolution:
+    """Find joint values that bring the tool to a pose, near to a start configuration.
+
+    Args:
+        robot: The robot.
+        pose: ``pinocchio.SE3`` of the tool in the base, or a position, shape (3,) [m].
+        start: Configuration to stay near to, shape (dof,) [rad or m]; None: the robot's home.
+        method: Name of a solver, see :func:`ikplan.ik.registry.solvers`.
+        seed: Seed of the random numbers.
+        population: N; None: the planner's own; "paper": the paper's.
+        iterations: T; None: the planner's own; "paper": the paper's.
+        params: Parameters of the method, by name.
+        refine: Polish the seed; False returns what the method itself found, however far off.
+        tolerance_position: Distance that counts as solved [m].
+        tolerance_orientation: Angle that counts as solved [rad].
+        scene: What must not be touched, as in a request; mesh files are read relative to the
+            working folder. ``{}``: the arm itself only. None: nothing is checked.
+
+    Returns:
+        The nearest solution found; with a scene, the nearest found that is free of contact.
+
+    Raises:
+        InvalidRequest: An argument is wrong.
+        Unreachable: No solution within tolerance; carries the best one and the reason.
+        InCollision: Every solution found is in contact; for which pairs of bodies.
+    """
+    solver = PoseSolver(
+        arm_of(robot),
+        method,
+        seed,
+        population,
+        iterations,
+        params or {},
+        refine,
+        tolerance_position,
+        tolerance_orientation,
+    )
+    if scene is None:
+        return solve_pose(robot, solver, pose, start)
+    resolved = resolve_scene(parse(Scene, scene), Path.cwd())
+    model = requested_model(robot, resolved, {}, ToolFrame(), always=False)
+    tolerance = Tolerance.model_construct(
+        position=tolerance_position, orientation=tolerance_orientation
+    )
+    return _free_pose(robot, solver, pose, start, model, tolerance, TimeBudget(_LONG_S))
+
+
+def _free_pose(
+    robot: Robot,
+    solver: PoseSolver,
+    pose: Any,
+    start: ArrayLike | None,
+    model: CollisionModel | None,
+    tolerance: Tolerance,
+    clock: TimeBudget,
+) -> IkSolution:
+    """The solution nearest to the start; of those free of contact where it is not."""
     with clock.stage("ik"), clock.cutting(solver.cut, solver.search_evaluations):
-        solution = solve_pose(robot, solver, pose, request.start)
+        solution = solve_pose(robot, solver, pose, start)
         if model is None or len(model.pairs) == 0:
             return solution
         contact = CollisionChecker(robot, model)
         if contact.free(solution.q[None])[0]:
             return solution
-        q_start = check_start(robot, robot.home if request.start is None else request.start)
+        q_start = check_start(robot, robot.home if start is None else start)
         problem = WaypointProblem(
             robot, solver, [target_of(pose)], q_start, False, tolerance, clock, contact=contact
         )

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -10,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ikplan.certificate import RequestedSegment
 from ikplan.documents import parse
+from ikplan.documents.poses import Tolerance
 from ikplan.documents.timing_request import TimingRequest
 from ikplan.documents.trajectory import WaypointResults
 from ikplan.errors import InvalidRequest
@@ -17,10 +19,13 @@ from ikplan.joint_path import JointPath
 from ikplan.limits.motion_limits import LimitedSegment, MotionLimits
 from ikplan.pipeline.assemble import assemble_plan, joint_steps
 from ikplan.pipeline.collisions import requested_model, with_meshes
+from ikplan.pipeline.helpers import helped_by
+from ikplan.pipeline.hints import noise_hints
 from ikplan.pipeline.identity import plan_id
+from ikplan.pipeline.near_path import Nearness, NearPath, smooth_path
+from ikplan.pipeline.request_budget import RequestBudget
 from ikplan.pipeline.resolve import resolve_robot
-from ikplan.pipeline.timing_stage import joint_limits, time_motion
-from ikplan.pipeline.warm_up import warm_up
+from ikplan.pipeline.timing_stage import Timing, joint_limits, time_motion
 from ikplan.planning import Progress, TimeBudget
 from ikplan.plans.plan import Plan
 from ikplan.robots import Robot
@@ -41,6 +46,7 @@ def time_path(
     limits: Mapping[str, Any] | None = None,
     rest_at: Sequence[int] = (),
     segments: Sequence[Mapping[str, Any]] = (),
+    tolerance: ArrayLike | Mapping[str, float] | None = None,
 ) -> Plan:
     """Move through joint waypoints as fast as the limits allow, from rest to rest.
 
@@ -56,6 +62,10 @@ def time_path(
         rest_at: Indices of waypoints where the motion stops and may turn a sharp corner.
         segments: Parts with limits of their own, as in a request:
             ``{"first": 2, "last": 5, "limits": {"tool_speed": 0.1}}``, by indices of waypoints.
+        tolerance: How far the motion may be from the polyline through the waypoints, so that it
+            takes a smooth path past their noise: of every joint [rad or m], one value each, shape
+            (dof,), or ``{"position": 1e-3, "orientation": 1e-2}`` of the tool [m and rad]. None:
+            a spline passes through the waypoints.
 
     Returns:
         The certified trajectory: ``.time``, ``.q``, ``.dq``, ``.ddq``, ``.certificate``, ...
@@ -70,7 +80,7 @@ def time_path(
         "acceleration_scale": acceleration_scale,
         **(limits or {}),
     }
-    document = {
+    document: dict[str, Any] = {
         "robot": robot.name or "robot",
         "waypoints": joint_waypoints,
         "rest_at": list(rest_at),
@@ -79,6 +89,9 @@ def time_path(
         "sampling": {"rate_hz": rate_hz},
         "budget_s": 3600,
     }
+    if tolerance is not None:
+        given = dict(tolerance) if isinstance(tolerance, Mapping) else np.asarray(tolerance)
+        document["tolerance"] = given if isinstance(given, dict) else given.tolist()
     return time_request(document, robot=robot)
 
 
@@ -135,21 +148,32 @@ def make_timing(
         for k, part in enumerate(request.segments)
     )
     jerk = any(x.jerk is not None for x in (limits, *(s.limits for s in segments)))
-    warm_up(time_request, "time", jerk=jerk)
-    clock = TimeBudget(request.budget_s, progress)
-    with clock.stage("planning"):
-        path = JointPath.through(asked, joint_limits(robot, limits), rest_at=request.rest_at)
-        # Waypoints too close to tell apart are passed as one.
-        waypoints = path.q_knots[path.knot_of_waypoint]
-    with clock.stage("timing"):
-        timing = time_motion(path, robot, limits, request.sampling, segments, clock.check)
+    helped_by("time", jerk=jerk)
+    clock = RequestBudget(request.budget_s, progress)
+    nearness = _nearness(request, robot)
+    if nearness is None:
+        with clock.stage("planning"):
+            path = JointPath.through(asked, joint_limits(robot, limits), rest_at=request.rest_at)
+            # Waypoints too close to tell apart are passed as one.
+            waypoints = path.q_knots[path.knot_of_waypoint]
+        with clock.stage("timing"):
+            timing = time_motion(path, robot, limits, request.sampling, segments, clock.check)
+        times = timing.timed.times
+        hints = noise_hints(robot, asked, times)
+    else:
+        near, timing = _near_motion(request, robot, limits, asked, nearness, segments, clock)
+        waypoints = near.path(near.s)
+        waypoints[0], waypoints[-1] = asked[0], asked[-1]
+        times = timing.timed.times_anywhere(near.s)
+        times[-1] = timing.timed.duration
+        hints = []
     distances = [
         float(np.linalg.norm(robot.fk(wanted).translation - robot.fk(passed).translation))
         for wanted, passed in zip(asked, waypoints, strict=True)
     ]
     results = WaypointResults(
         q=waypoints,
-        time=timing.timed.times,
+        time=times,
         position_error=np.array(distances),
         orientation_error=[None] * len(waypoints),
         elongation=joint_steps(waypoints[0], waypoints),
@@ -163,11 +187,78 @@ def make_timing(
         clock,
         q_start=waypoints[0],
         segments=requested,
+        joint_waypoints=asked,
+        tolerance=request.tolerance,
+        hints=hints,
         model=requested_model(
             robot, request.scene, request.fixed_joints, request.tool, always=False
         ),
         plan_id=known_id,
     )
+
+
+def _nearness(request: TimingRequest, robot: Robot) -> Nearness | None:
+    """What the tolerance of a request says; None: there is none."""
+    tolerance = request.tolerance
+    if tolerance is None:
+        return None
+    if isinstance(tolerance, Tolerance):
+        return Nearness(None, tolerance)
+    if isinstance(tolerance, list) and len(tolerance) != robot.dof:
+        raise InvalidRequest(
+            f"tolerance: {robot.dof} values wanted ({', '.join(robot.joint_names)}), "
+            f"got {len(tolerance)}",
+            field="tolerance",
+            allowed=f"{robot.dof} numbers, one number, or position and orientation of the tool",
+        )
+    return Nearness(np.broadcast_to(np.array(tolerance), (robot.dof,)).copy(), None)
+
+
+def _near_motion(
+    request: TimingRequest,
+    robot: Robot,
+    limits: MotionLimits,
+    asked: Array,
+    nearness: Nearness,
+    segments: Sequence[LimitedSegment],
+    clock: TimeBudget,
+) -> tuple[NearPath, Timing]:
+    """Time a smooth path near the waypoints; where there are sharp corners, the faster of two.
+
+    One rounds them within the tolerance, the other stops at them.
+    """
+    bounds = joint_limits(robot, limits)
+    if len(asked) and request.rest_at and max(request.rest_at) >= len(asked):
+        raise InvalidRequest(
+            f"rest_at: there is no waypoint {max(request.rest_at)}",
+            field="rest_at",
+            allowed=f"0 to {len(asked) - 1}",
+        )
+    bounds.check_positions(asked, "waypoints")
+    rows = sorted({row for part in segments for row in (part.first, part.last)})
+    own = [
+        replace(part, first=rows.index(part.first), last=rows.index(part.last)) for part in segments
+    ]
+    best: tuple[NearPath, Timing] | None = None
+    for stop_at_sharp in (False, True):
+        with clock.stage("planning"):
+            near = smooth_path(
+                asked,
+                robot,
+                bounds,
+                nearness,
+                rest_at=request.rest_at,
+                rows=rows,
+                stop_at_sharp=stop_at_sharp,
+            )
+        with clock.stage("timing"):
+            timing = time_motion(near.path, robot, limits, request.sampling, own, clock.check)
+        if best is None or timing.timed.duration < best[1].timed.duration:
+            best = near, timing
+        if not near.sharp:
+            break
+    assert best is not None
+    return best
 
 
 def _limited_segments(

@@ -1,4 +1,4 @@
-"""Small requests that load, or compile, the kernels before a request's clock begins."""
+"""Small requests that load, or compile, the kernels before anybody waits for an answer."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from typing import Any, Literal
 
 import pinocchio as pin
 
-from ikplan.errors import Unreachable
+from ikplan.errors import InCollision, Unreachable
 from ikplan.ik.registry import find_solver
 from ikplan.robots import Robot, catalogue_robot
 
@@ -38,8 +38,9 @@ def warm_up(
 ) -> None:
     """Make every kernel that requests of a kind use ready, once a process.
 
-    Compiling takes tens of seconds on the first use after an installation and is no part of any
-    request's budget; loading what was compiled takes about a second.
+    For a service, and for processes that are forked: a request by itself compiles and loads what
+    it uses, outside its budget. Compiling takes tens of seconds on the first use after an
+    installation; loading what was compiled takes about a second.
 
     Args:
         run: Answers a request of this kind. It may warm up itself: within a warm-up, a further
@@ -64,8 +65,8 @@ def warm_up(
         try:
             asked = [_move(method)] if moves else small_requests(kind, method, jerk=jerk)
             for request in asked:
-                # One pose is out of reach: the explanation has kernels of its own.
-                with contextlib.suppress(Unreachable):
+                # Some are out of reach or in contact: the explanation has kernels of its own.
+                with contextlib.suppress(Unreachable, InCollision):
                     run(request)
         finally:
             _under_way.discard(key)
@@ -94,7 +95,11 @@ def small_requests(
     if kind == "time":
         waypoints = [home, [value + 0.1 for value in home]]
         timed = {"robot": _ROBOT, "waypoints": waypoints, "budget_s": _BUDGET_S}
-        return [{**timed, "limits": each} for each in limits]
+        requests = [{**timed, "limits": each} for each in limits]
+        if not jerk:
+            tool = catalogue_robot(_ROBOT).fk(home).translation.tolist()
+            requests += [{**requests[-1], "scene": scene} for scene in _scenes(tool)]
+        return requests
     paths = _paths(method)
     limited = [{**paths[0], "limits": each} for each in limits]
     return limited if jerk else [*limited, *paths[1:]]
@@ -105,6 +110,13 @@ def _targets(robot: Robot) -> tuple[dict[str, Any], dict[str, Any], dict[str, An
     pose = pin.SE3ToXYZQUAT(robot.fk(robot.home + 0.05)).tolist()
     full = {"position": pose[:3], "quaternion_xyzw": pose[3:]}
     return {"position": pose[:3]}, full, {**full, "position": [9.0, 0.0, 0.0]}
+
+
+def _scenes(place: list[float]) -> tuple[dict[str, Any], dict[str, Any]]:
+    """A scene far from a place, and one with an obstacle there."""
+    ball = {"name": "ball", "shape": {"type": "sphere", "radius": 0.1}}
+    far = {**ball, "position": [0.0, 0.0, 9.0]}
+    return {"obstacles": [far]}, {"obstacles": [{**ball, "position": place}]}
 
 
 def _move(method: str) -> dict[str, Any]:
@@ -136,6 +148,8 @@ def _poses(method: str) -> list[dict[str, Any]]:
     start = robot.home.tolist()
     requests = [{**asked, **target} for target in (point, full, far)]
     requests += [{**asked, **target, "start": start} for target in (point, full)]
+    scenes = _scenes(point["position"])
+    requests += [{**asked, **full, "scene": scene} for scene in scenes]
     if any(parameter.name == "decouple" for parameter in find_solver(method).parameters):
         _, full, _ = _targets(catalogue_robot(_WRIST))
         ik = {"method": method, "params": {"decouple": True}}
@@ -162,6 +176,8 @@ def _paths(method: str) -> list[dict[str, Any]]:
         {**asked, "path": {"waypoints": [full]}, "start": "free"},
         {**asked, "ik": {"method": method, "elongation": "greedy"}},
         {**asked, "path": {**asked["path"], "interpolation": "line"}},
+        {**asked, "path": {**asked["path"], "interpolation": "line"}, "start": "free"},
+        {**asked, "path": {"waypoints": [point]}, "scene": _scenes(point["position"])[1]},
         {**asked, "path": {**asked["path"], "interpolation": "spline"}},
         {**asked, "path": {"waypoints": [far]}},
     ]

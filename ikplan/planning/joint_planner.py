@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from ikplan.arrays import Array
-from ikplan.errors import Disconnected, InCollision
+from ikplan.errors import Disconnected, InCollision, Unreachable
 from ikplan.ik.arguments import check_start
 from ikplan.kinematics.target import Freedom, Target, pose_target
 from ikplan.path import (
@@ -67,7 +67,20 @@ def plan_joint_path(problem: JointPathProblem) -> JointRoute:
         planner.check_start_free()
         T = problem.robot.fk(problem.q_start)
         start = Pose(T.rotation.copy(), T.translation.copy())
-    legs = legs_of(problem.path, start, planner.fk)
+    legs = legs_of(problem.path, start, planner.fk, problem.rounding)
+    try:
+        return _planned(planner, legs)
+    except (Unreachable, Disconnected, InCollision, TrackingFailed):
+        if not any(isinstance(leg, ToolLeg) and leg.path.rounded for leg in legs):
+            raise
+    # The path itself may be passed where its rounded corners are not, and is what was asked for.
+    problem = replace(problem, rounding="none")
+    planner = _JointPathPlanner(problem)
+    return _planned(planner, legs_of(problem.path, start, planner.fk, "none"))
+
+
+def _planned(planner: _JointPathPlanner, legs: list[Leg]) -> JointRoute:
+    problem = planner.problem
     problem.clock.set_total(sum(map(_waypoint_count, legs)))
     for leg, after in zip(legs, [*legs[1:], None], strict=True):
         if isinstance(leg, JointLeg):
@@ -135,6 +148,7 @@ class _JointPathPlanner:
         self.segments: list[RouteSegment] = []
         self.moves: list[RouteMove] = []
         self.move_planner = MovePlanner(problem)
+        self.sharp = False
         self.opened: _Open | None = None
 
     def check_start_free(self) -> None:
@@ -157,6 +171,7 @@ class _JointPathPlanner:
             waypoints,
             self.segments,
             self.moves,
+            self.sharp,
         )
 
     @property
@@ -269,6 +284,7 @@ class _JointPathPlanner:
                     raise
                 starts, costs = np.ascontiguousarray(starts[left]), costs[left]
         self._append(path, tracked)
+        self.sharp |= path.sharp
 
     def _tracked(self, path: ToolPath, starts: Array, costs: Array) -> TrackedPath:
         try:

@@ -12,6 +12,7 @@ from ikplan.documents.trajectory import MoveReport
 from ikplan.ik.solve import PoseSolver
 from ikplan.kinematics.target import Target
 from ikplan.limits import JointLimits
+from ikplan.path import Rounding
 from ikplan.robots import Robot
 from ikplan.time_budget import TimeBudget
 
@@ -36,6 +37,7 @@ class JointPathProblem:
         contact: Refuses configurations and motions in contact; None: nothing is checked.
         move_margins: Gap that the rounded corners of a move keep on top of that of the check, by
             the name of the move [m]; absent: none.
+        rounding: Which corners are rounded within the tolerance, if the path asks for it.
     """
 
     robot: Robot
@@ -49,6 +51,7 @@ class JointPathProblem:
     explain: bool = True
     contact: ContactCheck | None = None
     move_margins: Mapping[str, float] = field(default_factory=dict)
+    rounding: Rounding = "all"
 
 
 @dataclass(frozen=True)
@@ -108,6 +111,7 @@ class JointRoute:
         waypoints: The waypoints of the request, in order.
         segments: The segments of the request, in order.
         moves: The moves around obstacles, in order.
+        sharp: Whether sharp corners are rounded within the tolerance.
     """
 
     q: Array
@@ -115,3 +119,4 @@ class JointRoute:
     waypoints: list[RouteWaypoint]
     segments: list[RouteSegment]
     moves: list[RouteMove] = field(default_factory=list)
+    sharp: bool = False

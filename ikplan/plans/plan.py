@@ -12,6 +12,7 @@ from ikplan.documents.plan_document import PlanDocument
 
 if TYPE_CHECKING:
     from ikplan.documents.limits import LimitOptions
+    from ikplan.documents.scene import Scene
     from ikplan.plans.playback import JointState
 
 __all__ = ["Plan"]
@@ -56,15 +57,31 @@ class Plan(PlanDocument):
 
         save(self, Path(path), format)
 
-    def plot(self, path: str | Path) -> None:
-        """Draw joint positions, velocities against their limits, and the tool's path.
+    def plot(self, path: str | Path, scene: Mapping[str, Any] | Scene | None = None) -> None:
+        """Draw joint positions, velocities against their limits, clearance, and the tool's path.
 
         Args:
             path: Image file; the suffix (png, svg, pdf) names the format.
+            scene: The scene of the request, to draw obstacles and the clearance to them; for
+                robots of the catalogue.
+
+        Raises:
+            InvalidRequest: No image can be written with that suffix, or the scene is wrong.
+            RobotNotFound: With a scene, the robot is not in the catalogue.
         """
         from ikplan.plans.figures.plan import plot_plan
 
-        plot_plan(self, Path(path))
+        if scene is None:
+            plot_plan(self, Path(path))
+            return
+        from ikplan.documents import parse
+        from ikplan.documents.scene import Scene
+        from ikplan.robots import catalogue_robot
+        from ikplan.scene.model import collision_model
+        from ikplan.scene.resolve import resolve_scene
+
+        resolved = resolve_scene(parse(Scene, scene), Path.cwd())
+        plot_plan(self, Path(path), model=collision_model(catalogue_robot(self.robot), resolved))
 
     def plot_timing(
         self, path: str | Path, limits: Mapping[str, Any] | LimitOptions | None = None

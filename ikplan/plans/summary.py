@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from ikplan.documents.certificate import Certificate, LimitPlace
+    from ikplan.documents.clearance import NearestPlace
     from ikplan.documents.plan_document import PlanDocument
 
 __all__ = ["certificate_rows"]
@@ -27,6 +28,7 @@ def certificate_rows(plan: PlanDocument) -> list[tuple[str, str]]:
         ("acceleration limits", _share(c.acceleration_limit_ratio, c.acceleration_limit_at)),
         *_further_rows(c),
         *_segment_rows(c),
+        *_clearance_rows(c),
         (
             "least singular value",
             f"{c.min_singular_value:.3g} at {c.min_singular_value_time:.2f} s",
@@ -73,6 +75,35 @@ def _segment_rows(c: Certificate) -> list[tuple[str, str]]:
         return []
     ratio, segment = max(used, key=lambda pair: pair[0])
     return [("limits of segments", f"{_share(ratio, None)} on {segment.field.rpartition('.')[2]}")]
+
+
+def _clearance_rows(c: Certificate) -> list[tuple[str, str]]:
+    """Rows of the proof that nothing touches; none where nothing was checked."""
+    clearance = c.clearance
+    if clearance is None:
+        return []
+    rows = []
+    if clearance.least is None or clearance.pair is None:
+        rows.append(("clearance", "nothing checked: no shape of the robot is known"))
+    else:
+        said = "at least" if clearance.proven else "not proven: at least"
+        rows.append(("clearance", f"{said} {_nearest(clearance)}"))
+        rows.append(("nearest bodies", ", ".join(clearance.pair)))
+        scene = clearance.scene
+        if scene.pair is not None and scene.pair != clearance.pair:
+            rows.append(("clearance to obstacles", f"{said} {_nearest(scene)}"))
+            rows.append(("nearest there", ", ".join(scene.pair)))
+    if clearance.unchecked:
+        shown = ", ".join(clearance.unchecked[:8])
+        more = len(clearance.unchecked) - 8
+        rows.append(("not checked", shown + (f" and {more} more" if more > 0 else "")))
+    return rows
+
+
+def _nearest(place: NearestPlace) -> str:
+    """A distance, rounded down since more must not stand for a little less, and when."""
+    distance = math.floor((place.least or 0.0) * 1e5 + 1e-9) / 100
+    return f"{distance:.2f} mm at {place.time or 0.0:.2f} s"
 
 
 def _both(position: float, orientation: float | None) -> str:

@@ -10,9 +10,7 @@ from ikplan.documents.poses import unit_quaternion
 from ikplan.errors import InvalidRequest
 from ikplan.points.rotations import rotation_vector
 
-__all__ = ["INTERPOLATIONS", "Choices", "frame_of"]
-
-INTERPOLATIONS = ("joint", "line", "spline")
+__all__ = ["Choices", "frame_of"]
 
 
 @dataclass(frozen=True)

@@ -25,9 +25,7 @@ from ikplan.points.table import Row, fault
 from ikplan.points.units import ANGLES, LENGTHS, guess_angle, guess_length, in_si
 from ikplan.points.values import Values
 
-__all__ = ["TOOL_AXES", "one_factor", "read_poses"]
-
-TOOL_AXES = ("x", "y", "z", "-x", "-y", "-z")
+__all__ = ["one_factor", "read_poses"]
 
 _AXIS_SLACK = 1e-2
 """How far the length of a tool axis may be from 1: it is written with few digits."""

@@ -15,9 +15,10 @@ from ikplan.points.columns import PASSED_OVER, JointName, name_columns
 from ikplan.points.conventions import ORIENTATIONS, POSITION
 from ikplan.points.extras import read_speeds, read_zones
 from ikplan.points.joints import read_joints
+from ikplan.points.names import TOOL_AXES
 from ikplan.points.note import Note
 from ikplan.points.points import Points
-from ikplan.points.poses import TOOL_AXES, read_poses
+from ikplan.points.poses import read_poses
 from ikplan.points.table import Row, Table, fault, is_number, read_table
 from ikplan.points.units import ANGLES, LENGTHS
 from ikplan.points.values import Values

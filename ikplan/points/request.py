@@ -5,7 +5,8 @@ from __future__ import annotations
 from typing import Any
 
 from ikplan.errors import InvalidRequest
-from ikplan.points.choices import INTERPOLATIONS, Choices
+from ikplan.points.choices import Choices
+from ikplan.points.names import INTERPOLATIONS
 from ikplan.points.note import Note
 from ikplan.points.points import Points, Speed
 

@@ -7,9 +7,8 @@ import re
 from collections.abc import Sequence
 from pathlib import Path
 
-import yaml
-
 from ikplan.errors import RobotNotFound, near_names
+from ikplan.robots.yaml_text import load_yaml
 
 __all__ = ["known_name"]
 
@@ -19,7 +18,7 @@ _FILE = Path(__file__).with_name("aliases.yaml")
 @functools.cache
 def _aliases() -> tuple[dict[str, str], dict[str, list[str]]]:
     """Names of the same arm, and names that several answer to, both folded."""
-    content = yaml.safe_load(_FILE.read_text())
+    content = load_yaml(_FILE.read_text())
     same = {_folded(name): robot for name, robot in content["same"].items()}
     return same, {_folded(name): robots for name, robots in content["several"].items()}
 

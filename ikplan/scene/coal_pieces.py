@@ -7,7 +7,6 @@ from typing import Any, NamedTuple
 import coal
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial import ConvexHull
 
 from ikplan.scene.body import ConvexPiece
 from ikplan.scene.hulls import hull_of
@@ -56,6 +55,8 @@ def coal_piece(piece: ConvexPiece) -> CoalPiece:
     if hull is None:
         _, _, axes = np.linalg.svd(points - points.mean(axis=0))
         shifts = [s * _THIN * axis for axis in axes for s in (-1.0, 1.0)]
+        from scipy.spatial import ConvexHull  # slow to import
+
         hull = ConvexHull(np.concatenate([points + shift for shift in shifts]))
         around += _THIN
     # Given as a hull already: coal's own hulls of points end the process now and then.

@@ -8,12 +8,15 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial import ConvexHull, QhullError
 
-__all__ = ["Hull", "distance_beyond", "enclosing_points", "hull_of"]
+if TYPE_CHECKING:
+    from scipy.spatial import ConvexHull
+
+__all__ = ["distance_beyond", "enclosing_points", "hull_of"]
 
 Array = NDArray[np.float64]
 
@@ -29,8 +32,6 @@ _LOOKED_AT = 2_000
 _AT_ONCE = 8
 """Most points that are added before their hull is made anew."""
 
-Hull = ConvexHull
-
 
 def hull_of(points: Array) -> ConvexHull | None:
     """Return the convex hull, or None where the points lie in a plane, on a line or together."""
@@ -39,6 +40,8 @@ def hull_of(points: Array) -> ConvexHull | None:
     spread = np.linalg.svd(points - points.mean(axis=0), compute_uv=False)
     if spread[2] <= _FLAT * spread[0]:
         return None
+    from scipy.spatial import ConvexHull, QhullError  # slow to import
+
     try:
         return ConvexHull(points)
     except QhullError:
@@ -170,6 +173,8 @@ def _enclosing_flat(points: Array, most: int) -> tuple[Array, float, float]:
         return points, 0.0, 0.0
     flat = (points - centre) @ axes.T
     if spread[1] > _FLAT * spread[0]:
+        from scipy.spatial import ConvexHull, QhullError
+
         try:
             kept = np.sort(ConvexHull(flat[:, :2]).vertices)
         except QhullError:

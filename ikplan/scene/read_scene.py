@@ -11,6 +11,7 @@ import yaml
 from ikplan.documents import parse
 from ikplan.documents.scene import Scene
 from ikplan.errors import InvalidRequest
+from ikplan.robots.yaml_text import load_yaml
 from ikplan.scene.moveit import is_planning_scene, planning_scene
 from ikplan.scene.resolve import resolve_scene
 from ikplan.scene.urdf_cell import urdf_cell
@@ -61,7 +62,7 @@ def _document(content: bytes, file: Path) -> Any:
     try:
         if file.suffix.lower() == ".json":
             return orjson.loads(content)
-        return yaml.load(content, Loader=getattr(yaml, "CSafeLoader", yaml.SafeLoader))
+        return load_yaml(content)
     except (orjson.JSONDecodeError, yaml.YAMLError, RecursionError, ValueError) as error:
         where = " ".join(str(error).split())[:300]
         raise InvalidRequest(f"{file}: neither JSON nor YAML: {where}", field="scene") from error

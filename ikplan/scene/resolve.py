@@ -13,12 +13,12 @@ from ikplan.errors import InvalidRequest
 from ikplan.scene.hulls import hull_of
 from ikplan.scene.meshes import read_vertices
 
-__all__ = ["resolve_geometry", "resolve_scene"]
+__all__ = ["hull_points", "resolve_geometry", "resolve_scene"]
 
 _Part = TypeVar("_Part", Obstacle, AttachedBody, ToolGeometry)
 
 
-def resolve_scene(scene: Scene, folder: Path | None) -> Scene:
+def resolve_scene(scene: Scene, folder: Path | None, *, field: str = "scene.") -> Scene:
     """Return a scene whose meshes are replaced by their convex hulls.
 
     A hull fills the hollows of a mesh: nothing that touches the mesh is missed, and a gap inside
@@ -27,15 +27,16 @@ def resolve_scene(scene: Scene, folder: Path | None) -> Scene:
     Args:
         scene: The scene.
         folder: Folder that relative paths begin at; None: files are refused, as a service does.
+        field: What stands before the names of its fields in messages.
 
     Raises:
         InvalidRequest: A file where none is allowed, or a mesh that cannot be read; names the
             field.
     """
     obstacles = [
-        _resolved(o, folder, f"scene.obstacles[{k}]") for k, o in enumerate(scene.obstacles)
+        _resolved(o, folder, f"{field}obstacles[{k}]") for k, o in enumerate(scene.obstacles)
     ]
-    attached = [_resolved(a, folder, f"scene.attached[{k}]") for k, a in enumerate(scene.attached)]
+    attached = [_resolved(a, folder, f"{field}attached[{k}]") for k, a in enumerate(scene.attached)]
     return Scene.model_validate(
         {
             **{name: getattr(scene, name) for name in type(scene).model_fields},
@@ -53,15 +54,33 @@ def resolve_geometry(geometry: list[ToolGeometry], folder: Path | None) -> list[
     return [_resolved(g, folder, f"tool.geometry[{k}]") for k, g in enumerate(geometry)]
 
 
+def hull_points(mesh: MeshShape, folder: Path, where: str) -> ConvexShape:
+    """Return the convex hull of a mesh in a file.
+
+    Args:
+        mesh: The mesh.
+        folder: Folder that a relative path begins at.
+        where: The field of the shape, for messages.
+
+    Raises:
+        InvalidRequest: The mesh cannot be read; names the field.
+    """
+    try:
+        vertices = read_vertices(folder / mesh.file, (mesh.scale,) * 3)
+    except InvalidRequest as error:
+        raise InvalidRequest(
+            f"{where}.file: {error.detail}", field=f"{where}.file", allowed=error.allowed
+        ) from error
+    hull = hull_of(vertices)
+    points = np.unique(vertices, axis=0) if hull is None else vertices[np.sort(hull.vertices)]
+    return _convex(points, where)
+
+
 def _resolved(part: _Part, folder: Path | None, field: str) -> _Part:
     shape = part.shape
     if not isinstance(shape, MeshShape):
         return part
     where = f"{field}.shape"
-    if shape.file is None:
-        raise InvalidRequest(
-            f"{where}: {shape.id!r} is the id of a mesh that a service holds", field=f"{where}.id"
-        )
     if folder is None:
         raise InvalidRequest(
             f"{where}.file: files are read in Python, the shell and the client only; send the "
@@ -69,15 +88,7 @@ def _resolved(part: _Part, folder: Path | None, field: str) -> _Part:
             field=f"{where}.file",
             allowed="a shape without a file",
         )
-    try:
-        vertices = read_vertices(folder / shape.file, (shape.scale,) * 3)
-    except InvalidRequest as error:
-        raise InvalidRequest(
-            f"{where}.file: {error.detail}", field=f"{where}.file", allowed=error.allowed
-        ) from error
-    hull = hull_of(vertices)
-    points = np.unique(vertices, axis=0) if hull is None else vertices[np.sort(hull.vertices)]
-    made: dict[str, Any] = {"shape": _convex(points, where)}
+    made: dict[str, Any] = {"shape": hull_points(shape, folder, where)}
     return part.model_copy(update=made)
 
 

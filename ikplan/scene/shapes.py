@@ -71,10 +71,9 @@ def enclose(shape: Shape, field: str = "shape") -> Enclosed:
     if isinstance(shape, PointsShape):
         return _cloud(np.array(shape.points), shape.radius)
     assert isinstance(shape, MeshShape)
-    what = f"the mesh {shape.id!r} of the service" if shape.id else f"the file {shape.file!r}"
     raise InvalidRequest(
-        f"{field}: {what} is not read here; send its points as a convex shape, or read the file "
-        "in Python, the shell or the client",
+        f"{field}: the file {shape.file!r} is not read here; send its points as a convex shape, "
+        "or read the file in Python, the shell or the client",
         field=field,
         allowed="a shape without a file",
     )

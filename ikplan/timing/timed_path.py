@@ -67,6 +67,12 @@ class TimedPath:
         """Times of the waypoints [s], shape (n_waypoints,); equal for waypoints that coincide."""
         return self.times_at(self.path.s_waypoints)
 
+    @property
+    def stop_times(self) -> Array:
+        """Times at which the motion rests between its ends, shape (k,) [s]."""
+        rests = np.flatnonzero(self.sdot[1:-1] == 0.0) + 1
+        return self.node_times[rests]
+
     def times_at(self, positions: Array) -> Array:
         """Return when knots of the path are passed [s]; of a jerk-limited motion, any positions.
 
@@ -80,6 +86,24 @@ class TimedPath:
             nearer = positions - self.s[before] < self.s[after] - positions
             return self.node_times[np.where(nearer, before, after)]
         return times_of(self.node_times, self.s, self.sdot, self.sddot, positions)
+
+    def times_anywhere(self, positions: Array) -> Array:
+        """Return when any positions of the path are passed [s], shape (m,).
+
+        Args:
+            positions: Path positions, shape (m,); clipped to the path.
+        """
+        if self.sddot is not None or len(self.s) == 1:
+            return self.times_at(positions)
+        positions = np.clip(positions, 0.0, self.path.length)
+        k = np.clip(np.searchsorted(self.s, positions, "right") - 1, 0, len(self.s) - 2)
+        whole = self.s[k + 1] - self.s[k]
+        gone = positions - self.s[k]
+        before, after = self.sdot[k] ** 2, self.sdot[k + 1] ** 2
+        square = before + (after - before) * gone / np.where(whole > 0.0, whole, 1.0)
+        mean = 0.5 * (self.sdot[k] + np.sqrt(np.maximum(square, 0.0)))
+        since = np.where(mean > 0.0, gone / np.where(mean > 0.0, mean, 1.0), 0.0)
+        return np.minimum(self.node_times[k] + since, self.node_times[k + 1])
 
     def evaluate(self, t: ArrayLike) -> tuple[Array, Array, Array]:
         """Evaluate the motion, exact at both ends.

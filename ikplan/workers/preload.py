@@ -9,5 +9,5 @@ from ikplan.pipeline.plan import plan
 from ikplan.pipeline.warm_up import warm_up
 
 with contextlib.suppress(Exception):  # every plan tries again, and tells why
-    warm_up(plan, "plan")
+    warm_up(plan, "plan", jerk=True)
 gc.freeze()  # what is shared stays shared

@@ -10,7 +10,7 @@ from anyio.from_thread import start_blocking_portal
 
 from ikplan_api.app import create_app
 from ikplan_api.settings import Settings
-from ikplan_api.store.robot_store import MemoryRobotStore
+from ikplan_api.store.document_store import MemoryDocumentStore
 from tests.service.conftest import ADDRESS, PortalTransport
 
 
@@ -19,7 +19,7 @@ def http() -> Iterator[httpx.Client]:
     """Plain HTTP."""
     with start_blocking_portal() as portal:
         transport = PortalTransport(
-            create_app(Settings(workers=1), robots=MemoryRobotStore(4, 2**20)), portal
+            create_app(Settings(workers=1), robots=MemoryDocumentStore(4, 2**20)), portal
         )
         with httpx.Client(base_url=ADDRESS, transport=transport) as client:
             yield client

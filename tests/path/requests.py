@@ -58,8 +58,11 @@ def tool_path(document: dict[str, Any], start: Pose | None = START) -> ToolPath:
 
 
 def of_segments(*segments: dict[str, Any], start: Pose | None = START, **more: Any) -> ToolPath:
-    return tool_path({"segments": list(segments), **more}, start)
+    """The tool path of segments; its corners are exact unless the test says otherwise."""
+    return tool_path({"segments": list(segments), "corners": "exact", **more}, start)
 
 
 def through(poses, interpolation: str, start: Pose | None = START, **more: Any) -> ToolPath:
-    return tool_path({"waypoints": poses, "interpolation": interpolation, **more}, start)
+    """The tool path of waypoints; its corners are exact unless the test says otherwise."""
+    document = {"waypoints": poses, "interpolation": interpolation, "corners": "exact", **more}
+    return tool_path(document, start)

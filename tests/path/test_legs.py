@@ -83,7 +83,7 @@ def test_segments_of_every_kind_mix():
 
 
 def test_a_curve_is_joined_by_a_line_unless_it_must_not_be():
-    (leg,) = legs({"segments": [HELIX]})
+    (leg,) = legs({"segments": [HELIX], "corners": "exact"})
     assert [w.row for w in leg.path.waypoints] == [0, 1]
     assert_allclose(leg.path.waypoints[0].p, FIRST)
     assert leg.path.waypoint_s[0] == pytest.approx(np.linalg.norm(START.p - FIRST))

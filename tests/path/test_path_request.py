@@ -95,7 +95,7 @@ def test_a_path_survives_being_written_and_read(document):
 
 def test_old_requests_mean_what_they_meant():
     path = parse(PathRequest, WAYPOINTS)
-    assert (path.interpolation, path.approach, path.blend) == ("joint", "path", 0.0)
+    assert (path.interpolation, path.approach, path.blend) == ("joint", "path", None)
     assert path.segments is path.begin is path.orientation_free is path.tolerance.box is None
     assert (path.tolerance.position, path.tolerance.orientation) == (1e-4, 1e-3)
 

@@ -197,3 +197,28 @@ def test_a_pose_with_a_scene_is_solved_in_a_branch_that_is_free() -> None:
     with pytest.raises(InCollision) as caught:
         solve_ik_request({**document, "scene": around})
     assert "block" in caught.value.pair
+
+
+def test_solve_ik_checks_only_where_a_scene_is_given() -> None:
+    robot = load_robot("ur5")
+    pose = robot.fk(np.array([0.3, -1.2, 1.6, -2.0, -1.57, 0.0]))
+    first = ikplan.solve_ik(robot, pose)
+    data = robot.model.createData()
+    pin.forwardKinematics(robot.model, data, robot.configuration(first.q))
+    elbow = (robot.T_universe_base.inverse() * data.oMi[3]).translation
+    scene: dict[str, Any] = {"obstacles": [box(elbow, 0.08, "post")]}
+    assert robot.clearance(first.q, scene).distance <= 0.0
+    second = ikplan.solve_ik(robot, pose, scene=scene)
+    assert robot.clearance(second.q, scene).distance > 0.0
+    assert np.linalg.norm(robot.fk(second.q).translation - pose.translation) < 1e-6
+    assert second.orientation_error is not None
+    assert second.orientation_error < 1e-6
+    far = ikplan.solve_ik(robot, pose, scene={"obstacles": [box([0.0, 0.0, 3.0])]})
+    assert np.array_equal(far.q, first.q)
+    around = {"obstacles": [box(pose.translation, 0.3, "block")]}
+    with pytest.raises(InCollision) as caught:
+        ikplan.solve_ik(robot, pose, scene=around)
+    assert "block" in caught.value.pair
+    with pytest.raises(ikplan.InvalidRequest) as wrong:
+        ikplan.solve_ik(robot, pose, scene={"obstacels": []})
+    assert wrong.value.field == "obstacels"

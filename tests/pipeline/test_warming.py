@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from ikplan import InvalidRequest, Unreachable
+from ikplan import InCollision, InvalidRequest, Unreachable
 from ikplan.pipeline import warm_up as warming
 from ikplan.pipeline.forward_kinematics import fk_request
 from ikplan.pipeline.plan import plan
@@ -89,14 +89,18 @@ def test_a_solver_that_does_not_exist_is_refused_by_the_warm_up_too(kind: Reques
 
 @pytest.mark.parametrize("jerk", [False, True])
 @pytest.mark.parametrize("kind", RUN)
-def test_small_requests_are_answered_all_but_the_one_out_of_reach(
+def test_small_requests_are_answered_all_but_those_out_of_reach_or_in_contact(
     kind: RequestKind, jerk: bool
 ) -> None:
-    away = []
+    away, touching = [], []
     for request in small_requests(kind, "ik-ba", jerk=jerk):
         try:
             RUN[kind](request)  # type: ignore[operator]
         except Unreachable as error:
             away.append(error.position_error)
+        except InCollision as error:
+            touching.append(error.pair)
     assert len(away) == (kind == "ik" or (kind == "plan" and not jerk))
     assert all(distance > 1.0 for distance in away)
+    assert len(touching) == (kind == "ik" or (kind in ("plan", "time") and not jerk))
+    assert all("ball" in pair for pair in touching)

@@ -23,7 +23,10 @@ from ikplan.scene.robot_bodies import bodies_fingerprint, robot_bodies
 from ikplan.scene.urdf_shapes import link_meshes, urdf_shapes
 
 Array = NDArray[np.float64]
-MESHES = ("panda", "ur5", "ur10", "xarm7", "baxter_left")
+MESHES = (
+    "panda", "ur3", "ur5", "ur10", "xarm7", "baxter_left", "baxter_right", "kinova_j2s6s200",
+    "so101", "z1",
+)  # fmt: skip
 
 
 @pytest.mark.parametrize("name", REFERENCE_ROBOTS)
@@ -77,7 +80,7 @@ def beyond_all(points: Array, pieces: tuple[ConvexPiece, ...]) -> Array:
 
 @pytest.mark.parametrize("name", MESHES)
 def test_no_vertex_of_a_mesh_is_outside_its_pieces(name: str) -> None:
-    """Nor the middle of a triangle or of an edge; of some 4,000 such points a mesh."""
+    """Nor the middle of a triangle or of an edge; of some 2,000 such points a mesh."""
     robot = load_robot(name)
     source = robot.description.shapes
     found = robot_bodies(robot)
@@ -89,11 +92,11 @@ def test_no_vertex_of_a_mesh_is_outside_its_pieces(name: str) -> None:
         corners = mesh.vertices[mesh.triangles] @ R.T + p
         middles = 0.5 * (corners + np.roll(corners, 1, axis=1)).reshape(-1, 3)
         places = np.concatenate([mesh.vertices @ R.T + p, corners.mean(axis=1), middles])
-        places = places[:: max(1, len(places) // 4_000)]
+        places = places[:: max(1, len(places) // 2_000)]
         assert beyond_all(places, bodies[mesh.link].pieces).max() <= 1e-9, mesh.link
 
 
-def test_pieces_made_with_coacd_are_tighter_than_hulls() -> None:
+def test_pieces_of_a_split_mesh_are_tighter_than_its_hull() -> None:
     source = load_robot("ur5").description.shapes
     meshes = {m.link: m for m in link_meshes(source.urdf, source.folder, "ur5")}
     bodies = {body.name: body for body in robot_bodies(load_robot("ur5")).bodies}
@@ -101,7 +104,7 @@ def test_pieces_made_with_coacd_are_tighter_than_hulls() -> None:
         hull = hull_of(meshes[link].vertices)
         pieces = bodies[link].pieces
         assert len(pieces) > 1
-        assert bodies[link].excess < 0.02
+        assert bodies[link].excess <= 0.015
         volumes = [hull_of(piece.points).volume for piece in pieces]
         assert sum(volumes) < hull.volume
 

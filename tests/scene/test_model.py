@@ -185,7 +185,6 @@ def test_meshes_that_cannot_be_used_are_refused_by_field(tmp_path: Path) -> None
         ({"file": "bad.stl"}, tmp_path, "file"),
         ({"file": "cube.step"}, tmp_path, ".stl"),
         ({"file": "mm.stl"}, None, "Python, the shell and the client only"),
-        ({"id": "mesh-1"}, tmp_path, "mesh-1"),
     ):
         with pytest.raises(InvalidRequest, match=part) as caught:
             resolve_scene(mesh_scene(**shape), folder)

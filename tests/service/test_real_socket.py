@@ -4,6 +4,7 @@ import asyncio
 import contextlib
 import io
 import json
+import os
 import re
 import signal
 import socket
@@ -89,6 +90,25 @@ def test_the_command_plans_by_the_service(address, tmp_path, capsys):
     capsys.readouterr()
     assert main(["plan", str(request), "--server", address]) == 2
     assert capsys.readouterr().err.startswith("ikplan: invalid-request: start")
+
+
+def test_the_service_that_a_user_has_set_plans_without_a_compiler_here(address, tmp_path):
+    request = tmp_path / "request.json"
+    request.write_text(json.dumps(GOOD))
+    code = (
+        "import sys; from ikplan.cli import main\n"
+        f"assert main(['plan', {str(request)!r}, '--json', '-q']) == 0\n"
+        "print(sorted({'numba', 'pinocchio', 'scipy', 'toppra'} & {*sys.modules}), file=sys.stderr)"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", code],
+        env={**os.environ, "IKPLAN_SERVER": address},
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    assert json.loads(done.stdout)["id"] == ikplan.plan(GOOD).id
+    assert done.stderr == "[]\n"
 
 
 def test_the_command_shows_the_progress_of_a_service(address, tmp_path, monkeypatch):

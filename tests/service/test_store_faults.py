@@ -17,10 +17,10 @@ from ikplan import InvalidRequest
 from ikplan.cli import main
 from ikplan_api.app import create_app
 from ikplan_api.settings import Settings, load_settings
+from ikplan_api.store.document_store import StoredDocument
 from ikplan_api.store.plan_store import Job, StoreFault
-from ikplan_api.store.robot_store import StoredRobot
+from ikplan_api.store.sqlite_documents import SqliteDocumentStore
 from ikplan_api.store.sqlite_plans import SqlitePlanStore
-from ikplan_api.store.sqlite_robots import SqliteRobotStore
 
 from .conftest import ADDRESS
 from .stand_in import StandIn
@@ -145,11 +145,11 @@ class Failing:
         return counted
 
 
-ROBOT = StoredRobot(b"{}", b'{"name": "urdf-1"}')
+ROBOT = StoredDocument(b"{}", b'{"name": "urdf-1"}')
 
 
 def operations(store: SqlitePlanStore) -> list[tuple[str, Callable[[], Awaitable[Any]]]]:
-    robots = SqliteRobotStore(store, 10, 10**6)
+    robots = SqliteDocumentStore(store, "robots", 10, 10**6)
     other = JOB._replace(plan_id="k")
     return [
         ("accept j", lambda: store.accept(JOB)),
@@ -183,7 +183,7 @@ def test_whichever_operation_fails_nothing_accepted_is_lost(tmp_path: Path) -> N
             "pending": sorted(job.plan_id for job in await store.pending()),
             "a": await store.get("a"),
             "k": await store.get("k"),
-            "robots": await SqliteRobotStore(store, 10, 10**6).names(),
+            "robots": await SqliteDocumentStore(store, "robots", 10, 10**6).names(),
         }
 
     nth, failed_once = 0, True

@@ -17,9 +17,9 @@ from ikplan.cli import main
 from ikplan.robots import robot_from_urdf
 from ikplan_api.robots.build_robot import build_upload
 from ikplan_api.robots.robot_builder import RobotBuilder
-from ikplan_api.store.robot_store import MemoryRobotStore, RobotStore, StoredRobot
+from ikplan_api.store.document_store import DocumentStore, MemoryDocumentStore, StoredDocument
+from ikplan_api.store.sqlite_documents import SqliteDocumentStore
 from ikplan_api.store.sqlite_plans import SqlitePlanStore
-from ikplan_api.store.sqlite_robots import SqliteRobotStore
 from tests.measured import check_motion, waypoint_errors
 
 from .urdfs import ARM, chain
@@ -132,25 +132,25 @@ def test_the_client_raises_what_python_raises(client):
     assert remote.value.detail.partition(": ")[2] == local.value.detail.partition(": ")[2]
 
 
-def robot(size: int) -> StoredRobot:
-    return StoredRobot(b"d" * size, b"")
+def robot(size: int) -> StoredDocument:
+    return StoredDocument(b"d" * size, b"")
 
 
 @contextlib.asynccontextmanager
-async def robot_store(kind: str, path: Path | str, **bounds: int) -> AsyncIterator[RobotStore]:
+async def robot_store(kind: str, path: Path | str, **bounds: int) -> AsyncIterator[DocumentStore]:
     if kind == "memory":
-        yield MemoryRobotStore(**bounds)
+        yield MemoryDocumentStore(**bounds)
         return
     file = SqlitePlanStore(str(path), max_plans=9, max_bytes=10**6, max_age_s=3600.0)
     await file.open()
-    yield SqliteRobotStore(file, **bounds)
+    yield SqliteDocumentStore(file, "robots", **bounds)
     await file.close()
 
 
 @pytest.mark.anyio
 @pytest.mark.parametrize("kind", ["memory", "sqlite"])
 async def test_the_store_is_bounded_and_forgets_what_was_unused_for_longest(kind):
-    async with robot_store(kind, ":memory:", max_robots=2, max_bytes=10) as store:
+    async with robot_store(kind, ":memory:", max_documents=2, max_bytes=10) as store:
         assert [await store.put(n, robot(1)) for n in ("a", "b", "a")] == [True, True, False]
         assert await store.get("b") == robot(1)
         await store.put("c", robot(1))
@@ -168,7 +168,7 @@ async def test_the_store_is_bounded_and_forgets_what_was_unused_for_longest(kind
 
 @pytest.mark.anyio
 async def test_robots_outlive_the_service(tmp_path):
-    bounds = {"max_robots": 9, "max_bytes": 100}
+    bounds = {"max_documents": 9, "max_bytes": 100}
     async with robot_store("sqlite", tmp_path / "plans.sqlite", **bounds) as store:
         await store.put("a", robot(3))
     async with robot_store("sqlite", tmp_path / "plans.sqlite", **bounds) as store:

@@ -31,12 +31,40 @@ for extra in (
             run_task("plan", TaskInput(json.dumps(request).encode()))
         except IkplanError:
             pass
+def ask(kind, **request):
+    try:
+        run_task(kind, TaskInput(json.dumps(request).encode()))
+    except IkplanError as error:
+        return error.slug
+    return "made"
+
+# Checked for contact: clear of it, refused, proven, with what is carried.
+def scene(y, size):
+    shape = {"type": "box", "size": size}
+    return {"obstacles": [{"name": "box", "shape": shape, "position": [0.6, y, 0.4]}]}
+
+far, wall, block = scene(0.6, [0.1] * 3), scene(0.1, [0.9, 0.02, 0.9]), scene(0.2, [0.3] * 3)
+part = {"name": "part", "shape": {"type": "sphere", "radius": 0.02}, "last_segment": 0}
+ends = [[0.6, 0.0, 0.4], [0.6, 0.2, 0.4]]
+seen = []
+for robot in ("ur5", "panda"):
+    for how in ("line", "joint"):
+        path = {"waypoints": [{"position": p} for p in ends], "interpolation": how}
+        for around in (far, {**far, "attached": [part]}, wall, block):
+            request = {"robot": robot, "start": "free", "path": path, "scene": around}
+            seen.append(ask("plan", **request, sampling={"form": "polynomial"}))
+    for around in (far, block):
+        seen.append(ask("ik", robot=robot, position=ends[1], scene=around))
+        q = [0.2, -0.7, 0.1, -1.5, 0.1, 1.2, 0.1][: 6 if robot == "ur5" else 7]
+        rows = [q, [v + 0.2 for v in q]]
+        seen.append(ask("time", robot=robot, waypoints=rows, scene=around))
+assert {"made", "in-collision"} <= set(seen), seen
 for name, signature in sorted(compiled() - before):
     print(name, signature)
 """
 
 
-def test_after_the_warm_up_no_request_waits_for_a_compiler():
+def test_after_the_warm_up_no_request_waits_for_a_compiler() -> None:
     done = subprocess.run(
         [sys.executable, "-c", SCRIPT], capture_output=True, text=True, check=True, timeout=300
     )

@@ -16,6 +16,7 @@ from ikplan.errors import IkplanError, InvalidRequest
 from ikplan_api.http.problems import Refusal, http_problem, request_id_of
 from ikplan_api.jobs.plan_jobs import PlanJobs
 from ikplan_api.robots.uploads import named_robot
+from ikplan_api.scenes.uploads import with_stored_scene
 
 __all__ = ["NDJSON", "plan_lines", "split_lines"]
 
@@ -80,6 +81,7 @@ async def plan_lines(
 async def _plan_line(request: Request, index: int, line: bytes) -> bytes:
     jobs: PlanJobs = request.app.state.plan_jobs
     try:
+        line = await with_stored_scene(request, line)
         robot, known = await named_robot(request, "plan", line)
         job = await jobs.identify("plan", line, robot, known, wait_if_full=True)
         plan = await jobs.run(job, wait_if_full=True)

@@ -26,6 +26,7 @@ from ikplan_api.http.representations import (
 )
 from ikplan_api.jobs.plan_jobs import PlanJobs
 from ikplan_api.robots.uploads import named_robot
+from ikplan_api.scenes.uploads import with_stored_scene
 from ikplan_api.store.plan_store import Job
 from ikplan_api.workers.planner import Planner
 
@@ -78,6 +79,7 @@ async def create_plan_response(request: Request, kind: str) -> Response:
     form = accepted_format(request)
     document = await (_plan_request(request) if kind == "plan" else read_json_body(request))
     async with within_deadline(request) as deadline_s:
+        document = await with_stored_scene(request, document)
         robot, known = await named_robot(request, kind, document)
         job = await jobs.identify(kind, document, robot, known)
         if not _prefers_async(request):

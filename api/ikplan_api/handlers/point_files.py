@@ -80,6 +80,7 @@ PARAMETERS: dict[str, tuple[str, dict[str, Any]]] = {
         {"type": "string", "minLength": 1},
     ),
     "tool": (f"Tool frame, in the tip frame. {_NUMBERS}", {"type": "string"}),
+    "scene": ("Id of an uploaded scene.", {"type": "string", "minLength": 1}),
     "tool_speed": ("Limit of the tool speed [m/s].", {"type": "number", "exclusiveMinimum": 0}),
     "rate_hz": ("Samples per second [Hz].", {"type": "number", "minimum": 1}),
 }
@@ -199,6 +200,8 @@ def _document(
     )
     points = read_points(body, reading, joints)
     document, notes = request_of(points, choices)
+    if "scene" in query:
+        document["scene"] = query["scene"]
     if "tool_speed" in query:
         document.setdefault("limits", {})["tool_speed"] = _number(query, "tool_speed")
     if "rate_hz" in query:

@@ -17,7 +17,7 @@ from ikplan.documents.timing_request import TimingRequest
 from ikplan.robots import RobotUpload
 from ikplan_api.http.problems import PROBLEM
 from ikplan_api.http.representations import plan_contents
-from ikplan_api.http.schemas import PROBLEMS, BatchLine, Problem
+from ikplan_api.http.schemas import PROBLEMS, BatchLine, Problem, SceneUpload
 
 __all__ = ["install", "operation_id", "plan_answers", "problems", "request_body", "upload_body"]
 
@@ -28,6 +28,7 @@ _REQUESTS: tuple[type[BaseModel], ...] = (
     IkRequest,
     FkRequest,
     RobotUpload,
+    SceneUpload,
 )
 
 

@@ -14,7 +14,7 @@ from ikplan.pipeline.identity import UNKNOWN, KnownRequest
 from ikplan.robots import RobotUpload, is_upload_id, robot_names
 from ikplan_api.http.body import media_type_of, read_body
 from ikplan_api.http.problems import Refusal
-from ikplan_api.store.robot_store import RobotStore, StoredRobot
+from ikplan_api.store.document_store import DocumentStore, StoredDocument
 from ikplan_api.workers.tasks import SHORT, parse_request
 
 __all__ = ["JSON", "QUERY", "XML", "named_robot", "read_upload", "robot_document", "stored_robot"]
@@ -73,13 +73,13 @@ async def read_upload(request: Request) -> RobotUpload:
     return upload
 
 
-async def stored_robot(request: Request, name: str) -> StoredRobot:
+async def stored_robot(request: Request, name: str) -> StoredDocument:
     """Return an uploaded robot.
 
     Raises:
         RobotNotFound: It is not or no longer stored.
     """
-    store: RobotStore = request.app.state.robots
+    store: DocumentStore = request.app.state.robots
     robot = await store.get(name)
     if robot is None:
         raise RobotNotFound(

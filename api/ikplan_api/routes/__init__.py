@@ -14,6 +14,7 @@ from ikplan_api.routes import (
     points,
     poses,
     robots,
+    scenes,
     timings,
     visuals,
 )
@@ -27,6 +28,7 @@ ROUTERS: tuple[APIRouter, ...] = (
     timings.router,
     poses.router,
     robots.router,
+    scenes.router,
     visuals.router,
     health.router,
     metrics.router,

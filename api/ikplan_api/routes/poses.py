@@ -12,6 +12,7 @@ from ikplan_api.http.body import read_body
 from ikplan_api.http.disconnect import while_connected
 from ikplan_api.http.openapi import problems, request_body
 from ikplan_api.robots.uploads import robot_document
+from ikplan_api.scenes.uploads import with_stored_scene
 from ikplan_api.settings import Settings
 from ikplan_api.workers.planner import Planner
 
@@ -72,6 +73,7 @@ async def compute_fk(request: Request) -> Response:
         errors.InvalidRequest,
         errors.RobotNotFound,
         errors.Unreachable,
+        errors.InCollision,
         errors.BudgetExceeded,
         errors.MemoryExceeded,
         errors.WorkerLost,
@@ -85,4 +87,5 @@ async def solve_ik(request: Request) -> Response:
     A search that takes longer than `budget_s` is cancelled.
     """
     document = await _read(request)
-    return await _answer(request, "ik", document, parse_json(IkRequest, document).budget_s)
+    budget_s = parse_json(IkRequest, document).budget_s
+    return await _answer(request, "ik", await with_stored_scene(request, document), budget_s)

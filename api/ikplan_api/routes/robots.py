@@ -16,8 +16,8 @@ from ikplan_api.http.problems import Refusal
 from ikplan_api.http.schemas import RobotList, SolverList
 from ikplan_api.robots.robot_builder import RobotBuilder
 from ikplan_api.robots.uploads import QUERY, XML, read_upload, stored_robot
+from ikplan_api.store.document_store import DocumentStore, StoredDocument
 from ikplan_api.store.plan_store import StoreFault
-from ikplan_api.store.robot_store import RobotStore, StoredRobot
 from ikplan_api.workers import tasks
 
 __all__ = ["router"]
@@ -42,7 +42,7 @@ _EXAMPLE = {"urdf": _URDF, "title": "Two joints", "tool": {"position": [0.3, 0.0
 async def list_robots(request: Request) -> Response:
     """Return every robot with its joints, limits, home, frames and sources; uploads last."""
     document = await asyncio.to_thread(tasks.robots_document)
-    store: RobotStore = request.app.state.robots
+    store: DocumentStore = request.app.state.robots
     stored = [await store.get(name) for name in await store.names()]
     uploads = [robot.info for robot in stored if robot is not None]
     if uploads:
@@ -72,11 +72,11 @@ async def upload_robot(request: Request) -> Response:
     await asyncio.to_thread(upload.describe)
     name, document = upload.content_id(), upload.canonical()
     builder: RobotBuilder = request.app.state.robot_builder
-    store: RobotStore = request.app.state.robots
+    store: DocumentStore = request.app.state.robots
     known = await store.get(name)
     if known is None:
         info = await builder.build(document, name=name)
-        known = StoredRobot(document, json.dumps(info, allow_nan=False).encode())
+        known = StoredDocument(document, json.dumps(info, allow_nan=False).encode())
     try:
         new = await store.put(name, known)
     except StoreFault as error:
@@ -127,7 +127,7 @@ async def delete_robot(request: Request, name: str) -> Response:
             status=403,
         )
     await stored_robot(request, name)
-    store: RobotStore = request.app.state.robots
+    store: DocumentStore = request.app.state.robots
     await store.delete(name)
     return Response(status_code=204)
 

@@ -33,6 +33,7 @@ _EXAMPLE = {
     | plan_answers(
         errors.InvalidRequest,
         errors.RobotNotFound,
+        errors.InCollision,
         errors.TimingFailed,
         errors.BudgetExceeded,
         errors.MemoryExceeded,

@@ -105,8 +105,8 @@ class Settings(AccessSettings):
     store_path: str = Field(
         default_factory=_data_file,
         min_length=1,
-        description="File that stores plans, jobs and robots; `:memory:`: no file, a restart loses "
-        "them.",
+        description="File that stores plans, jobs, robots and scenes; `:memory:`: no file, a "
+        "restart loses them.",
     )
     store_damaged: Literal["refuse", "set-aside"] = Field(
         "refuse",
@@ -126,6 +126,12 @@ class Settings(AccessSettings):
         64 * 2**20,
         ge=8 * 2**20,
         description="Largest total size of the stored uploaded robots [bytes].",
+    )
+    store_scenes: int = Field(256, ge=1, description="Largest number of stored uploaded scenes.")
+    store_scene_bytes: int = Field(
+        128 * 2**20,
+        ge=16 * 2**20,
+        description="Largest total size of the stored uploaded scenes [bytes].",
     )
     robot_memory_bytes: int = Field(
         2**30, ge=2**29, description="Memory limit for the build of an uploaded robot [bytes]."

@@ -67,6 +67,13 @@ END;
 PRAGMA user_version = {_VERSION};
 COMMIT;
 """
+# Newer than the first version of the file: an older service leaves it alone.
+_SCENES = """
+CREATE TABLE IF NOT EXISTS scenes (
+    name TEXT PRIMARY KEY, bytes INTEGER NOT NULL, used REAL NOT NULL, document BLOB NOT NULL,
+    info BLOB NOT NULL
+);
+"""
 _OLD_PLANS = "DELETE FROM plans WHERE made < ?"
 _OLD_FAILURES = "DELETE FROM jobs WHERE problem IS NOT NULL AND accepted < ?"
 _SURPLUS = """
@@ -174,6 +181,7 @@ class SqlitePlanStore:
             if version < _VERSION:
                 # Plans of an older version are planned again on request.
                 await self._connection.executescript(_SCHEMA)
+            await self._connection.executescript(_SCENES)
             await self._learn_ids()
         except BaseException:
             await self.close()

@@ -259,7 +259,7 @@ def warm_up(methods: Sequence[str] = ("ik-ba", "lm")) -> None:
         kernels.warm_up(_running("time"), "time", jerk=jerk)
     for method in methods:
         kernels.warm_up(_running("ik"), "ik", method)
-        kernels.warm_up(_running("plan"), "plan", method, moves=True)
+        kernels.warm_up(_running("plan"), "plan", method, jerk=True, moves=True)
     robots_document()
     solvers_document()
 

@@ -109,10 +109,11 @@ class JointCurve:
 
     def _parameter(self, at: float) -> float:
         begins = self.begins
-        k = int(np.clip(np.searchsorted(begins, at, side="right") - 1, 0, len(begins) - 2))
-        length = begins[k + 1] - begins[k]
-        x = (at - begins[k]) / length if length > 0.0 else 0.0
-        return float(k + np.clip(x, 0.0, 1.0))
+        k = max(0, min(int(begins.searchsorted(at, side="right")) - 1, len(begins) - 2))
+        begin = float(begins[k])
+        length = float(begins[k + 1]) - begin
+        x = (at - begin) / length if length > 0.0 else 0.0
+        return k + max(0.0, min(x, 1.0))
 
 
 def _controls(length: Array, q: Array, begin: Array, end: Array) -> Array:

@@ -82,8 +82,12 @@ class ClearanceProof:
         direction, space = np.zeros((len(self.pairs.group), 3)), scratch()
         report = Report(self.model, self.pieces, self.pairs, self._obstacle, curve, tolerance)
         parts: list[Findings] = []
+        known: dict[tuple[bool, ...], tuple[Ints, Ints]] = {}
         for window in windows:
-            active, rows = self._active([is_there(body, window) for body in self.model.bodies])
+            there = tuple([is_there(body, window) for body in self.model.bodies])
+            if there not in known:
+                known[there] = self._active(there)
+            active, rows = known[there]
             out = findings()
             begin, end = curve.window(window.begin, window.end)
             if len(active):
@@ -96,7 +100,7 @@ class ClearanceProof:
         violation = None if document.proven else self._violation(curve, whole)
         return ClearanceResult(document, violation, int(whole.counts[0]), int(whole.counts[1]))
 
-    def _active(self, there: list[bool]) -> tuple[Ints, Ints]:
+    def _active(self, there: tuple[bool, ...]) -> tuple[Ints, Ints]:
         """Pairs of pieces, and rows of the model's pairs, of the bodies that are there."""
         both = np.asarray(np.asarray(there, dtype=np.bool_)[self._bodies].all(axis=1))
         return np.flatnonzero(both[self.pairs.pair]), np.flatnonzero(both)

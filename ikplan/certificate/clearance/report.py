@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -117,10 +118,10 @@ def _surface_points(points: Array, radii: Array) -> Array:
     Radii that overlap by more than the distance of the hulls meet in between.
     """
     line = points[1] - points[0]
-    length = float(np.linalg.norm(line))
+    length = math.sqrt(float(line @ line))
     if length == 0.0:
         return points
     whole = float(radii.sum())
     share = min(1.0, length / whole) if whole > 0.0 else 1.0
     along = line / length
-    return np.stack([points[0] + share * radii[0] * along, points[1] - share * radii[1] * along])
+    return np.array([points[0] + share * radii[0] * along, points[1] - share * radii[1] * along])

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 from typing import NamedTuple
 
 import numpy as np
@@ -9,7 +10,7 @@ from numpy.typing import NDArray
 
 from ikplan._jit import leaf_kernel
 from ikplan.errors import InvalidRequest
-from ikplan.scene.body import CollisionModel
+from ikplan.scene.body import Body, CollisionModel
 
 __all__ = ["PieceArrays", "PiecePairs", "bounding_sphere", "piece_pairs", "pieces_of"]
 
@@ -99,6 +100,14 @@ def _enclose(points: Array, best: Array) -> float:
     return float(np.sqrt(least))
 
 
+def _spheres(body: Body) -> tuple[tuple[Array, float], ...]:
+    return tuple(bounding_sphere(np.asarray(piece.points)) for piece in body.pieces)
+
+
+_link_spheres = functools.lru_cache(maxsize=1024)(_spheres)
+"""Of the links of robots, which are the same bodies from request to request."""
+
+
 def pieces_of(model: CollisionModel, carriers: int) -> PieceArrays:
     """Return the pieces of a model.
 
@@ -131,7 +140,11 @@ def pieces_of(model: CollisionModel, carriers: int) -> PieceArrays:
                 )
             points.append(corners)
             rows.append((float(piece.radius), body.carrier, b))
-    spheres = [bounding_sphere(corners) for corners in points]
+    spheres = [
+        sphere
+        for body in model.bodies
+        for sphere in (_link_spheres(body) if body.kind == "link" else _spheres(body))
+    ]
     joined = np.concatenate(points) if points else np.zeros((0, 3))
     return PieceArrays(
         np.ascontiguousarray(joined.T),

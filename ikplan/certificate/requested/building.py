@@ -82,10 +82,15 @@ class PathReader:
             piece = helix(self.at.p, spoke, z, segment.angle, 0.0)
             self._turned([piece], segment.orientation, z, field, segment.blend, axis)
             return
-        if segment.via is None or segment.to is None:
+        if segment.to is None:
             raise TypeError("an arc without points: the document does not allow it")
         to = self._frame.pose(segment.to)
-        piece = _through(self.at.p, self._frame.point(segment.via), to.p)
+        if segment.via is not None:
+            piece = _through(self.at.p, self._frame.point(segment.via), to.p)
+        elif segment.centre is not None:
+            piece = _around(self.at.p, self._frame.point(segment.centre), to.p)
+        else:
+            raise TypeError("an arc without points: the document does not allow it")
         turn = self._turn(to.R, axis)
         if turn is not None and self.at.R is not None:
             piece = piece.turning(self.at.R, turn / piece.length)
@@ -268,3 +273,16 @@ def _at_end(item: PathItem, piece: Piece) -> list[tuple[float, int]]:
     if piece.length == item.piece.length:
         return item.waypoints
     return [(piece.length, row) for _, row in item.waypoints]
+
+
+def _around(p0: Array, centre: Array, p1: Array) -> BendPiece:
+    """The arc around a centre, less than half a turn, about the axis across both its spokes.
+
+    The centre is moved along the chord until both ends are as far from it.
+    """
+    chord = p1 - p0
+    centre = centre + chord * float((0.5 * (p0 + p1) - centre) @ chord) / float(chord @ chord)
+    a, b = p0 - centre, p1 - centre
+    across = np.cross(a, b)
+    angle = float(np.arctan2(np.linalg.norm(across), a @ b))
+    return helix(p0, a, across / np.linalg.norm(across), angle, 0.0)

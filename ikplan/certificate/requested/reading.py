@@ -187,7 +187,7 @@ class _Reader:
         return self._open
 
     def _reader(self, begin: RequestedPose) -> PathReader:
-        return PathReader(self._frame, begin, self._new_row, self._path.blend)
+        return PathReader(self._frame, begin, self._new_row, self._path.blend or 0.0)
 
     def _close(self) -> None:
         if self._open is None:

@@ -3,21 +3,14 @@
 from __future__ import annotations
 
 import sys
-import traceback
+from collections.abc import Iterator
 from typing import Any
 
+from ikplan.cli.terminal.exit_codes import INTERNAL, NO_PLAN, WRONG_INPUT
 from ikplan.cli.terminal.output import say_json
-from ikplan.documents.json_text import json_ready
-from ikplan.errors import IkplanError, InvalidInput, NoPlan
+from ikplan.errors import IkplanError, InCollision, InvalidInput, NoPlan
 
 __all__ = ["INTERNAL", "NO_PLAN", "WRONG_INPUT", "fail", "fail_of_fault", "fail_of_file"]
-
-NO_PLAN = 1
-"""The request makes sense, and there is no plan; or not one for all of a batch."""
-WRONG_INPUT = 2
-"""Wrong usage or input."""
-INTERNAL = 3
-"""The service cannot be reached or refuses, or a fault of ours."""
 
 
 def fail(error: IkplanError, *, as_json: bool) -> int:
@@ -31,16 +24,36 @@ def fail(error: IkplanError, *, as_json: bool) -> int:
         The exit code.
     """
     _line(error.slug, error.detail)
+    if isinstance(error, InCollision):
+        _write("".join(f"  {line}\n" for line in _contact(error)))
     repairs: list[dict[str, Any]] = getattr(error, "repairs", [])
     for number, repair in enumerate(repairs, start=1):
         _write(f"  repair {number}: {repair['detail']}\n")
     if repairs:
         _write("  (--repair N applies one and plans)\n")
     if as_json:
+        from ikplan.documents.json_text import json_ready
+
         say_json(json_ready(error.to_problem()))
     if isinstance(error, InvalidInput):
         return WRONG_INPUT
     return NO_PLAN if isinstance(error, NoPlan) else INTERNAL
+
+
+def _contact(error: InCollision) -> Iterator[str]:
+    """Where a contact is, between what, and how deep."""
+    if not error.pair:
+        return
+    yield f"bodies: {' and '.join(error.pair)}"
+    if error.time is not None:
+        yield f"place: at {error.time:.3f} s of the motion"
+    elif error.waypoint is not None:
+        yield f"place: {'the start' if error.waypoint < 0 else f'waypoint {error.waypoint}'}"
+    if error.q:
+        yield f"joint values there: {' '.join(f'{v:.4f}' for v in error.q)}"
+    if error.depth > 0.0:
+        yield f"depth: {error.depth * 1e3:.2f} mm less than is asked for"
+    yield "contact is proven there" if error.proven else "no way around was found"
 
 
 def fail_of_file(error: OSError, *, as_json: bool) -> int:
@@ -55,6 +68,8 @@ def fail_of_file(error: OSError, *, as_json: bool) -> int:
 
 def fail_of_fault(error: Exception, *, as_json: bool) -> int:
     """Tell a fault of ours, with what is needed to find it."""
+    import traceback
+
     traceback.print_exception(error)
     _line(
         "internal-fault", f"{type(error).__name__}: {error}; please report it with the lines above"

@@ -5,8 +5,10 @@ from __future__ import annotations
 import argparse
 import sys
 from collections.abc import Iterable
+from typing import TYPE_CHECKING
 
-from ikplan.points.note import Note
+if TYPE_CHECKING:
+    from ikplan.points.note import Note
 
 __all__ = ["tell", "tell_notes", "tell_start"]
 

@@ -3,10 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from itertools import dropwhile, pairwise
 
+import numpy as np
+
 from ikplan.path.build.corners import Junctions, blend_radii
+from ikplan.path.build.dense_runs import smooth_runs
 from ikplan.path.build.items import ItemWaypoint, PathItem
+from ikplan.path.build.tolerance_corners import CornerTolerance, may_round, rounded_corners
 from ikplan.path.pieces.blend import Blend, blend_corner
 from ikplan.path.pieces.piece import Piece, Pose
 from ikplan.path.pieces.steady import line
@@ -16,7 +21,11 @@ __all__ = ["assemble"]
 
 
 def assemble(
-    begin: Pose, first: Sequence[ItemWaypoint], items: Sequence[PathItem], blend: float
+    begin: Pose,
+    first: Sequence[ItemWaypoint],
+    items: Sequence[PathItem],
+    blend: float,
+    rounding: CornerTolerance | None = None,
 ) -> ToolPath:
     """Join items to a path.
 
@@ -25,6 +34,7 @@ def assemble(
         first: Waypoints at the begin.
         items: The items in order, joined end to end.
         blend: Radius of the corners that have none of their own [m].
+        rounding: How much those corners may be rounded instead; None: not at all.
 
     Raises:
         InvalidRequest: A blend does not fit, or there is no corner for it.
@@ -42,7 +52,21 @@ def assemble(
         return ToolPath((spot,), tuple(waypoints), (), tuple(segments))
     kept = _without_empty(whole)
     junctions = Junctions.between(kept)
-    return _lay_out(waypoints, segments, kept, blend_radii(kept, junctions, blend), junctions)
+    may = may_round(kept, junctions) if rounding is not None else np.zeros(0, dtype=bool)
+    sharp = bool((may & junctions.sharp).any()) if rounding is not None else False
+    if rounding is not None:
+        smooth = smooth_runs(kept, junctions, rounding)
+        if len(smooth) != len(kept) or any(a is not b for a, b in zip(smooth, kept, strict=True)):
+            kept, junctions = smooth, Junctions.between(smooth)
+    radii = blend_radii(kept, junctions, blend)
+    blends = [
+        blend_corner(a.piece, b.piece, radius) if radius > 0.0 else None
+        for (a, b), radius in zip(pairwise(kept), radii, strict=True)
+    ]
+    if rounding is not None:
+        blends = rounded_corners(kept, junctions, blends, rounding)
+    path = _lay_out(waypoints, segments, kept, blends, junctions)
+    return replace(path, rounded=bool(may.any()), sharp=sharp)
 
 
 def _is_empty(item: PathItem) -> bool:
@@ -76,13 +100,9 @@ def _lay_out(
     waypoints: list[PathWaypoint],
     segments: list[SegmentRange],
     items: Sequence[PathItem],
-    radii: Sequence[float],
+    blends: Sequence[Blend | None],
     junctions: Junctions,
 ) -> ToolPath:
-    blends = [
-        blend_corner(a.piece, b.piece, radius) if radius > 0.0 else None
-        for (a, b), radius in zip(pairwise(items), radii, strict=True)
-    ]
     pieces: list[Piece] = []
     corners: list[Corner] = []
     s, before = 0.0, None
@@ -99,13 +119,13 @@ def _lay_out(
         for m in item.waypoints:
             last = m.s >= item.piece.length
             where = at if last else s + m.s - cut
-            exact = not (last and after is not None)
+            exact = m.exact and not (last and after is not None)
             waypoints.append(PathWaypoint(m.row, m.name, where, m.pose.R, m.pose.p, exact))
             row = m.row if last else row
         if after is not None:
             pieces.append(after.piece)
             corners.append(
-                Corner(at, item.field, row, radii[k], after.deviation, after.rotation, False)
+                Corner(at, item.field, row, after.radius, after.deviation, after.rotation, False)
             )
             end += after.piece.length
         elif k + 1 < len(items) and junctions.jump[k]:

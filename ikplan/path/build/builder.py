@@ -15,8 +15,9 @@ from ikplan.path.build.items import ItemWaypoint, PathItem
 from ikplan.path.build.orientation_lead_in import lead_in_orientations
 from ikplan.path.build.path_frame import PathFrame
 from ikplan.path.build.spline_items import spline_items
+from ikplan.path.build.tolerance_corners import CornerTolerance
 from ikplan.path.coincidence import COINCIDENT, joined
-from ikplan.path.curves.arcs import arc_about, arc_through
+from ikplan.path.curves.arcs import arc_about, arc_around, arc_through
 from ikplan.path.curves.named_curves import curve_pieces
 from ikplan.path.pieces.piece import Piece, Pose
 from ikplan.path.pieces.steady import line
@@ -40,6 +41,7 @@ class PathBuilder:
         row: Gives each waypoint its row among those of the request.
         free_axis: "tool_x", ...: the axis of the tool about which it may turn; None: none.
         blend: Radius of the corners that have none of their own [m].
+        rounding: How much those corners may be rounded instead; None: not at all.
     """
 
     def __init__(
@@ -50,6 +52,7 @@ class PathBuilder:
         row: Callable[[], int],
         free_axis: str | None = None,
         blend: float = 0.0,
+        rounding: CornerTolerance | None = None,
     ) -> None:
         self._frame = frame
         self._begin = self._at = begin
@@ -57,6 +60,7 @@ class PathBuilder:
         self._row = row
         self._free_axis = None if free_axis is None else _AXES[free_axis]
         self._blend = blend
+        self._rounding = rounding
         self._items: list[PathItem] = []
         self._first: list[ItemWaypoint] = []
 
@@ -111,6 +115,9 @@ class PathBuilder:
             if segment.via is not None and segment.to is not None:
                 to, name = frame.pose(segment.to), f"{field}.to"
                 piece: Piece = arc_through(self._at.p, frame.point(segment.via), to.p)
+            elif segment.centre is not None and segment.to is not None:
+                to, name = frame.pose(segment.to), f"{field}.to"
+                piece = arc_around(self._at.p, frame.point(segment.centre), to.p)
             elif segment.centre is not None and segment.angle is not None:
                 centre, z = frame.point(segment.centre), frame.direction(segment.axis)
                 piece = arc_about(self._at.p, centre, z, segment.angle)
@@ -208,7 +215,7 @@ class PathBuilder:
                 180 degrees away.
         """
         items = lead_in_orientations(self._items, self._begin, self._first_name, self._free_axis)
-        return assemble(self._begin, self._first, items, self._blend)
+        return assemble(self._begin, self._first, items, self._blend, self._rounding)
 
     def _turn_to(
         self, R1: Array | None, name: str, field: str, turn_axis: Array | None

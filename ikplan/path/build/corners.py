@@ -22,6 +22,8 @@ _BACK = 1e-3
 """Two directions this near to opposite turn back, and cannot be blended [rad]."""
 _MAX_TURN = 0.9 * np.pi
 """How much both sides of a blend together may turn within its radius [rad]."""
+_SHARP = 0.3
+"""A change of direction, or of angular rate times TURN_LENGTH, by more than this is sharp."""
 _ROUNDING = 1.0 + 1e-12
 
 
@@ -33,12 +35,14 @@ class Junctions(NamedTuple):
         back: Whether the path turns back.
         spot: Whether the tool turns on the spot before or after it.
         rate: Angular rates of both sides added, 0 where one is free [rad/m].
+        sharp: Whether direction or angular rate change by much.
     """
 
     jump: Flags
     back: Flags
     spot: Flags
     rate: Array
+    sharp: Flags
 
     @classmethod
     def between(cls, items: Sequence[PathItem]) -> Junctions:
@@ -58,6 +62,7 @@ class Junctions(NamedTuple):
             np.arctan2(across, dot(before.v, after.v)) > np.pi - _BACK,
             spots[1:] | spots[:-1],
             np.where(both, rates, 0.0),
+            (np.linalg.norm(before.v - after.v, axis=1) > _SHARP) | (turn > _SHARP),
         )
 
 

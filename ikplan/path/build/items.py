@@ -19,12 +19,14 @@ class ItemWaypoint:
         row: Its row among the waypoints of the request.
         name: What the request calls it.
         pose: The pose asked for.
+        exact: Whether the item passes it.
     """
 
     s: float
     row: int
     name: str
     pose: Pose
+    exact: bool = True
 
 
 @dataclass

@@ -23,6 +23,7 @@ from ikplan.documents.segment import (
 from ikplan.errors import InvalidRequest
 from ikplan.path.build.builder import PathBuilder
 from ikplan.path.build.path_frame import PathFrame
+from ikplan.path.build.tolerance_corners import CornerTolerance, Rounding
 from ikplan.path.pieces.piece import Pose
 from ikplan.path.tool_path import ToolPath
 
@@ -80,7 +81,9 @@ class ToolLeg:
 Leg = JointLeg | MoveLeg | ToolLeg
 
 
-def legs_of(path: PathRequest, start: Pose | None, fk: ForwardKinematics) -> list[Leg]:
+def legs_of(
+    path: PathRequest, start: Pose | None, fk: ForwardKinematics, rounding: Rounding = "all"
+) -> list[Leg]:
     """Return the legs of a path, in order.
 
     The waypoints are numbered through all legs in the order in which they are passed. Rows are:
@@ -92,11 +95,12 @@ def legs_of(path: PathRequest, start: Pose | None, fk: ForwardKinematics) -> lis
         start: The tool's pose in the base at the start; None: the start is free.
         fk: Returns rotation (3, 3) and position (3,) [m] of the tool in the base for joint values
             of shape (dof,); asked for what comes after a joint segment to ``q``.
+        rounding: Which corners are rounded within the tolerance, if the path asks for it.
 
     Raises:
         InvalidRequest: The path makes no sense; names the field.
     """
-    walk = _Walk(path, start, fk)
+    walk = _Walk(path, start, fk, rounding)
     if path.waypoints is not None:
         walk.waypoints()
     else:
@@ -107,8 +111,11 @@ def legs_of(path: PathRequest, start: Pose | None, fk: ForwardKinematics) -> lis
 class _Walk:
     """Goes along a request and collects legs."""
 
-    def __init__(self, path: PathRequest, start: Pose | None, fk: ForwardKinematics) -> None:
+    def __init__(
+        self, path: PathRequest, start: Pose | None, fk: ForwardKinematics, rounding: Rounding
+    ) -> None:
         self._path = path
+        self._rounding = CornerTolerance.of(path, rounding)
         self._frame = PathFrame(path)
         self._fk = fk
         self._row = count().__next__
@@ -256,7 +263,8 @@ class _Walk:
     def _new_builder(self, begin: Pose) -> PathBuilder:
         free = self._path.orientation_free
         axis = None if free is None or free == "all" else free.about
-        return PathBuilder(self._frame, begin, self._name, self._row, axis, self._path.blend)
+        blend = self._path.blend or 0.0
+        return PathBuilder(self._frame, begin, self._name, self._row, axis, blend, self._rounding)
 
     def _close(self) -> None:
         self._close_tool()

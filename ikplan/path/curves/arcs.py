@@ -11,11 +11,19 @@ from ikplan.path.coincidence import COINCIDENT
 from ikplan.path.pieces.piece import unit
 from ikplan.path.pieces.steady import SteadyPiece, line
 
-__all__ = ["arc_about", "arc_through", "helix_about"]
+__all__ = ["arc_about", "arc_around", "arc_through", "helix_about"]
 
 
 _STRAIGHT = 1e-9
 """An arc that bulges by less than this [m] is a line."""
+
+
+_LEAST_RADIUS = 1e-6
+"""A circle of a smaller radius is no path [m]."""
+_UNEVEN = 1e-3
+"""How much the distances of both ends from a centre may differ, as a share of the radius."""
+_HALF_TURN = 1e-3
+"""An angle this near to half a turn does not tell which way round an arc goes [rad]."""
 
 
 def arc_through(p0: Array, via: Array, p1: Array) -> SteadyPiece:
@@ -55,7 +63,45 @@ def arc_through(p0: Array, via: Array, p1: Array) -> SteadyPiece:
     n = unit(side - float(side @ t) * t)
     half = math.atan2(float(np.linalg.norm(side)), float(b @ t))
     length = float(np.linalg.norm(b)) * half / math.sin(half)
+    _refuse_microscopic(0.5 * length / half)
     return _steady(p0, t, n, np.zeros(3), 1.0, 2.0 * half / length, length)
+
+
+def arc_around(p0: Array, centre: Array, p1: Array) -> SteadyPiece:
+    """Return the arc from p0 to p1 around a centre, the shorter way.
+
+    Args:
+        p0: First point, shape (3,) [m].
+        centre: Centre of the circle, as far from p0 as from p1 but for a thousandth, shape (3,).
+        p1: Last point, shape (3,) [m].
+
+    Raises:
+        ValueError: The points do not make one arc; says why.
+    """
+    a, b = float(np.linalg.norm(p0 - centre)), float(np.linalg.norm(p1 - centre))
+    _refuse_microscopic(min(a, b))
+    if abs(a - b) > _UNEVEN * max(a, b):
+        raise ValueError(
+            f"its ends are {a:.6g} m and {b:.6g} m from its centre, and not as far as each other"
+        )
+    chord = p1 - p0
+    if np.linalg.norm(chord) <= COINCIDENT:
+        raise ValueError("its ends coincide; a full circle is an arc by centre and angle")
+    along = unit(chord)
+    middle = 0.5 * (p0 + p1)
+    # From the point of the middle plane nearest to the centre given, towards the chord.
+    out = (middle - centre) - float((middle - centre) @ along) * along
+    radius = math.hypot(float(np.linalg.norm(out)), 0.5 * float(np.linalg.norm(chord)))
+    if np.linalg.norm(out) <= 0.5 * _HALF_TURN * radius:
+        raise ValueError(
+            "it is half a turn, and could go either way; give via and to, or centre and angle"
+        )
+    return arc_through(p0, middle - out + radius * unit(out), p1)
+
+
+def _refuse_microscopic(radius: float) -> None:
+    if radius < _LEAST_RADIUS:
+        raise ValueError(f"its radius of {radius:.3g} m is below {_LEAST_RADIUS:g} m")
 
 
 def arc_about(p0: Array, centre: Array, z: Array, angle: float) -> SteadyPiece:
@@ -74,6 +120,7 @@ def arc_about(p0: Array, centre: Array, z: Array, angle: float) -> SteadyPiece:
     spoke = spoke - float(spoke @ z) * z
     if np.linalg.norm(spoke) <= COINCIDENT:
         raise ValueError("it begins on its own axis")
+    _refuse_microscopic(float(np.linalg.norm(spoke)))
     arc = helix_about(p0, spoke, z, angle, 0.0)
     if arc.length <= COINCIDENT:
         raise ValueError(f"it is no longer than {COINCIDENT:g} m: a point, not a path")

@@ -4,14 +4,16 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Protocol
+from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
-from scipy.interpolate import CubicSpline
 
 from ikplan.arrays import Array
 
-__all__ = ["CubicShape", "QuinticShape", "RoseShape", "Shape", "SinusoidShape"]
+if TYPE_CHECKING:
+    from scipy.interpolate import BSpline
+
+__all__ = ["CubicShape", "FittedShape", "QuinticShape", "RoseShape", "Shape", "SinusoidShape"]
 
 
 class Shape(Protocol):
@@ -40,6 +42,8 @@ class CubicShape:
     """
 
     def __init__(self, points: Array) -> None:
+        from scipy.interpolate import CubicSpline  # slow to import
+
         chords = np.linalg.norm(np.diff(points, axis=0), axis=1)
         self.breaks: Array = np.concatenate([[0.0], np.cumsum(chords)])
         spline = CubicSpline(self.breaks, points, axis=0, bc_type="natural")
@@ -54,6 +58,23 @@ class CubicShape:
         p = ((c3 * x + c2) * x + c1) * x + c0
         p[t == self.breaks[-1]] = self._last
         return p, (3.0 * c3 * x + 2.0 * c2) * x + c1, 6.0 * c3 * x + 2.0 * c2
+
+
+class FittedShape:
+    """A cubic spline that is given.
+
+    Args:
+        spline: The spline; its first three columns are positions [m].
+    """
+
+    def __init__(self, spline: BSpline) -> None:
+        self.breaks: Array = np.unique(spline.t)
+        self._orders = (spline, spline.derivative(), spline.derivative(2))
+
+    def derivatives(self, t: Array) -> tuple[Array, Array, Array]:
+        """See :class:`Shape`."""
+        p, first, second = (np.asarray(order(t))[:, :3] for order in self._orders)
+        return p, first, second
 
 
 class QuinticShape:

@@ -23,6 +23,7 @@ class Blend:
 
     Attributes:
         piece: The blend.
+        radius: Radius of the ball about the corner that it is in [m].
         reach: How much of either side it replaces [m].
         nearest: Length from the blend's begin of the pose nearest to the corner [m].
         deviation: Distance of that pose from the corner [m].
@@ -30,6 +31,7 @@ class Blend:
     """
 
     piece: Piece
+    radius: float
     reach: float
     nearest: float
     deviation: float
@@ -70,7 +72,7 @@ def blend_corner(before: Piece, after: Piece, radius: float) -> Blend:
     if turning is not None:
         rotation = float(angle_between(at.R[0], after.evaluate(np.zeros(1)).R[0]))
     deviation = float(np.linalg.norm(at.p[0] - corner))
-    return Blend(piece, reach, nearest, deviation, rotation)
+    return Blend(piece, radius, reach, nearest, deviation, rotation)
 
 
 def _end(derivatives: PathDerivatives, scale: float) -> Array:

@@ -23,6 +23,7 @@ class CurvedPiece(Piece):
         begin: Arc length of the curve at which the piece begins [m].
         length: Length of the piece [m].
         turning: The law of the orientation; None: free.
+        grouped: Whether it is one of many parts of a curve, which are evaluated together.
     """
 
     curve: ArcLength
@@ -30,6 +31,7 @@ class CurvedPiece(Piece):
     length: float
     turning: Turning | None = None
     turns: bool = False
+    grouped: bool = False
 
     @classmethod
     def whole(cls, curve: ArcLength, turning: Turning | None = None) -> CurvedPiece:

@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
-from scipy.interpolate import CubicSpline, PPoly
 
 from ikplan.arrays import Array
 from ikplan.path.curves.arc_length import CurvePoints
 from ikplan.path.pieces.piece import dot
 from ikplan.path.rotation.so3 import rotation_of
+
+if TYPE_CHECKING:
+    from scipy.interpolate import PPoly
 
 __all__ = ["SplineTurning"]
 
@@ -52,6 +56,8 @@ class SplineTurning:
             self._fit(knots, q)
 
     def _fit(self, knots: Array, q: Array) -> None:
+        from scipy.interpolate import CubicSpline  # slow to import
+
         self._spline = CubicSpline(knots, q, axis=0, bc_type="natural")
         between = self._spline(np.linspace(knots[:-1], knots[1:], 9).ravel())
         off = np.abs(np.linalg.norm(between, axis=1) - 1.0).reshape(9, -1).max(axis=0)
@@ -77,6 +83,8 @@ def _monotone(x: Array, y: Array) -> PPoly:
     Slopes are harmonic means of those of the chords on either side, so at most twice the smaller,
     and second derivatives 0: by the Bernstein form of its slope such a quintic does not fall.
     """
+    from scipy.interpolate import PPoly
+
     h, chord = np.diff(x), np.diff(y) / np.diff(x)
     slope = np.concatenate(
         [chord[:1], 2.0 * chord[1:] * chord[:-1] / (chord[1:] + chord[:-1]), chord[-1:]]

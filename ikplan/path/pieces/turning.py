@@ -5,13 +5,20 @@ from __future__ import annotations
 from typing import Protocol
 
 import numpy as np
+from scipy.interpolate import BSpline
 
 from ikplan.arrays import Array
 from ikplan.path.curves.arc_length import ArcLength, CurvePoints
 from ikplan.path.pieces.piece import dot
-from ikplan.path.rotation.so3 import exp, log, right_jacobian, right_jacobian_inverse
+from ikplan.path.rotation.so3 import (
+    exp,
+    log,
+    right_jacobian,
+    right_jacobian_inverse,
+    rotation_of,
+)
 
-__all__ = ["BlendTurning", "HeadingTurning", "SteadyTurning", "Turning"]
+__all__ = ["BlendTurning", "FittedTurning", "HeadingTurning", "SteadyTurning", "Turning"]
 
 
 class Turning(Protocol):
@@ -105,3 +112,32 @@ class BlendTurning:
         rate = np.einsum("mji,j->mi", E, self._A_rate) + rate_E
         R = A @ E
         return R, np.einsum("mij,mj->mi", R, rate) / points.speed[:, None]
+
+
+class FittedTurning:
+    """Turns along a spline of quaternions over the curve's own parameter.
+
+    Args:
+        spline: A spline with seven columns, the last four of which are quaternions (x, y, z, w) of
+            about unit length; or, without turning, with three.
+        quaternion: Unit quaternion at the begin, shape (4,).
+        turns: Whether the tool turns.
+    """
+
+    def __init__(self, spline: BSpline, quaternion: Array, *, turns: bool) -> None:
+        self._spline, self._turns = spline, turns
+        self._first = spline.derivative()
+        self._R0 = rotation_of(quaternion)
+
+    def evaluate(self, points: CurvePoints) -> tuple[Array, Array]:
+        """See :class:`Turning`."""
+        if not self._turns:
+            return np.tile(self._R0, (len(points.t), 1, 1)), np.zeros((len(points.t), 3))
+        q = self._spline(points.t)[:, 3:]
+        dq = self._first(points.t)[:, 3:] / points.speed[:, None]
+        norm = np.linalg.norm(q, axis=1)[:, None]
+        q, dq = q / norm, dq / norm
+        # Angular rate 2 dq q*, of which the part of dq along q adds only to the real part.
+        v, w = q[:, :3], q[:, 3:]
+        rate = 2.0 * (w * dq[:, :3] - dq[:, 3:] * v - np.cross(dq[:, :3], v))
+        return rotation_of(q), rate

@@ -9,6 +9,7 @@ the path, and nowhere else.
 from __future__ import annotations
 
 import contextlib
+from collections.abc import Iterator
 
 import numpy as np
 
@@ -17,6 +18,7 @@ from ikplan.collision.check import Contact
 from ikplan.planning.ladder.joint_length import joint_path_length
 from ikplan.planning.ladder.path_shortening import shorten_sequence
 from ikplan.planning.tracking.densify import densify
+from ikplan.planning.tracking.dodge import dodged_sequence
 from ikplan.planning.tracking.global_redundancy import resolve_redundancy_globally
 from ikplan.planning.tracking.reference_path import (
     ReferencePath,
@@ -103,13 +105,22 @@ class PathTracker(TrackedArm):
             BudgetExceeded: The time budget ran out.
         """
         for step, share in _GLOBAL_STEPS if self.redundant(reference) else ():
-            sequences = self._resolve_globally(
-                reference, starts, costs, max(step, share * reference.length)
-            )
-            if sequences:
-                with contextlib.suppress(TrackingFailed):
-                    return self._densify_first(reference, sequences[:_TRIED])
+            spacing = max(step, share * reference.length)
+            for sequences in self._global_sequences(reference, starts, costs, spacing):
+                if sequences:
+                    with contextlib.suppress(TrackingFailed):
+                        return self._densify_first(reference, sequences[:_TRIED])
         raise TrackingFailed(0.0, starts[0].copy())
+
+    def _global_sequences(
+        self, reference: ReferencePath, starts: Array, costs: Array, spacing: float
+    ) -> Iterator[list[_JointSequence]]:
+        """Yield sequences chosen over all points; where there are obstacles, around them first."""
+        if self.contact is not None:
+            s = initial_points(reference, spacing)
+            q = dodged_sequence(self, reference, starts, costs, s)
+            yield [] if q is None else [(_length(q), s, q)]
+        yield self._resolve_globally(reference, starts, costs, spacing)
 
     def _densify_first(
         self, reference: ReferencePath, sequences: list[_JointSequence]
@@ -127,7 +138,7 @@ class PathTracker(TrackedArm):
                 continue
             waypoint = nearest_points(s, reference.waypoint_s)
             return TrackedPath(s, q, rest, waypoint, length)
-        raise max(broken, key=lambda failure: failure.s)
+        raise max(broken, key=lambda failure: (failure.contact is not None, failure.s))
 
     def _track_starts(
         self, reference: ReferencePath, starts: Array, costs: Array, step: float
@@ -261,8 +272,13 @@ def _in_contact(contact: Contact, s: Array) -> TrackingFailed:
 
 
 def _farthest_failure(a: TrackingFailed | None, b: TrackingFailed | None) -> TrackingFailed | None:
-    """Whichever got farther along the path; the first of those that got equally far."""
-    return b if a is None or (b is not None and b.s > a.s) else a
+    """Whichever got farther along the path; the first of those that got equally far.
+
+    What is tracked to the end but for contact counts before what is not: obstacles hold it alone.
+    """
+    if a is None or b is None:
+        return b if a is None else a
+    return b if (b.contact is not None, b.s) > (a.contact is not None, a.s) else a
 
 
 def _length(q: Array) -> float:

@@ -11,7 +11,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from matplotlib.figure import Figure
 
-from ikplan.errors import RobotNotFound
+from ikplan.errors import InvalidRobot, RobotNotFound
+from ikplan.plans.figures.bodies import draw_bodies, draw_clearance
 from ikplan.plans.figures.style import (
     COLOURS,
     IMAGE_SUFFIXES,
@@ -22,6 +23,7 @@ from ikplan.plans.figures.style import (
     style,
 )
 from ikplan.plans.summary import certificate_rows
+from ikplan.scene.model import collision_model
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -31,11 +33,21 @@ if TYPE_CHECKING:
 
     from ikplan.documents.plan_document import PlanDocument
     from ikplan.robots import Robot
+    from ikplan.scene.body import CollisionModel
 
 __all__ = ["IMAGE_SUFFIXES", "check_image_suffix", "draw_plan", "plot_plan"]
 
+_AROUND = 0.25
+"""Half width of what is shown around a path where there are obstacles, at least [m]."""
 
-def plot_plan(plan: PlanDocument, path: str | Path, *, robot: Robot | None = None) -> None:
+
+def plot_plan(
+    plan: PlanDocument,
+    path: str | Path,
+    *,
+    robot: Robot | None = None,
+    model: CollisionModel | None = None,
+) -> None:
     """Draw a plan to a file.
 
     Args:
@@ -44,37 +56,47 @@ def plot_plan(plan: PlanDocument, path: str | Path, *, robot: Robot | None = Non
         robot: The robot with its tool. A plan tells neither limits nor the tool, so without
             this they are the catalogue's and the path is that of the tip; for a robot that is
             not in the catalogue, limits and path are left out.
+        model: The bodies of the request. A plan does not tell obstacles nor what is carried, so
+            without this the clearance drawn is that of the arm from itself.
 
     Raises:
         InvalidRequest: No image can be written with that suffix.
         OSError: The file cannot be written.
     """
     suffix = check_image_suffix(path)
-    figure = draw_plan(plan, robot=robot)
+    figure = draw_plan(plan, robot=robot, model=model)
     with style():
         figure.savefig(path, format=suffix[1:], dpi=150, metadata=METADATA[suffix])
 
 
-def draw_plan(plan: PlanDocument, *, robot: Robot | None = None) -> Figure:
+def draw_plan(
+    plan: PlanDocument, *, robot: Robot | None = None, model: CollisionModel | None = None
+) -> Figure:
     """Draw a plan; the arguments are those of :func:`plot_plan`."""
     with style():
-        return _draw(plan, robot)
+        return _draw(plan, robot, model)
 
 
-def _draw(plan: PlanDocument, robot: Robot | None) -> Figure:
+def _draw(plan: PlanDocument, robot: Robot | None, model: CollisionModel | None) -> Figure:
     known = robot if robot is not None else _from_catalogue(plan)
     if known is not None and list(known.joint_names) != plan.joint_names:
         known = None
-    figure = Figure(figsize=(12.0, 7.2), layout="constrained")
+    checked = plan.certificate.clearance is not None and plan.certificate.clearance.pair is not None
+    if checked and model is None and known is not None:
+        model = _own_bodies(known)
+    figure = Figure(figsize=(12.0, 8.8 if checked else 7.2), layout="constrained")
     figure.suptitle(_headline(plan), x=0.01, ha="left", fontsize=12, fontweight="bold")
     halves: Any = figure.subfigures(1, 2, width_ratios=[1.5, 1.0])
     units = [unit for unit in ("rad", "m") if unit in plan.joint_units]
     rows = halves[0].subplots(
-        len(units) + 1, 2, width_ratios=[1.0, 0.22], sharey="row", squeeze=False
+        len(units) + 1 + checked, 2, width_ratios=[1.0, 0.22], sharey="row", squeeze=False
     )
     for row, unit in zip(rows, units, strict=False):
         _positions(row[0], row[1], plan, known, unit)
     _velocities(rows[-1][0], rows[-1][1], plan, known)
+    if checked:
+        draw_clearance(rows[-2][0], plan, known, model)
+        rows[-2][1].axis("off")
     for curves, _ in rows:
         curves.set_xlim(0.0, max(plan.duration, 1e-9))
         curves.tick_params(labelbottom=curves is rows[-1][0])
@@ -83,7 +105,8 @@ def _draw(plan: PlanDocument, robot: Robot | None) -> Figure:
         rows[0][1].tick_params(labelbottom=False)
     above, below = halves[1].subfigures(2, 1, height_ratios=[1.0, 0.42])
     if known is not None:
-        _tool_path(above.add_subplot(projection="3d"), plan, known, tip=robot is None)
+        axes = above.add_subplot(projection="3d")
+        _tool_path(axes, plan, known, model, tip=robot is None)
     else:
         reason = f"{plan.robot!r} is not in the catalogue:\nno limits and no path of the tool"
         above.text(0.5, 0.5, reason, ha="center", color="#555555")
@@ -112,6 +135,14 @@ def _from_catalogue(plan: PlanDocument) -> Robot | None:
     try:
         return catalogue_robot(plan.robot)
     except RobotNotFound:
+        return None
+
+
+def _own_bodies(robot: Robot) -> CollisionModel | None:
+    """The bodies of the arm; None: its description makes no sense, which a plan has told."""
+    try:
+        return collision_model(robot)
+    except InvalidRobot:
         return None
 
 
@@ -183,7 +214,9 @@ def _joint_ticks(axes: Axes, plan: PlanDocument, joints: list[int]) -> None:
         tick.set_color(colour(j))
 
 
-def _tool_path(axes: Any, plan: PlanDocument, robot: Robot, *, tip: bool) -> None:
+def _tool_path(
+    axes: Any, plan: PlanDocument, robot: Robot, model: CollisionModel | None, *, tip: bool
+) -> None:
     """The path in the base frame, with the waypoints and the same scale on each axis."""
     samples = plan.trajectory.q
     if len(samples) > 600:
@@ -199,13 +232,19 @@ def _tool_path(axes: Any, plan: PlanDocument, robot: Robot, *, tip: bool) -> Non
     axes.set_xlabel("x [m]")
     axes.set_ylabel("y [m]")
     axes.set_zlabel("z [m]")
-    everything = np.vstack([path, marks])
+    clearance = plan.certificate.clearance
+    near = [] if clearance is None or clearance.points is None else clearance.points
+    everything = np.vstack([path, marks, *([p] for p in near)])
     middle = (everything.max(axis=0) + everything.min(axis=0)) / 2
     half = 0.55 * max(float(np.ptp(everything, axis=0).max()), 1e-3)
+    if model is not None and any(body.kind == "obstacle" for body in model.bodies):
+        half = max(half, _AROUND)
     for set_limits, centre in zip(
         (axes.set_xlim, axes.set_ylim, axes.set_zlim), middle, strict=True
     ):
         set_limits(centre - half, centre + half)
+    if model is not None:
+        draw_bodies(axes, plan, robot, model, middle - half, middle + half)
     axes.set_box_aspect((1, 1, 1), zoom=0.9)
     axes.locator_params(nbins=5)
     axes.legend(loc="upper left", ncols=2)

@@ -12,6 +12,7 @@ from ikplan.errors import InvalidRobot
 from ikplan.robots.definition.collision import CollisionEntry
 from ikplan.robots.definition.defaults import ACCELERATION_DEFAULTS, VELOCITY_DEFAULTS
 from ikplan.robots.definition.strict import Number, Strict, Triple
+from ikplan.robots.yaml_text import load_yaml
 
 __all__ = [
     "AxesKinematics",
@@ -182,7 +183,7 @@ def read_robot_file(text: str, *, robot: str) -> RobotFile:
         InvalidRobot: Not YAML, or a field is missing, unknown or wrong; it is named.
     """
     try:
-        content: Any = yaml.safe_load(text)
+        content: Any = load_yaml(text)
     except yaml.YAMLError as error:
         where = " ".join(str(error).split())
         raise InvalidRobot(f"{robot}: not YAML: {where}", robot=robot) from error

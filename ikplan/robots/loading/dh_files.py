@@ -15,13 +15,13 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, Literal, cast
 
-import yaml
 from pydantic import ValidationError
 
 from ikplan.errors import InvalidRobot
 from ikplan.robots.definition.chains import dh_tree
 from ikplan.robots.definition.schema import DhKinematics, DhRow, JointEntry
 from ikplan.robots.urdf.tree import KinematicTree
+from ikplan.robots.yaml_text import load_yaml
 
 __all__ = ["is_dh_document", "read_dh_file"]
 
@@ -65,7 +65,7 @@ def read_dh_file(
     if path.suffix.lower() == ".csv":
         rows, said = _csv_rows(text, robot)
     else:
-        content = yaml.safe_load(text)
+        content = load_yaml(text)
         rows, said = content["rows"], {k: v for k, v in content.items() if k != "rows"}
     settings = _settings({**said, **arguments}, robot)
     if not isinstance(rows, list) or not 1 <= len(rows) <= 64:

@@ -15,6 +15,7 @@ from ikplan.robots.loading.xacro_files import expand_xacro, is_xacro
 from ikplan.robots.urdf.safe_xml import MAX_BYTES
 from ikplan.robots.urdf.tree import KinematicTree
 from ikplan.robots.urdf.urdf import parse_urdf
+from ikplan.robots.yaml_text import load_yaml
 
 __all__ = ["RobotSource", "find_description", "is_whole", "read_bytes", "read_source", "robot_yaml"]
 
@@ -55,7 +56,7 @@ def robot_yaml(path: Path) -> Path | None:
     if path.suffix.lower() not in (".yaml", ".yml"):
         return None
     try:
-        content = yaml.safe_load(read_bytes(path, str(path)))
+        content = load_yaml(read_bytes(path, str(path)))
     except (yaml.YAMLError, RecursionError):
         return path  # its own reader says what is wrong
     return None if is_dh_document(content) else path

@@ -12,6 +12,7 @@ import numpy as np
 from ikplan.arrays import Array
 from ikplan.timing.engines.engine import EngineFailed, checked
 from ikplan.timing.engines.rows import StageRows
+from ikplan.timing.engines.toppra_import import pyplot_on_first_use
 
 __all__ = ["ToppraEngine"]
 
@@ -50,7 +51,8 @@ class _Ready(np.ndarray[Any, np.dtype[np.float64]]):
 @functools.cache
 def _solver() -> Any:
     """Return a factory of toppra's solver for given rows (its import is slow)."""
-    import toppra.constraint
+    with pyplot_on_first_use():
+        import toppra.constraint
     from toppra.solverwrapper.cy_seidel_solverwrapper import seidelWrapper
 
     # Without a handler, Python prints toppra's warnings on stderr; failures are raised here.

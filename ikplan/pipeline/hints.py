@@ -1,0 +1,79 @@
+"""What takes time and need not, in words."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ikplan.arrays import Array
+from ikplan.documents.certificate import Certificate
+from ikplan.documents.path import PathRequest
+from ikplan.robots import Robot
+
+__all__ = ["noise_hints", "stop_hints"]
+
+
+_FEW = 50
+"""Fewer waypoints than this are no recording."""
+_OFTEN = 0.2
+"""Share of the rows in which the acceleration of a noisy joint reverses."""
+_SMALL = 0.01
+"""Noise is small beside the motion: at most this share of it."""
+_ROUNDING = 1e-9
+"""What numbers are off by rounding [rad or m]."""
+
+
+def stop_hints(certificate: Certificate, path: PathRequest | None) -> list[str]:
+    """Say that a motion stops on its way, and which field lets it go on.
+
+    Args:
+        certificate: The certificate of the motion.
+        path: The path of the request; None: the waypoints are joint values.
+    """
+    count = len(certificate.stops)
+    if path is None or count == 0:
+        return []
+    times = "once" if count == 1 else f"{count} times"
+    first = f"the motion stops {times} between its ends, first at {certificate.stops[0]:.4g} s"
+    exact = path.corners == "exact" or path.blend == 0.0
+    change = "path.blend, a radius"
+    if exact:
+        change += ', or path.corners "tolerance" without a blend'
+    return [f"{first}: {change}, rounds corners, which are then passed without a stop"]
+
+
+def noise_hints(robot: Robot, rows: Array, times: Array) -> list[str]:
+    """Say that waypoints are noisy, how much, and what share of the time is spent on it.
+
+    Noise turns the acceleration of a joint to and fro from row to row, by steps that are small
+    beside its motion.
+
+    Args:
+        robot: The robot.
+        rows: Joint waypoints, shape (n, dof) [rad or m].
+        times: When each is passed, shape (n,) [s].
+    """
+    if len(rows) < _FEW:
+        return []
+    second = np.diff(rows, n=2, axis=0)
+    size = np.minimum(np.abs(second[1:]), np.abs(second[:-1]))
+    back = (second[1:] * second[:-1] < 0.0) & (size > _ROUNDING)
+    most = _SMALL * float(np.ptp(rows, axis=0).max())
+    count = back.sum(axis=0)
+    noisy = [
+        j
+        for j in np.flatnonzero(count > _OFTEN * len(rows))
+        if float(np.median(size[back[:, j], j])) < most
+    ]
+    if not noisy:
+        return []
+    spent = np.diff(times)[1:-1]
+    share = float((spent * back[:, noisy].any(axis=1)).sum() / max(float(times[-1]), 1e-300))
+    # The second difference of independent errors is about 2.4 times as large as they are.
+    noise = max(float(np.median(size[back[:, j], j])) for j in noisy) / 2.4
+    names = ", ".join(f"{robot.joint_names[j]} {count[j]}" for j in noisy)
+    return [
+        f"the waypoints are noisy: in {len(rows)} rows the accelerations of joints reverse "
+        f"({names} times) by noise of about {noise:.1g} rad or m, during {100.0 * share:.0f} % of "
+        f"the time; with `tolerance`, such as {5.0 * noise:.1g}, the motion takes a smooth path "
+        "past it"
+    ]

@@ -1,0 +1,1 @@
+"""The compiled kernels of ikplan, which finds them beside this file."""

@@ -1,0 +1,73 @@
+"""Planning around obstacles, held to dense searches and meshes; studies in benchmarks.collision."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import ikplan
+from benchmarks.collision.bodies import body_study
+from benchmarks.collision.helices import helix_costs
+from benchmarks.collision.lines import line_study
+from benchmarks.collision.oracle import Oracle
+from benchmarks.collision.window import window_cases, window_study
+from ikplan import load_robot
+from ikplan.collision.checker import CollisionChecker
+from ikplan.documents import parse
+from ikplan.documents.scene import Scene
+from ikplan.scene.model import collision_model
+
+
+@pytest.mark.parametrize("free_start", [False, True])
+def test_lines_beside_boxes_are_planned_where_a_dense_search_finds_a_way(free_start: bool) -> None:
+    study = line_study(load_robot("ur5"), 10, free_start=free_start)
+    assert study.free > 0
+    assert study.lost == []
+    assert study.held > 0
+    assert study.unnamed == []
+    assert study.named > 0
+
+
+def test_a_redundant_arm_dodges_the_frame_of_a_window() -> None:
+    study = window_study(load_robot("panda"), 6)
+    assert study.held > study.planned > 0
+    assert study.open_planned == study.open
+    assert min(study.least) > 0.0
+
+
+def test_a_dodged_motion_is_free_of_contact_by_coal() -> None:
+    robot = load_robot("panda")
+    request = window_cases(robot, 1)[0]
+    oracle = Oracle(robot, collision_model(robot, parse(Scene, request["scene"])))
+    plan = ikplan.plan(request, robot=robot)
+    least = min(float(oracle.distances(q).min()) for q in plan.q[::4])
+    clearance = plan.certificate.clearance
+    assert clearance is not None
+    assert clearance.least is not None
+    assert 0.0 < clearance.least <= least
+
+
+@pytest.mark.parametrize("name", ["panda", "ur5"])
+def test_no_contact_of_the_meshes_is_missed_by_the_bodies(name: str) -> None:
+    study = body_study(name, 300)
+    assert study.touching > 30
+    assert study.missed == 0
+    assert study.alarm_share < 0.03
+
+
+def test_self_collision_leaves_a_helix_that_is_free_as_it_is() -> None:
+    cost = helix_costs(0, ("B",))[0]
+    assert cost.proven
+    assert cost.same
+
+
+def test_a_wider_check_is_that_of_a_larger_clearance() -> None:
+    robot, rng = load_robot("panda"), np.random.default_rng(2)
+    model = collision_model(robot)
+    q = np.array([robot.random_configuration(rng) for _ in range(200)])
+    checker = CollisionChecker(robot, model)
+    wider = checker.wider(0.05)
+    gaps = np.array([checker.least_gap(row)[0] for row in q])
+    assert np.array_equal(checker.free(q), gaps > 0.0)
+    assert np.array_equal(wider.free(q), gaps > 0.05)
+    assert (wider.free(q) != checker.free(q)).any()

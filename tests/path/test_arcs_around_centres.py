@@ -1,0 +1,83 @@
+"""Arcs by centre and end: the shorter way around, both readings alike, no arc that is none."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import assume, given, settings
+
+from ikplan import InvalidRequest, load_robot
+from ikplan.certificate.requested import read_motion
+from ikplan.documents import parse
+from ikplan.documents.path import PathRequest
+from ikplan.path import Pose
+from ikplan.path.rotation.so3 import exp
+
+from .requests import of_segments, pose, seeds
+
+ORIGIN = Pose(np.eye(3), np.zeros(3))
+
+
+def arc(centre: Any, to: Any, rotvec: Any = None, **more: Any) -> dict[str, Any]:
+    return {"type": "arc", "centre": list(centre), "to": pose(to, rotvec), **more}
+
+
+def test_a_quarter_circle_has_its_radius_and_its_length() -> None:
+    path = of_segments(arc([0.0, 0.2, 0.0], [0.2, 0.2, 0.0], [0.0, 0.0, 0.4]), start=ORIGIN)
+    assert path.length == pytest.approx(0.2 * math.pi / 2.0, rel=1e-12)
+    R, p = path.poses(np.linspace(0.0, path.length, 9))
+    np.testing.assert_allclose(np.linalg.norm(p - [0.0, 0.2, 0.0], axis=1), 0.2, rtol=1e-12)
+    assert (p[:, 0] >= -1e-15).all()
+    np.testing.assert_allclose(p[4], [0.2 * math.sqrt(0.5), 0.2 - 0.2 * math.sqrt(0.5), 0.0])
+    np.testing.assert_allclose(R[4], exp(np.array([0.0, 0.0, 0.2])), atol=1e-12)
+
+
+@settings(max_examples=25, deadline=None)
+@given(seeds)
+def test_both_readings_go_the_same_way_around(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    robot = load_robot("ur5")
+    q = robot.home
+    T = robot.fk(q)
+    centre = T.translation + 0.2 * rng.normal(size=3)
+    spoke = T.translation - centre
+    turned = exp(rng.normal(size=3)) @ spoke * (1.0 + rng.uniform(-5e-4, 5e-4))
+    cosine = float(spoke @ turned) / float(spoke @ spoke)
+    assume(-0.99 < cosine < 0.999)
+    document = {"segments": [arc(centre, centre + turned, [0.1, 0.2, 0.3])]}
+    path = of_segments(*document["segments"], start=Pose(T.rotation, T.translation))
+    (leg,) = read_motion(robot, parse(PathRequest, document), q).legs
+    assert leg.path.length == pytest.approx(path.length, rel=1e-9)
+    s = np.linspace(0.0, path.length, 17)
+    R, p = path.poses(s)
+    read = leg.path.derivatives(leg.path.piece_at(s), s)
+    np.testing.assert_allclose(p, read.p, atol=1e-9)
+    np.testing.assert_allclose(R, read.R, atol=1e-7)
+    np.testing.assert_allclose(p[-1], centre + turned, atol=1e-9)
+    assert path.length < math.pi * np.linalg.norm(spoke) * 1.001
+
+
+@pytest.mark.parametrize(
+    ("segment", "words"),
+    [
+        (arc([0.1, 0.0, 0.0], [0.2, 0.0, 0.0]), "half a turn"),
+        (arc([0.1, 0.0, 0.0], [0.1, 0.2, 0.0]), "from its centre"),
+        (arc([0.1, 0.0, 0.0], [0.0, 0.0, 0.0]), "ends coincide"),
+        (arc([2e-8, 0.0, 0.0], [2e-8, 2e-8, 0.0]), "radius"),
+        ({"type": "arc", "centre": [2e-8, 0.0, 0.0], "angle": 1.0}, "radius"),
+        ({"type": "arc", "via": [2e-8, 2e-8, 0.0], "to": pose([4e-8, 0.0, 0.0])}, "radius"),
+    ],
+)
+def test_what_makes_no_arc_is_refused(segment: dict[str, Any], words: str) -> None:
+    with pytest.raises(InvalidRequest, match=words) as caught:
+        of_segments(segment, start=ORIGIN)
+    assert caught.value.field == "path.segments[0]"
+
+
+@pytest.mark.parametrize("more", [{"axis": [1.0, 0.0, 0.0]}, {"orientation": "follow"}])
+def test_axis_and_orientation_belong_to_an_angle(more: dict[str, Any]) -> None:
+    with pytest.raises(InvalidRequest, match="belong to an arc given by centre and angle"):
+        of_segments(arc([0.0, 0.2, 0.0], [0.2, 0.2, 0.0], **more), start=ORIGIN)

@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Iterator, Sequence
 from typing import Literal
+
+import numpy as np
 
 import ikplan
 from benchmarks.requests.drawing import draw
 from ikplan.errors import CertificateViolated, IkplanError
 from ikplan.pipeline.retime import time_request
 from ikplan.plans.plan import Plan
+from ikplan.robots import load_robot
 
-__all__ = ["random_plans"]
+__all__ = ["random_plans", "short_timings"]
 
 Kind = Literal["plan", "timing"]
 _KINDS: tuple[Kind, ...] = ("plan", "timing")
@@ -43,3 +47,20 @@ def random_plans(
             raise
         except IkplanError:
             continue
+
+
+def short_timings(robots: Sequence[str], seed: int) -> Iterator[Plan]:
+    """Yield timings of short joint paths near the homes of robots, without end.
+
+    Args:
+        robots: Names of the robots, by turns.
+        seed: Which series.
+    """
+    rng = np.random.default_rng(seed)
+    for name in itertools.cycle(robots):
+        robot = load_robot(name)
+        steps = rng.uniform(-0.3, 0.3, (int(rng.integers(1, 6)), robot.dof))
+        path = robot.home + np.vstack([0.0 * robot.home, np.cumsum(steps, axis=0)])
+        path = np.clip(path, robot.lower, robot.upper)
+        limits = {"velocity_scale": float(rng.uniform(0.2, 1.0))}
+        yield time_request({"robot": name, "waypoints": path.tolist(), "limits": limits})

@@ -5,9 +5,17 @@ SI units: metres, radians, seconds.
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, model_validator
+from pydantic import (
+    BaseModel,
+    BeforeValidator,
+    ConfigDict,
+    Field,
+    SerializerFunctionWrapHandler,
+    model_serializer,
+    model_validator,
+)
 
 from ikplan.documents.base import Document, as_list
 from ikplan.documents.poses import Frame
@@ -59,6 +67,11 @@ class Source(Document):
         return f"{self.fact}: {self.source}"
 
 
+def _without_joints(document: dict[str, Any]) -> dict[str, Any]:
+    """Leave the matrix out where joints are counted alike: such documents stay as they were."""
+    return {k: v for k, v in document.items() if k != "joints" or v is not None}
+
+
 class ProgramLanguage(Document):
     """A language of programs that a controller runs."""
 
@@ -68,6 +81,10 @@ class ProgramLanguage(Document):
     joints: Annotated[list[Numbers], Field(min_length=1, max_length=64)] | None = Field(
         None, description=_JOINTS
     )
+
+    @model_serializer(mode="wrap")
+    def _written(self, write: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        return _without_joints(write(self))
 
     @model_validator(mode="after")
     def _known(self) -> ProgramLanguage:
@@ -116,6 +133,10 @@ class LanguageInfo(_Result):
     variant: str = Field(description=_VARIANT)
     longest_program: int | None = Field(None, description=_LONGEST)
     joints: list[list[float]] | None = Field(None, description=_JOINTS)
+
+    @model_serializer(mode="wrap")
+    def _written(self, write: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        return _without_joints(write(self))
 
 
 class FrameInfo(_Result):

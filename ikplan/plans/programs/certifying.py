@@ -88,7 +88,7 @@ def certify(
         interpolation=kind,
         points=len(due),
         duration=float(due[-1]),
-        time_factor=float(due[-1]) / plan.duration,
+        time_factor=max(float(due[-1]) / plan.duration, 1.0),
         tolerance=tolerance,
         max_path_deviation=_bounded(np.linalg.norm(error[:, :3], axis=1)),
         max_orientation_deviation=_bounded(np.linalg.norm(error[:, 3:], axis=1)),

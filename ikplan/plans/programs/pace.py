@@ -47,14 +47,15 @@ def whole_microseconds(
     kind: ProgramInterpolation, due: Array, points: Array, limits: tuple[Array, Array]
 ) -> Array:
     """Return times whose steps are whole microseconds, at which the motion keeps its limits."""
-    slow = due
+    slow, more = due, 1e-5
     for _ in range(_ROUNDS):
         times = _from_steps(np.ceil(np.diff(slow) * 1e6 - 1e-3) / 1e6)
         kept = _whole(kind, times, points, limits)
         if kept is times:
             return times
-        slow = kept * (1.0 + 1e-5)
-    return times
+        # Rounded again, steps of a few milliseconds may exceed the limits anew: twice as much.
+        slow, more = kept * (1.0 + more), 2.0 * more
+    return _whole(kind, times, points, limits)
 
 
 def _whole(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -16,6 +17,7 @@ from ikplan.planning.segment_number import segment_number
 from ikplan.planning.task_freedom import counts_orientation, freedom_of
 from ikplan.planning.tracking.path_tracker import PathTracker
 from ikplan.planning.tracking.reference_path import points_around
+from ikplan.planning.tracking.start_copies import StartCopies
 from ikplan.planning.tracking.tracked_path import TrackedPath, TrackingFailed
 from ikplan.planning.tracking.tracking_failure import explain_tracking_failure
 from ikplan.planning.waypoints.ik_branches import branches
@@ -158,8 +160,8 @@ class _JointPathPlanner:
             R, p = self.fk(q)
             self._add(q, waypoint, pose_target(p, R))
         self._select(run)
-        if left_open and last.pose is not None:
-            self._open_pose(last, last.pose)
+        if left_open and last.pose is not None and isinstance(after, ToolLeg):
+            self._open_pose(last, last.pose, after.path)
 
     def _waypoint_problem(self, run: list[JointWaypoint]) -> WaypointProblem:
         problem = self.problem
@@ -187,11 +189,15 @@ class _JointPathPlanner:
         for waypoint, target, q in zip(run, problem.targets, selected.q, strict=True):
             self._add(q, waypoint, target)
 
-    def _open_pose(self, waypoint: JointWaypoint, pose: Pose) -> None:
-        """Offer every branch of a pose to the tool path that begins there."""
-        problem = self._waypoint_problem([waypoint])
+    def _open_pose(self, waypoint: JointWaypoint, pose: Pose, after: ToolPath) -> None:
+        """Offer every branch of a pose to the tool path that begins there, turned as it begins."""
+        begin = waypoint
+        if pose.R is None and after.oriented(0.0):
+            begin = replace(waypoint, pose=Pose(after.pose(0.0)[0], pose.p))
+        problem = self._waypoint_problem([begin])
         starts, spent = branches(problem)
-        costs = np.linalg.norm(starts - self._last_q, axis=1)
+        away = np.linalg.norm(starts - self._last_q, axis=1)
+        costs = away if self.q else np.zeros(len(starts))
         self.opened = _Open(waypoint, self._target(pose), starts, costs)
         self.evaluations += spent
 
@@ -199,21 +205,41 @@ class _JointPathPlanner:
         """Track a tool path."""
         path = leg.path
         self._check_box(path)
-        starts, costs = self._starts(path)
+        starts, costs, copies = self._starts(path)
         try:
-            tracked = self.tracker.track(path, starts, costs)
+            tracked = self.tracker.track(path, starts, costs, copies)
         except TrackingFailed as failure:
             if not self.problem.explain:
                 raise
-            verdict = self._verdict(path, failure)
-            if not isinstance(verdict, Disconnected | InCollision):
-                raise verdict from failure
-            try:
-                tracked = self.tracker.track_global(path, starts, costs)
-            except TrackingFailed:
-                raise verdict from failure
+            tracked = self._track_otherwise(path, starts, costs, copies, failure)
             tracked = replace(tracked, evaluations=tracked.evaluations + failure.evaluations)
         self._append(path, tracked)
+
+    def _track_otherwise(
+        self,
+        path: ToolPath,
+        starts: Array,
+        costs: Array,
+        copies: StartCopies | None,
+        failure: TrackingFailed,
+    ) -> TrackedPath:
+        """Track a path on a sequence chosen as a whole, or within the tolerance only.
+
+        Raises:
+            Unreachable: Part of the path has no solution.
+            Disconnected: No continuous motion follows it.
+            InCollision: All that was found is in contact.
+        """
+        verdict: NoPlan | None = None
+        if self.tracker.redundant(path):
+            verdict = self._verdict(path, failure)
+            if isinstance(verdict, Disconnected | InCollision):
+                with contextlib.suppress(TrackingFailed):
+                    return self.tracker.track_global(path, starts, costs)
+        if failure.contact is None:
+            with contextlib.suppress(TrackingFailed):
+                return self.tracker.track_within(path, starts, costs, copies)
+        raise verdict or self._verdict(path, failure) from failure
 
     def _verdict(self, path: ToolPath, failure: TrackingFailed) -> NoPlan:
         """Why a tool path cannot be tracked to its end."""
@@ -247,12 +273,13 @@ class _JointPathPlanner:
                 allowed=["path"],
             )
 
-    def _starts(self, path: ToolPath) -> tuple[Array, Array]:
-        """Configurations that the tool path may begin at, and the joint motion to each."""
+    def _starts(self, path: ToolPath) -> tuple[Array, Array, StartCopies | None]:
+        """Configurations that the tool path may begin at, the motion to each, and their copies."""
+        copies = StartCopies(self._last_q, counted=bool(self.q))
         if self.opened is not None:
-            return self.opened.starts, self.opened.costs
+            return self.opened.starts, self.opened.costs, copies
         if self.q:
-            return self.q[-1][None], np.zeros(1)
+            return self.q[-1][None], np.zeros(1), None
         R, p = path.pose(0.0)
         # What begins without an orientation may begin at a waypoint with one.
         rotations = [w.R for w in path.waypoints if w.s == 0.0 and w.R is not None]
@@ -261,7 +288,7 @@ class _JointPathPlanner:
             self._waypoint_problem([JointWaypoint(0, "the begin of the path", pose=pose)])
         )
         self.evaluations += spent
-        return starts, np.zeros(len(starts))
+        return starts, np.zeros(len(starts)), copies
 
     def _append(self, path: ToolPath, tracked: TrackedPath) -> None:
         """Add the points of a tracked path; the motion rests where it begins and ends."""

@@ -9,6 +9,7 @@ the path, and nowhere else.
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Self
 
 import numpy as np
 
@@ -22,15 +23,13 @@ from ikplan.planning.tracking.reference_path import (
     ReferencePath,
     initial_points,
     nearest_points,
-    turn_between,
 )
-from ikplan.planning.tracking.tracked_arm import EXACT, MAX_POINTS, TrackedArm
+from ikplan.planning.tracking.start_copies import StartCopies, turning_joints, without_limits
+from ikplan.planning.tracking.track_from import track_from
+from ikplan.planning.tracking.tracked_arm import EXACT, TrackedArm
 from ikplan.planning.tracking.tracked_path import TrackedPath, TrackingFailed
-from ikplan.planning.tracking.tracking_kernels import (
-    NO_EXTRA_OFFSET,
-    first_discontinuity,
-    track_points,
-)
+from ikplan.planning.tracking.tracking_kernels import first_discontinuity
+from ikplan.planning.within.track_within import SpanList, track_within
 
 __all__ = ["PathTracker"]
 
@@ -44,22 +43,30 @@ _GLOBAL_STEPS = ((0.05, 0.01), (0.01, 0.003))
 """Least spacing of the points that sequences are chosen over [m], also as a share of the path."""
 _TRIED = 3
 """Sequences that are made dense, shortest first."""
-_FINEST, _FINEST_STEP, _FINEST_TURN = 2.0**-13, 1e-4, 1e-2
-"""Smallest step: as a share of the path's length, at most in all [m], and the turn in it [rad]."""
-_BEND = 0.01
-"""How far joints may turn back within the smallest step [rad or m]."""
+_TRIED_WITHIN = 8
+"""Starts that are tracked within the tolerance, nearest first."""
+_DIGITS = 9
+"""Digits after the point to which lengths of sequences are compared."""
 
 
 class PathTracker(TrackedArm):
     """Tracks tool paths with an arm."""
 
-    def track(self, reference: ReferencePath, starts: Array, costs: Array) -> TrackedPath:
+    def track(
+        self,
+        reference: ReferencePath,
+        starts: Array,
+        costs: Array,
+        copies: StartCopies | None = None,
+    ) -> TrackedPath:
         """Track a tool path.
 
         Args:
             reference: The path.
             starts: Configurations at the path's first pose, shape (c, dof), c >= 1 [rad or m].
             costs: Joint motion already spent to get to each, shape (c,).
+            copies: Every 2 pi copy of the starts may be taken; their motion then counts by it.
+                None: the starts as they are.
 
         Returns:
             The points of the sequence with the least joint motion.
@@ -73,7 +80,7 @@ class PathTracker(TrackedArm):
         evaluations = 0
         broken: TrackingFailed | None = None
         for step in _FIRST_STEPS:
-            sequences, failure, spent = self._track_starts(reference, starts, costs, step)
+            sequences, failure, spent = self._track_starts(reference, starts, costs, step, copies)
             evaluations += spent
             broken = _farthest_failure(broken, failure)
             if not sequences:
@@ -125,15 +132,74 @@ class PathTracker(TrackedArm):
             return replace(tracked, evaluations=tracked.evaluations + evaluations)
         raise TrackingFailed(0.0, starts[0].copy(), evaluations)
 
+    def track_within(
+        self,
+        reference: ReferencePath,
+        starts: Array,
+        costs: Array,
+        copies: StartCopies | None = None,
+    ) -> TrackedPath:
+        """Track a tool path within the tolerance; arguments and errors as in :meth:`track`.
+
+        Points are met exactly where that can be. Where a singularity ends exact tracking, the
+        joints are led over it, and the tool leaves the path within the tolerance.
+        """
+        tracker = replace(self, within=True)
+        sequences: list[_JointSequence] = []
+        spans: dict[int, SpanList] = {}
+        broken: TrackingFailed | None = None
+        evaluations = 0
+        for q_start, cost in zip(starts[:_TRIED_WITHIN], costs, strict=False):
+            try:
+                s, q, windows, spent = tracker._track_copies_within(reference, q_start, copies)
+            except TrackingFailed as failure:
+                evaluations += failure.evaluations
+                broken = _farthest_failure(broken, failure)
+                continue
+            evaluations += spent
+            before = float(cost) if copies is None else copies.cost(q[0])
+            sequences.append((before + _length(q), s, q))
+            spans[id(s)] = windows
+        for sequence in _shortest_first(sequences):
+            try:
+                tracked = tracker._densify_first(reference, [sequence], spans[id(sequence[1])])
+            except TrackingFailed as failure:
+                evaluations += failure.evaluations
+                broken = _farthest_failure(broken, failure)
+                continue
+            return replace(tracked, evaluations=tracked.evaluations + evaluations)
+        assert broken is not None
+        broken.evaluations = evaluations
+        raise broken
+
+    def _track_copies_within(
+        self, reference: ReferencePath, q_start: Array, copies: StartCopies | None
+    ) -> tuple[Array, Array, SpanList, int]:
+        """Track within the tolerance from one start, or from a copy of it that goes through."""
+        arm, step = self.arm, _FIRST_STEPS[0]
+        evaluations = 0
+        if copies is not None and turning_joints(arm).any():
+            unlimited = self._unlimited()
+            s, q, windows, evaluations = track_within(unlimited, reference, q_start, step)
+            q, fits = copies.fitting(arm, q)
+            if fits:
+                return s, q, windows, evaluations
+            q_start = q[0]
+        s, q, windows, spent = track_within(self, reference, q_start, step)
+        return s, q, windows, evaluations + spent
+
     def _densify_first(
-        self, reference: ReferencePath, sequences: list[_JointSequence]
+        self,
+        reference: ReferencePath,
+        sequences: list[_JointSequence],
+        windows: SpanList | None = None,
     ) -> TrackedPath:
         """The first sequence that can be made dense, else the failure that got farthest."""
         broken: list[TrackingFailed] = []
         evaluations = 0
         for length, s_sequence, q_sequence in sequences:
             try:
-                s, q, rest, spent = densify(self, reference, s_sequence, q_sequence)
+                s, q, rest, spent = densify(self, reference, s_sequence, q_sequence, windows)
             except TrackingFailed as failure:
                 evaluations += failure.evaluations
                 broken.append(failure)
@@ -149,7 +215,12 @@ class PathTracker(TrackedArm):
         raise farthest
 
     def _track_starts(
-        self, reference: ReferencePath, starts: Array, costs: Array, step: float
+        self,
+        reference: ReferencePath,
+        starts: Array,
+        costs: Array,
+        step: float,
+        copies: StartCopies | None,
     ) -> tuple[list[_JointSequence], TrackingFailed | None, int]:
         """Track the path from every start.
 
@@ -162,7 +233,7 @@ class PathTracker(TrackedArm):
         for q_start, cost in zip(starts, costs, strict=True):
             self.clock.check()
             try:
-                s, q, spent = self._track_from(reference, q_start, step)
+                s, q, spent = self._track_copies(reference, q_start, step, copies)
             except TrackingFailed as failure:
                 evaluations += failure.evaluations
                 farthest = _farthest_failure(farthest, failure)
@@ -171,8 +242,32 @@ class PathTracker(TrackedArm):
             if contact := self.first_contact(reference, s, q):
                 farthest = _farthest_failure(farthest, _in_contact(contact, s, 0))
                 continue
-            sequences.append((float(cost) + _length(q), s, q))
-        return sorted(sequences, key=lambda sequence: sequence[0]), farthest, evaluations
+            before = float(cost) if copies is None else copies.cost(q[0])
+            sequences.append((before + _length(q), s, q))
+        return _shortest_first(sequences), farthest, evaluations
+
+    def _unlimited(self) -> Self:
+        """The tracker of the arm whose turning joints have no limits."""
+        return replace(self, arm=without_limits(self.arm))
+
+    def _track_copies(
+        self, reference: ReferencePath, q_start: Array, step: float, copies: StartCopies | None
+    ) -> tuple[Array, Array, int]:
+        """Track from one start, or from the copy of it that goes through and is nearest."""
+        arm = self.arm
+        if copies is None or not turning_joints(arm).any():
+            return self._track_from(reference, q_start, step)
+        s, q, evaluations = self._unlimited()._track_from(reference, q_start, step)
+        q, fits = copies.fitting(arm, q)
+        if fits:
+            return s, q, evaluations
+        # Self-motion may keep to the limits where it has to; otherwise this tells where they bind.
+        try:
+            s, q, spent = self._track_from(reference, q[0], step)
+        except TrackingFailed as failure:
+            failure.evaluations += evaluations
+            raise
+        return s, q, evaluations + spent
 
     def _resolve_globally(
         self, reference: ReferencePath, starts: Array, costs: Array, step: float
@@ -190,7 +285,7 @@ class PathTracker(TrackedArm):
             evaluations += spent
             for length, q in found:
                 broken, spent = first_discontinuity(
-                    self.arm.chain, targets, q, self.arm.lower, self.arm.upper, EXACT
+                    self.arm.chain, targets, q, self.arm.lower, self.arm.upper, EXACT, EXACT
                 )
                 evaluations += spent
                 if broken == len(s) - 1 and self.first_contact(reference, s, q) is None:
@@ -198,53 +293,16 @@ class PathTracker(TrackedArm):
         return sorted(sequences, key=lambda sequence: sequence[0]), evaluations
 
     def _track_from(
-        self, reference: ReferencePath, q_start: Array, step: float
+        self,
+        reference: ReferencePath,
+        q_start: Array,
+        step: float,
     ) -> tuple[Array, Array, int]:
         """Return path positions and configurations from one start to the end of the path."""
-        lower, upper = self.arm.lower, self.arm.upper
-        s = initial_points(reference, step)
-        q = np.empty((len(s), self.arm.dof))
-        q[0] = q_start
-        targets = self.targets_at(reference, s)
-        redundant = self.redundant(reference)
-        reached, evaluations = 0, 0
-        while True:
-            reached, spent = track_points(
-                self.arm.chain,
-                targets,
-                s,
-                q,
-                reached,
-                lower,
-                upper,
-                EXACT,
-                redundant,
-                NO_EXTRA_OFFSET,
-            )
-            evaluations += spent
-            if reached == len(s) - 1:
-                return s, q, evaluations
-            self.clock.check()
-            gap = s[reached + 2] - s[reached]
-            finest = gap < min(_FINEST * reference.length, _FINEST_STEP)
-            if finest and self.oriented:
-                finest = turn_between(reference, s[reached], s[reached + 2]) < _FINEST_TURN
-            if finest or len(s) > MAX_POINTS:
-                # Over a sharp bend, or a jump: whether the arm can move so, densifying shows.
-                these = slice(reached, reached + 3)
-                over, spent = track_points(
-                    self.arm.chain, self.targets_at(reference, s[these]), s[these], q[these], 0,
-                    lower, upper, EXACT, redundant, _BEND,
-                )  # fmt: skip
-                evaluations += spent
-                if over == 0:
-                    raise TrackingFailed(float(s[reached]), q[reached].copy(), evaluations)
-                reached += over
-                continue
-            halves = 0.5 * (s[reached : reached + 2] + s[reached + 1 : reached + 3])
-            s = np.sort(np.concatenate([s, halves]))
-            q = np.vstack([q[: reached + 1], np.empty((len(s) - reached - 1, q.shape[1]))])
-            targets = self.targets_at(reference, s)
+        part = track_from(self, reference, q_start, step)
+        if not part.complete:
+            raise TrackingFailed(float(part.s[-1]), part.q[-1].copy(), part.evaluations)
+        return part.s, part.q, part.evaluations
 
     def _shorten_all(
         self, reference: ReferencePath, sequences: list[_JointSequence]
@@ -259,7 +317,7 @@ class PathTracker(TrackedArm):
             if self.first_contact(reference, s, q_short) is not None:
                 q_short = q
             shorter.append((length - _length(q) + _length(q_short), s, q_short))
-        return sorted(shorter, key=lambda sequence: sequence[0]), evaluations
+        return _shortest_first(shorter), evaluations
 
     def _shorten(self, reference: ReferencePath, s: Array, q: Array) -> tuple[Array, int]:
         """Shorten a sequence by self-motion; whether it stays continuous, densifying shows."""
@@ -289,6 +347,11 @@ def _in_contact(contact: Contact, s: Array, evaluations: int) -> TrackingFailed:
 def _farthest_failure(a: TrackingFailed | None, b: TrackingFailed | None) -> TrackingFailed | None:
     """Whichever got farther along the path; the first of those that got equally far."""
     return b if a is None or (b is not None and b.s > a.s) else a
+
+
+def _shortest_first(sequences: list[_JointSequence]) -> list[_JointSequence]:
+    """Sequences in order of their length; equally long ones, but for rounding, as they are."""
+    return sorted(sequences, key=lambda sequence: round(sequence[0], _DIGITS))
 
 
 def _length(q: Array) -> float:

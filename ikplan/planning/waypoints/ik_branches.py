@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from ikplan.arrays import Array
-from ikplan.planning.ladder.equivalent_configurations import with_equivalents
 from ikplan.planning.ladder.ik_candidates import sample_ik_solutions
+from ikplan.planning.tracking.start_copies import distinct_modulo_turns
 from ikplan.planning.waypoints.free_solutions import free_solutions
 from ikplan.planning.waypoints.stack import stack_targets
 from ikplan.planning.waypoints.waypoint_ik import solve_waypoint
@@ -27,7 +27,8 @@ def branches(problem: WaypointProblem) -> tuple[Array, int]:
         problem: A problem of one target.
 
     Returns:
-        Solutions, full turns included, shape (c, dof), c >= 1 [rad or m], and the evaluations.
+        Solutions, each at its copy nearest to the start, shape (c, dof), c >= 1 [rad or m], and
+        the evaluations.
 
     Raises:
         Unreachable: There is none within tolerance.
@@ -49,7 +50,7 @@ def branches(problem: WaypointProblem) -> tuple[Array, int]:
             1e-9,
         )
         evaluations = int(found.evaluations[0])
-        q = with_equivalents(arm, found.q[0, : found.counts[0]])
+        q = distinct_modulo_turns(arm, found.q[0, : found.counts[0]])
         if len(q) == 0:
             one, spent = solve_waypoint(problem, 0, problem.q_start)
             q, evaluations = one[None], evaluations + spent

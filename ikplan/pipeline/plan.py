@@ -11,10 +11,10 @@ from numpy.typing import NDArray
 
 from ikplan.collision.checker import CollisionChecker
 from ikplan.documents import parse
-from ikplan.documents.plan_request import IkOptions, IkRequest, PlanRequest
+from ikplan.documents.plan_request import IkOptions, IkRequest, PlanRequest, Scene
 from ikplan.documents.pose_results import IkSolution
 from ikplan.documents.trajectory import WaypointResults
-from ikplan.errors import Disconnected, Unreachable
+from ikplan.errors import BudgetExceeded, Disconnected, IkplanError, InCollision, Unreachable
 from ikplan.ik.arguments import check_start
 from ikplan.ik.solve import PoseSolver, pose_distance, solve_pose
 from ikplan.joint_path import JointPath
@@ -35,7 +35,9 @@ from ikplan.planning import (
     find_repairs,
     plan_joint_path,
 )
+from ikplan.planning.repair_kinds import merged_document
 from ikplan.planning.segment_number import segment_number
+from ikplan.planning.tracking.tracked_path import TrackingFailed
 from ikplan.plans.plan import Plan
 from ikplan.robots import Robot
 from ikplan.robots.narrowing import narrowed
@@ -87,6 +89,7 @@ def make_plan(
     progress: Progress | None = None,
     *,
     known_id: str | None = None,
+    repairs: bool = True,
 ) -> Plan:
     """Plan a request that is parsed already, see :func:`plan`.
 
@@ -95,8 +98,9 @@ def make_plan(
         robot: As in :func:`plan`.
         progress: As in :func:`plan`.
         known_id: The id of the plan, where it is known already: it is not computed again.
+        repairs: Whether a refusal explains itself and offers repairs.
     """
-    robot = resolve_robot(request, robot)
+    asked_robot, robot = robot, resolve_robot(request, robot)
     known_id = known_id or plan_id(request, robot)
     robot = narrowed(robot, request.limits.joints)
     limits = MotionLimits.of(robot, request.limits)
@@ -125,12 +129,25 @@ def make_plan(
             start_free,
             arm_limits,
             clock,
+            explain=repairs,
             contact=contact,
         )
+
+        def explained(error: Unreachable | Disconnected | InCollision) -> None:
+            if not repairs:
+                return
+            clearance = request.scene.clearance if isinstance(request.scene, Scene) else 0.0
+            error.repairs = find_repairs(
+                problem,
+                error,
+                lambda change: _survives(request, asked_robot, change, clock),
+                clearance,
+            )
+
         try:
             route = plan_joint_path(problem)
-        except (Unreachable, Disconnected) as error:
-            error.repairs = find_repairs(problem, error)
+        except (Unreachable, Disconnected, InCollision) as error:
+            explained(error)
             raise
         path = JointPath.through(route.q, arm_limits, rest_at=route.rest)
         # Configurations too close to tell apart are passed as one.
@@ -143,20 +160,45 @@ def make_plan(
             if x.field in limits_of
         ]
         timing = time_motion(path, robot, limits, request.sampling, segments, clock.check)
-    return assemble_plan(
-        request,
-        robot,
-        limits,
-        _waypoint_results(robot, route, waypoint_q, timing.timed.times, start_free),
-        timing,
-        clock,
-        q_start=None if start_free else q_start,
-        path=request.path,
-        evaluations=route.evaluations,
-        model=model,
-        segment_times=_segment_times(route, timing.timed.times),
-        plan_id=known_id,
-    )
+    try:
+        return assemble_plan(
+            request,
+            robot,
+            limits,
+            _waypoint_results(robot, route, waypoint_q, timing.timed.times, start_free),
+            timing,
+            clock,
+            q_start=None if start_free else q_start,
+            path=request.path,
+            evaluations=route.evaluations,
+            model=model,
+            segment_times=_segment_times(route, timing.timed.times),
+            plan_id=known_id,
+        )
+    except InCollision as error:
+        with clock.stage("planning"):
+            explained(error)
+        raise
+
+
+def _survives(
+    request: PlanRequest, robot: Robot | None, change: Mapping[str, Any], clock: TimeBudget
+) -> bool:
+    """Whether a request with a change is planned, timed, sampled and certified.
+
+    Raises:
+        BudgetExceeded: The time budget of the request ran out.
+    """
+    clock.check()
+    document = merged_document(request.model_dump(mode="json", exclude_unset=True), change)
+    document["budget_s"] = max(clock.left, 1e-3)
+    try:
+        make_plan(parse(PlanRequest, document), robot, repairs=False)
+    except BudgetExceeded:
+        raise
+    except (IkplanError, TrackingFailed):
+        return False
+    return True
 
 
 def _segment_times(

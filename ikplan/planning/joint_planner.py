@@ -25,7 +25,7 @@ from ikplan.planning.waypoints.in_collision import in_collision, motion_in_colli
 from ikplan.planning.waypoints.select import select_configurations
 from ikplan.planning.waypoints.waypoint_problem import WaypointProblem
 
-__all__ = ["plan_joint_path"]
+__all__ = ["path_tracker", "plan_joint_path"]
 
 
 def plan_joint_path(problem: JointPathProblem) -> JointRoute:
@@ -63,6 +63,19 @@ def plan_joint_path(problem: JointPathProblem) -> JointRoute:
     return planner.route()
 
 
+def path_tracker(problem: JointPathProblem) -> PathTracker:
+    """Return what tracks the tool paths of a problem."""
+    return PathTracker(
+        problem.solver.arm,
+        problem.limits,
+        freedom_of(problem.path),
+        counts_orientation(problem.path),
+        problem.path.tolerance,
+        problem.clock,
+        problem.contact,
+    )
+
+
 def _segment_to(waypoint: JointWaypoint) -> int | None:
     """Number of the segment that ends at a waypoint; None: not known."""
     return segment_number(waypoint.field or waypoint.name)
@@ -95,15 +108,7 @@ class _JointPathPlanner:
     def __init__(self, problem: JointPathProblem) -> None:
         self.problem = problem
         self.freedom: Freedom = freedom_of(problem.path)
-        self.tracker = PathTracker(
-            problem.solver.arm,
-            problem.limits,
-            self.freedom,
-            counts_orientation(problem.path),
-            problem.path.tolerance,
-            problem.clock,
-            problem.contact,
-        )
+        self.tracker = path_tracker(problem)
         self.q: list[Array] = [] if problem.start_free else [problem.q_start]
         self.rest: list[int] = []
         self.waypoints: list[RouteWaypoint] = []

@@ -32,7 +32,9 @@ HALF = 0.08
 STEPS = 1600
 
 
-def aimed_line(robot: Robot, rng: np.random.Generator) -> tuple[Array, Array, float] | None:
+def aimed_line(
+    robot: Robot, rng: np.random.Generator, steps: int = STEPS
+) -> tuple[Array, Array, float] | None:
     """Return a start, shape (dof,), the end of a line, and how near to a singularity it passes.
 
     None: the arm cannot be led from the singularity back to the begin of the line.
@@ -48,7 +50,7 @@ def aimed_line(robot: Robot, rng: np.random.Generator) -> tuple[Array, Array, fl
     d = rng.normal(size=3)
     d *= HALF / np.linalg.norm(d)
     T = robot.fk(q)
-    begin = _led(robot, q, T.rotation, np.linspace(T.translation, T.translation - d, STEPS), 1.0)
+    begin = _led(robot, q, T.rotation, np.linspace(T.translation, T.translation - d, steps), 1.0)
     if begin is None:
         return None
     return begin, T.translation + d, off
@@ -74,14 +76,14 @@ def _led(robot: Robot, q: Array, R: Array, points: Array, damping: float) -> Arr
                 break
         if np.linalg.norm(e[0, :3]) > POSITION or np.linalg.norm(e[0, 3:]) > 0.1 * ORIENTATION:
             return None
-        if np.abs(q - before).max() > 0.03:
+        if np.abs(q - before).max() > 48.0 / len(points):
             return None
     return q
 
 
-def passes(robot: Robot, start: Array, R: Array, end: Array) -> bool:
+def passes(robot: Robot, start: Array, R: Array, end: Array, steps: int = STEPS) -> bool:
     """Return whether a damped tracker gets along a line within the tolerance."""
-    points = np.linspace(robot.fk(start).translation, end, STEPS)
+    points = np.linspace(robot.fk(start).translation, end, steps)
     return any(_led(robot, start, R, points, damping) is not None for damping in (0.3, 1.0, 3.0))
 
 

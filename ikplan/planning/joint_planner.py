@@ -15,7 +15,6 @@ from ikplan.path import JointLeg, JointWaypoint, Leg, Pose, ToolLeg, ToolPath, l
 from ikplan.planning.joint_route import JointPathProblem, JointRoute, RouteSegment, RouteWaypoint
 from ikplan.planning.segment_number import segment_number
 from ikplan.planning.task_freedom import counts_orientation, freedom_of
-from ikplan.planning.tracking.path_tracker import PathTracker
 from ikplan.planning.tracking.reference_path import points_around
 from ikplan.planning.tracking.start_copies import StartCopies
 from ikplan.planning.tracking.tracked_path import TrackedPath, TrackingFailed
@@ -24,6 +23,7 @@ from ikplan.planning.waypoints.ik_branches import branches
 from ikplan.planning.waypoints.in_collision import in_collision, motion_in_collision
 from ikplan.planning.waypoints.select import select_configurations
 from ikplan.planning.waypoints.waypoint_problem import WaypointProblem
+from ikplan.planning.within.tolerant_tracker import TolerantTracker
 
 __all__ = ["path_tracker", "plan_joint_path"]
 
@@ -58,14 +58,14 @@ def plan_joint_path(problem: JointPathProblem) -> JointRoute:
         if isinstance(leg, JointLeg):
             planner.joint_leg(leg, after)
         else:
-            planner.tool_leg(leg)
+            planner.tool_leg(leg, last=after is None)
         problem.clock.report(len(planner.waypoints))
     return planner.route()
 
 
-def path_tracker(problem: JointPathProblem) -> PathTracker:
+def path_tracker(problem: JointPathProblem) -> TolerantTracker:
     """Return what tracks the tool paths of a problem."""
-    return PathTracker(
+    return TolerantTracker(
         problem.solver.arm,
         problem.limits,
         freedom_of(problem.path),
@@ -206,8 +206,8 @@ class _JointPathPlanner:
         self.opened = _Open(waypoint, self._target(pose), starts, costs)
         self.evaluations += spent
 
-    def tool_leg(self, leg: ToolLeg) -> None:
-        """Track a tool path."""
+    def tool_leg(self, leg: ToolLeg, *, last: bool) -> None:
+        """Track a tool path; after the last one, the branch that it ends in does not matter."""
         path = leg.path
         self._check_box(path)
         starts, costs, copies = self._starts(path)
@@ -218,7 +218,7 @@ class _JointPathPlanner:
                 raise
             tracked = self._track_otherwise(path, starts, costs, copies, failure)
             tracked = replace(tracked, evaluations=tracked.evaluations + failure.evaluations)
-        self._append(path, tracked)
+        self._append(path, self.tracker.straighten(path, tracked) if last else tracked)
 
     def _track_otherwise(
         self,

@@ -29,22 +29,27 @@ from ikplan.planning.tracking.track_from import track_from
 from ikplan.planning.tracking.tracked_arm import EXACT, TrackedArm
 from ikplan.planning.tracking.tracked_path import TrackedPath, TrackingFailed
 from ikplan.planning.tracking.tracking_kernels import first_discontinuity
-from ikplan.planning.within.track_within import SpanList, track_within
+from ikplan.planning.within.track_within import SpanList
 
-__all__ = ["PathTracker"]
+__all__ = [
+    "FIRST_STEPS",
+    "JointSequence",
+    "PathTracker",
+    "farthest_failure",
+    "sequence_length",
+    "shortest_first",
+]
 
-_JointSequence = tuple[float, Array, Array]
+JointSequence = tuple[float, Array, Array]
 """Joint path length, path positions, shape (m,), and configurations, shape (m, dof)."""
 
-_FIRST_STEPS = (0.04, 0.005)
+FIRST_STEPS = (0.04, 0.005)
 """Spacing of the first points [m, or m-equivalent of a rotation]: the second where the first
 turns out to have gone over a jump."""
 _GLOBAL_STEPS = ((0.05, 0.01), (0.01, 0.003))
 """Least spacing of the points that sequences are chosen over [m], also as a share of the path."""
 _TRIED = 3
 """Sequences that are made dense, shortest first."""
-_TRIED_WITHIN = 8
-"""Starts that are tracked within the tolerance, nearest first."""
 _DIGITS = 9
 """Digits after the point to which lengths of sequences are compared."""
 
@@ -79,10 +84,10 @@ class PathTracker(TrackedArm):
         redundant = self.redundant(reference)
         evaluations = 0
         broken: TrackingFailed | None = None
-        for step in _FIRST_STEPS:
+        for step in FIRST_STEPS:
             sequences, failure, spent = self._track_starts(reference, starts, costs, step, copies)
             evaluations += spent
-            broken = _farthest_failure(broken, failure)
+            broken = farthest_failure(broken, failure)
             if not sequences:
                 break  # smaller steps were tried where it failed
             if redundant:
@@ -92,7 +97,7 @@ class PathTracker(TrackedArm):
                 tracked = self._densify_first(reference, sequences[:_TRIED])
             except TrackingFailed as later:
                 evaluations += later.evaluations
-                broken = _farthest_failure(broken, later)
+                broken = farthest_failure(broken, later)
                 continue
             return replace(tracked, evaluations=tracked.evaluations + evaluations)
         if broken is None:
@@ -132,66 +137,10 @@ class PathTracker(TrackedArm):
             return replace(tracked, evaluations=tracked.evaluations + evaluations)
         raise TrackingFailed(0.0, starts[0].copy(), evaluations)
 
-    def track_within(
-        self,
-        reference: ReferencePath,
-        starts: Array,
-        costs: Array,
-        copies: StartCopies | None = None,
-    ) -> TrackedPath:
-        """Track a tool path within the tolerance; arguments and errors as in :meth:`track`.
-
-        Points are met exactly where that can be. Where a singularity ends exact tracking, the
-        joints are led over it, and the tool leaves the path within the tolerance.
-        """
-        tracker = replace(self, within=True)
-        sequences: list[_JointSequence] = []
-        spans: dict[int, SpanList] = {}
-        broken: TrackingFailed | None = None
-        evaluations = 0
-        for q_start, cost in zip(starts[:_TRIED_WITHIN], costs, strict=False):
-            try:
-                s, q, windows, spent = tracker._track_copies_within(reference, q_start, copies)
-            except TrackingFailed as failure:
-                evaluations += failure.evaluations
-                broken = _farthest_failure(broken, failure)
-                continue
-            evaluations += spent
-            before = float(cost) if copies is None else copies.cost(q[0])
-            sequences.append((before + _length(q), s, q))
-            spans[id(s)] = windows
-        for sequence in _shortest_first(sequences):
-            try:
-                tracked = tracker._densify_first(reference, [sequence], spans[id(sequence[1])])
-            except TrackingFailed as failure:
-                evaluations += failure.evaluations
-                broken = _farthest_failure(broken, failure)
-                continue
-            return replace(tracked, evaluations=tracked.evaluations + evaluations)
-        assert broken is not None
-        broken.evaluations = evaluations
-        raise broken
-
-    def _track_copies_within(
-        self, reference: ReferencePath, q_start: Array, copies: StartCopies | None
-    ) -> tuple[Array, Array, SpanList, int]:
-        """Track within the tolerance from one start, or from a copy of it that goes through."""
-        arm, step = self.arm, _FIRST_STEPS[0]
-        evaluations = 0
-        if copies is not None and turning_joints(arm).any():
-            unlimited = self._unlimited()
-            s, q, windows, evaluations = track_within(unlimited, reference, q_start, step)
-            q, fits = copies.fitting(arm, q)
-            if fits:
-                return s, q, windows, evaluations
-            q_start = q[0]
-        s, q, windows, spent = track_within(self, reference, q_start, step)
-        return s, q, windows, evaluations + spent
-
     def _densify_first(
         self,
         reference: ReferencePath,
-        sequences: list[_JointSequence],
+        sequences: list[JointSequence],
         windows: SpanList | None = None,
     ) -> TrackedPath:
         """The first sequence that can be made dense, else the failure that got farthest."""
@@ -221,13 +170,13 @@ class PathTracker(TrackedArm):
         costs: Array,
         step: float,
         copies: StartCopies | None,
-    ) -> tuple[list[_JointSequence], TrackingFailed | None, int]:
+    ) -> tuple[list[JointSequence], TrackingFailed | None, int]:
         """Track the path from every start.
 
         Returns:
             Sequences, shortest first, the failure that got farthest, and evaluations spent.
         """
-        sequences: list[_JointSequence] = []
+        sequences: list[JointSequence] = []
         farthest: TrackingFailed | None = None
         evaluations = 0
         for q_start, cost in zip(starts, costs, strict=True):
@@ -236,15 +185,15 @@ class PathTracker(TrackedArm):
                 s, q, spent = self._track_copies(reference, q_start, step, copies)
             except TrackingFailed as failure:
                 evaluations += failure.evaluations
-                farthest = _farthest_failure(farthest, failure)
+                farthest = farthest_failure(farthest, failure)
                 continue
             evaluations += spent
             if contact := self.first_contact(reference, s, q):
-                farthest = _farthest_failure(farthest, _in_contact(contact, s, 0))
+                farthest = farthest_failure(farthest, _in_contact(contact, s, 0))
                 continue
             before = float(cost) if copies is None else copies.cost(q[0])
-            sequences.append((before + _length(q), s, q))
-        return _shortest_first(sequences), farthest, evaluations
+            sequences.append((before + sequence_length(q), s, q))
+        return shortest_first(sequences), farthest, evaluations
 
     def _unlimited(self) -> Self:
         """The tracker of the arm whose turning joints have no limits."""
@@ -271,11 +220,11 @@ class PathTracker(TrackedArm):
 
     def _resolve_globally(
         self, reference: ReferencePath, starts: Array, costs: Array, step: float
-    ) -> tuple[list[_JointSequence], int]:
+    ) -> tuple[list[JointSequence], int]:
         """Choose sequences over all points at once, from the nearest starts, shortest first."""
         s = initial_points(reference, step)
         targets = self.targets_at(reference, s)
-        sequences: list[_JointSequence] = []
+        sequences: list[JointSequence] = []
         evaluations = 0
         for k in np.argsort(costs, kind="stable")[:_TRIED]:
             free = None if self.contact is None else self.contact.free
@@ -305,10 +254,10 @@ class PathTracker(TrackedArm):
         return part.s, part.q, part.evaluations
 
     def _shorten_all(
-        self, reference: ReferencePath, sequences: list[_JointSequence]
-    ) -> tuple[list[_JointSequence], int]:
+        self, reference: ReferencePath, sequences: list[JointSequence]
+    ) -> tuple[list[JointSequence], int]:
         """Return the sequences made shorter, shortest first, and the evaluations spent."""
-        shorter: list[_JointSequence] = []
+        shorter: list[JointSequence] = []
         evaluations = 0
         for length, s, q in sequences:
             self.clock.check()
@@ -316,8 +265,8 @@ class PathTracker(TrackedArm):
             evaluations += spent
             if self.first_contact(reference, s, q_short) is not None:
                 q_short = q
-            shorter.append((length - _length(q) + _length(q_short), s, q_short))
-        return _shortest_first(shorter), evaluations
+            shorter.append((length - sequence_length(q) + sequence_length(q_short), s, q_short))
+        return shortest_first(shorter), evaluations
 
     def _shorten(self, reference: ReferencePath, s: Array, q: Array) -> tuple[Array, int]:
         """Shorten a sequence by self-motion; whether it stays continuous, densifying shows."""
@@ -344,16 +293,16 @@ def _in_contact(contact: Contact, s: Array, evaluations: int) -> TrackingFailed:
     return TrackingFailed(at, contact.q.copy(), evaluations, contact=contact)
 
 
-def _farthest_failure(a: TrackingFailed | None, b: TrackingFailed | None) -> TrackingFailed | None:
+def farthest_failure(a: TrackingFailed | None, b: TrackingFailed | None) -> TrackingFailed | None:
     """Whichever got farther along the path; the first of those that got equally far."""
     return b if a is None or (b is not None and b.s > a.s) else a
 
 
-def _shortest_first(sequences: list[_JointSequence]) -> list[_JointSequence]:
+def shortest_first(sequences: list[JointSequence]) -> list[JointSequence]:
     """Sequences in order of their length; equally long ones, but for rounding, as they are."""
     return sorted(sequences, key=lambda sequence: round(sequence[0], _DIGITS))
 
 
-def _length(q: Array) -> float:
+def sequence_length(q: Array) -> float:
     """Sum of the joint distances along points, shape (m, dof)."""
     return joint_path_length(q, q[0], True)

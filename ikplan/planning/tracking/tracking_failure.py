@@ -88,7 +88,7 @@ def _solved(solver: PoseSolver, target: Target, q_near: Array, tolerance: Tolera
         NoSolution: The target is out of reach by more than the tolerance.
     """
     try:
-        return solver.solve(target, q_near).q[0]
+        return np.asarray(solver.solve(target, q_near).q[0])
     except NoSolution as verdict:
         if within_tolerance(verdict.closest, tolerance):
             return np.asarray(verdict.closest.q)

@@ -119,7 +119,7 @@ def bridge(tracked: TrackedArm, reference: ReferencePath, part: TrackedPart) -> 
     done: set[tuple[int, float]] = set()
     for width in _WIDTHS:
         behind = min(place + width, float(above.min()))
-        inside = np.flatnonzero(part.s <= max(place - width, low))
+        inside = np.flatnonzero(part.s <= max(place - width, low, float(part.s[0])))
         first = int(inside[-1])
         if part.s[first] < low or (first, behind) in done:
             continue

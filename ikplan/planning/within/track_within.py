@@ -6,7 +6,7 @@ import numpy as np
 
 from ikplan.arrays import Array
 from ikplan.planning.tracking.reference_path import ReferencePath
-from ikplan.planning.tracking.track_from import track_from
+from ikplan.planning.tracking.track_from import TrackedPart, track_from
 from ikplan.planning.tracking.tracked_arm import TrackedArm
 from ikplan.planning.tracking.tracked_path import TrackingFailed
 from ikplan.planning.within.tolerance_window import bridge, near_singular
@@ -20,7 +20,11 @@ _MOST_WINDOWS = 12
 
 
 def track_within(
-    tracked: TrackedArm, reference: ReferencePath, q_start: Array, step: float
+    tracked: TrackedArm,
+    reference: ReferencePath,
+    q_start: Array,
+    step: float,
+    known: TrackedPart | None = None,
 ) -> tuple[Array, Array, SpanList, int]:
     """Track a path from one configuration, exactly where that can be, else within the tolerance.
 
@@ -29,6 +33,8 @@ def track_within(
         reference: The path.
         q_start: The configuration at the begin, shape (dof,) [rad or m].
         step: Spacing of the first points [m].
+        known: The path from its begin up to a singularity that is to be led over; None: nothing
+            is known.
 
     Returns:
         Path positions, configurations, the parts that are led over a singularity, and evaluations
@@ -42,7 +48,8 @@ def track_within(
     spans: SpanList = []
     evaluations = 0
     while True:
-        part = track_from(tracked, reference, q[-1], step, float(s[-1]))
+        part = known or track_from(tracked, reference, q[-1], step, float(s[-1]))
+        known = None
         evaluations += part.evaluations
         s = np.concatenate([s[:-1], part.s])
         q = np.ascontiguousarray(np.vstack([q[:-1], part.q]))

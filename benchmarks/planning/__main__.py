@@ -10,7 +10,7 @@ for _name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "NUMBA_NUM_THREADS"):
 import argparse  # noqa: E402 - the threads are counted when NumPy is imported
 from collections.abc import Callable, Iterator  # noqa: E402
 
-from benchmarks.planning import e9, helices, lines, nearest, scaling, scattered  # noqa: E402
+from benchmarks.planning import e9, helices, lines, nearest, refusals, scaling, scattered, singular  # noqa: E402
 from benchmarks.speed.measure import Figure  # noqa: E402
 
 PARTS: dict[str, tuple[str, Callable[[float], Iterator[Figure]]]] = {
@@ -29,6 +29,14 @@ PARTS: dict[str, tuple[str, Callable[[float], Iterator[Figure]]]] = {
     "free": (
         "the same lines from any branch",
         lambda share: lines.free_figures(max(5, round(200 * share))),
+    ),
+    "singular": (
+        "lines of 160 mm aimed at singularities, within the default tolerance",
+        lambda share: singular.figures(max(6, round(200 * share))),
+    ),
+    "refusals": (
+        "1,000 random requests: what is refused, and the repairs",
+        lambda share: refusals.figures(max(20, round(1000 * share))),
     ),
     "scattered": (
         "40 paths of ten waypoints anywhere",

@@ -12,6 +12,7 @@ from ikplan.joint_path import JointPath
 from ikplan.limits.motion_limits import LimitedSegment, MotionLimits
 from ikplan.pipeline.timing_stage import Timing, time_motion
 from ikplan.planning import JointPathProblem, JointRoute, plan_joint_path
+from ikplan.planning.tracking.tracked_path import TrackingFailed
 from ikplan.robots import Robot
 
 __all__ = ["MotionStages"]
@@ -55,7 +56,7 @@ class MotionStages:
             with clock.stage("planning"), clock.cutting(solver.cut, solver.search_evaluations):
                 other = plan_joint_path(exact)
             other_path, other_timing = self.timed(exact, other)
-        except NoPlan as error:
+        except (NoPlan, TrackingFailed) as error:
             if isinstance(error, BudgetExceeded):
                 raise
             return route, path, timing

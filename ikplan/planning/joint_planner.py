@@ -30,9 +30,9 @@ from ikplan.planning.joint_route import (
 from ikplan.planning.moves.move_planner import MovePlanner
 from ikplan.planning.segment_number import segment_number
 from ikplan.planning.task_freedom import counts_orientation, freedom_of
-from ikplan.planning.tool_leg import check_box, tracking_verdict
-from ikplan.planning.tracking.path_tracker import PathTracker
+from ikplan.planning.tool_leg import check_box, path_tracker, track_tool_path
 from ikplan.planning.tracking.reference_path import points_around
+from ikplan.planning.tracking.start_copies import StartCopies
 from ikplan.planning.tracking.tracked_path import TrackedPath, TrackingFailed
 from ikplan.planning.waypoints.ik_branches import branches
 from ikplan.planning.waypoints.in_collision import in_collision
@@ -88,7 +88,7 @@ def _planned(planner: _JointPathPlanner, legs: list[Leg]) -> JointRoute:
         elif isinstance(leg, MoveLeg):
             planner.move_leg(leg, after)
         else:
-            planner.tool_leg(leg)
+            planner.tool_leg(leg, last=after is None)
         problem.clock.report(len(planner.waypoints))
     return planner.route()
 
@@ -133,15 +133,7 @@ class _JointPathPlanner:
     def __init__(self, problem: JointPathProblem) -> None:
         self.problem = problem
         self.freedom: Freedom = freedom_of(problem.path)
-        self.tracker = PathTracker(
-            problem.solver.arm,
-            problem.limits,
-            self.freedom,
-            counts_orientation(problem.path),
-            problem.path.tolerance,
-            problem.clock,
-            problem.contact,
-        )
+        self.tracker = path_tracker(problem)
         self.q: list[Array] = [] if problem.start_free else [problem.q_start]
         self.rest: list[int] = []
         self.waypoints: list[RouteWaypoint] = []
@@ -201,8 +193,8 @@ class _JointPathPlanner:
             R, p = self.fk(q)
             self._add(q, waypoint, pose_target(p, R))
         self._select(run)
-        if left_open and last.pose is not None:
-            self._open_pose(last, last.pose)
+        if left_open and last.pose is not None and isinstance(after, ToolLeg):
+            self._open_pose(last, last.pose, after.path)
 
     def _waypoint_problem(self, run: list[JointWaypoint]) -> WaypointProblem:
         problem = self.problem
@@ -229,11 +221,15 @@ class _JointPathPlanner:
         for waypoint, target, q in zip(run, problem.targets, chosen, strict=True):
             self._add(q, waypoint, target)
 
-    def _open_pose(self, waypoint: JointWaypoint, pose: Pose) -> None:
-        """Offer every branch of a pose to the tool path that begins there."""
-        problem = self._waypoint_problem([waypoint])
+    def _open_pose(self, waypoint: JointWaypoint, pose: Pose, after: ToolPath) -> None:
+        """Offer every branch of a pose to the tool path that begins there, turned as it begins."""
+        begin = waypoint
+        if pose.R is None and after.oriented(0.0):
+            begin = replace(waypoint, pose=Pose(after.pose(0.0)[0], pose.p))
+        problem = self._waypoint_problem([begin])
         starts = branches(problem)
-        costs = np.linalg.norm(starts - self._last_q, axis=1)
+        away = np.linalg.norm(starts - self._last_q, axis=1)
+        costs = away if self.q else np.zeros(len(starts))
         self.opened = _Open(waypoint, self._target(pose), starts, costs)
 
     def move_leg(self, leg: MoveLeg, after: Leg | None) -> None:
@@ -264,13 +260,16 @@ class _JointPathPlanner:
             self.segments.append(RouteSegment(leg.targets[0].field, first, last))
         return move.goal
 
-    def tool_leg(self, leg: ToolLeg) -> None:
-        """Track a tool path; where a move leads to it, from a branch that a way is found to."""
+    def tool_leg(self, leg: ToolLeg, *, last: bool) -> None:
+        """Track a tool path; where a move leads to it, from a branch that a way is found to.
+
+        After the last one, the branch that it ends in does not matter.
+        """
         path = leg.path
         check_box(self.freedom, path)
-        starts, costs = self._starts(path)
+        starts, costs, copies = self._starts(path)
         while True:
-            tracked = self._tracked(path, starts, costs)
+            tracked = track_tool_path(self.problem, self.tracker, path, starts, costs, copies)
             opened = self.opened
             if opened is None or opened.move is None or not self.q:
                 break
@@ -283,23 +282,8 @@ class _JointPathPlanner:
                 if not left.any():
                     raise
                 starts, costs = np.ascontiguousarray(starts[left]), costs[left]
-        self._append(path, tracked)
+        self._append(path, self.tracker.straighten(path, tracked) if last else tracked)
         self.sharp |= path.sharp
-
-    def _tracked(self, path: ToolPath, starts: Array, costs: Array) -> TrackedPath:
-        try:
-            tracked = self.tracker.track(path, starts, costs)
-        except TrackingFailed as failure:
-            if not self.problem.explain:
-                raise
-            verdict = tracking_verdict(self.problem, self.tracker, path, failure)
-            if not isinstance(verdict, Disconnected | InCollision):
-                raise verdict from failure
-            try:
-                tracked = self.tracker.track_global(path, starts, costs)
-            except TrackingFailed:
-                raise verdict from failure
-        return tracked
 
     def _check_free(self, q: Array, waypoint: JointWaypoint) -> None:
         """Refuse joint values that are asked for and in contact."""
@@ -307,12 +291,15 @@ class _JointPathPlanner:
         if contact is not None and not contact.free(q[None], segment)[0]:
             raise in_collision(contact, q[None], waypoint.row, waypoint.name, segment, proven=True)
 
-    def _starts(self, path: ToolPath) -> tuple[Array, Array]:
-        """Configurations that the tool path may begin at, and the joint motion to each."""
+    def _starts(self, path: ToolPath) -> tuple[Array, Array, StartCopies | None]:
+        """Configurations that the tool path may begin at, the motion to each, and their copies."""
+        copies = StartCopies(self._last_q, counted=bool(self.q))
         if self.opened is not None:
-            return self.opened.starts, self.opened.costs
+            # A move leads to what is a solution, full turns included.
+            turned = copies if self.opened.move is None else None
+            return self.opened.starts, self.opened.costs, turned
         if self.q:
-            return self.q[-1][None], np.zeros(1)
+            return self.q[-1][None], np.zeros(1), None
         R, p = path.pose(0.0)
         # What begins without an orientation may begin at a waypoint with one.
         rotations = [w.R for w in path.waypoints if w.s == 0.0 and w.R is not None]
@@ -320,7 +307,7 @@ class _JointPathPlanner:
         starts = branches(
             self._waypoint_problem([JointWaypoint(0, "the begin of the path", pose=pose)])
         )
-        return starts, np.zeros(len(starts))
+        return starts, np.zeros(len(starts)), copies
 
     def _append(self, path: ToolPath, tracked: TrackedPath) -> None:
         """Add the points of a tracked path; the motion rests where it begins and ends."""

@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import argparse
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import coal
 import numpy as np
@@ -29,8 +29,9 @@ Array = NDArray[np.float64]
 SPLIT_BEYOND = 0.015
 """Excess of a hull from which on a mesh is split [m]."""
 MOST_PIECES = 6
+"""Of a mesh, unless --pieces says so."""
 GAIN = 0.005
-"""Least share of a mesh's hull that a further division has to take away."""
+"""Least share of a mesh's hull that a further division takes away, unless --gain says so."""
 PLANES = 16
 """Places at which a part is tried to be divided across each axis."""
 GRID = 0.003
@@ -66,10 +67,13 @@ def main() -> None:
     parser.add_argument("robots", nargs="+", choices=sorted(LICENCES))
     parser.add_argument("--out", type=Path, default=Path(__file__).parent)
     parser.add_argument("--hulls", action="store_true", help="hulls only: no mesh is split")
+    parser.add_argument("--pieces", type=int, default=MOST_PIECES, help="most pieces of a mesh")
+    parser.add_argument("--gain", type=float, default=GAIN, help="least share that pays a piece")
     arguments = parser.parse_args()
+    limits = Limits(1 if arguments.hulls else arguments.pieces, arguments.gain)
     for name in arguments.robots:
         file = arguments.out / name / "collision.json"
-        file.write_text(_text(make(name, hulls=arguments.hulls)))
+        file.write_text(_text(make(name, limits)))
 
 
 def _text(document: dict[str, Any]) -> str:
@@ -78,8 +82,20 @@ def _text(document: dict[str, Any]) -> str:
     return text.replace('{"points"', '\n{"points"').replace('"},"links"', '"},\n"links"') + "\n"
 
 
-def make(name: str, *, hulls: bool = False) -> dict[str, Any]:
-    """Return the file of a robot; with ``hulls``, no mesh is split."""
+class Limits(NamedTuple):
+    """How far meshes are split.
+
+    Attributes:
+        most: Most pieces of a mesh; 1: none is split.
+        gain: Least share of a mesh's hull that a further division takes away.
+    """
+
+    most: int
+    gain: float
+
+
+def make(name: str, limits: Limits) -> dict[str, Any]:
+    """Return the file of a robot."""
     source = load_robot(name).description.shapes
     links: dict[str, list[MeshGeometry]] = {}
     for mesh in link_meshes(source.urdf, source.folder, name):
@@ -88,18 +104,18 @@ def make(name: str, *, hulls: bool = False) -> dict[str, Any]:
         "source": "convex hulls of the meshes of example-robot-data 6.0.0",
         "licence": LICENCES[name],
         "method": "robots/make_collision.py",
-        "links": {link: _link(link, meshes, hulls) for link, meshes in links.items()},
+        "links": {link: _link(link, meshes, limits) for link, meshes in links.items()},
     }
 
 
-def _link(link: str, meshes: list[MeshGeometry], hulls: bool) -> dict[str, Any]:
+def _link(link: str, meshes: list[MeshGeometry], limits: Limits) -> dict[str, Any]:
     pieces: list[Piece] = []
     excess, split = 0.0, 0
     for mesh in meshes:
         made = [_thinned(mesh.vertices, HULL_POINTS)]
         reach = hull_reach = _excess(made, mesh)
-        if reach > SPLIT_BEYOND and not hulls:
-            parts = [_thinned(part, PIECE_POINTS) for part in _split(mesh)]
+        if reach > SPLIT_BEYOND and limits.most > 1:
+            parts = [_thinned(part, PIECE_POINTS) for part in _split(mesh, limits)]
             beyond = _excess(parts, mesh)
             if beyond < reach:
                 made, reach = parts, beyond
@@ -132,15 +148,15 @@ def _thinned(points: Array, most: int) -> Piece:
     return kept, radius + ROUNDING
 
 
-def _split(mesh: MeshGeometry) -> list[Array]:
+def _split(mesh: MeshGeometry, limits: Limits) -> list[Array]:
     """Points of parts of a mesh, each of its triangles in one."""
     parts = [_cut(mesh.vertices[mesh.triangles])]
     whole = _volume(parts[0])
     divided = [_divided(parts[0])]
-    while len(parts) < MOST_PIECES:
+    while len(parts) < limits.most:
         k = max(range(len(parts)), key=lambda k: divided[k][0])
         gain, halves = divided[k]
-        if gain < GAIN * whole:
+        if gain < limits.gain * whole:
             break
         parts[k : k + 1] = halves
         divided[k : k + 1] = [_divided(half) for half in halves]

@@ -10,7 +10,7 @@ import numpy as np
 
 from benchmarks.collision import bodies, window
 from benchmarks.collision.cost import BOXES, DURATION, RATE, ProofCost, proof_costs
-from benchmarks.collision.falsify import ROBOTS, falsify
+from benchmarks.collision.falsify import OWN_BODIES, ROBOTS, falsify
 from benchmarks.collision.helices import helix_costs
 from benchmarks.collision.lines import BOXES as BOXES_BESIDE
 from benchmarks.collision.lines import line_study
@@ -53,13 +53,14 @@ def proof(count: int) -> bool:
     return cheaper
 
 
-def falsification(count: int, seed: int) -> bool:
+def falsification(count: int, seed: int, *, own: bool) -> bool:
     """Print how many bounds were broken; whether none was."""
     begin = time.process_time()
-    verdicts = falsify(count, seed=seed)
+    verdicts = falsify(count, seed=seed, own=own)
     print(
-        f"{count} motions over {', '.join(ROBOTS)}: {verdicts.proven} proven, {verdicts.refused} "
-        f"not; bounds broken {len(verdicts.broken)}, false violations {len(verdicts.false)}; "
+        f"{count} motions over {', '.join(OWN_BODIES if own else ROBOTS)}: {verdicts.proven} "
+        f"proven, {verdicts.refused} not; bounds broken {len(verdicts.broken)}, false "
+        f"violations {len(verdicts.false)}; "
         f"dense distance less bound {min(verdicts.slack):.2e} to {max(verdicts.slack):.2e} m; "
         f"{time.process_time() - begin:.0f} s"
     )
@@ -165,11 +166,12 @@ def main() -> int:
     parser.add_argument("study", choices=studies)
     parser.add_argument("--count", type=int, help="motions, configurations, lines, queries, ...")
     parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument("--own", action="store_true", help="falsify: the robots' own bodies")
     options = parser.parse_args()
     count, seed = options.count, options.seed
     good = {
         "proof": lambda: proof(count or 20),
-        "falsify": lambda: falsification(count or 1000, seed),
+        "falsify": lambda: falsification(count or 1000, seed, own=options.own),
         "kernel": lambda: kernel(count or 1_000_000, seed),
         "bodies": lambda: bodies_against_meshes(count or 100_000, seed),
         "lines": lambda: lines(count or 200, seed),

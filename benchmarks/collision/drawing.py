@@ -9,6 +9,7 @@ from benchmarks.collision.oracle import Oracle
 from ikplan.certificate.clearance import JointCurve
 from ikplan.robots import Robot
 from ikplan.scene.body import Body, CollisionModel, ConvexPiece
+from ikplan.scene.model import collision_model
 
 __all__ = ["box", "draw_case", "draw_hull", "draw_motion", "link_bodies", "rotation"]
 
@@ -72,13 +73,20 @@ def draw_motion(robot: Robot, rng: np.random.Generator, reach: float, knots: int
 
 
 def draw_case(
-    robot: Robot, rng: np.random.Generator, *, reach: float, knots: int, obstacles: int
+    robot: Robot,
+    rng: np.random.Generator,
+    *,
+    reach: float,
+    knots: int,
+    obstacles: int,
+    own: bool = False,
 ) -> tuple[CollisionModel, JointCurve]:
     """A motion among obstacles that do not touch its ends and middle, as they are drawn.
 
-    Pairs of links that touch at the middle of the motion are left out.
+    Pairs of links that touch at the middle of the motion are left out. Links have bodies that are
+    drawn, or with ``own`` those of the robot's description.
     """
-    links = link_bodies(robot, rng)
+    links = list(collision_model(robot).bodies) if own else link_bodies(robot, rng)
     curve = draw_motion(robot, rng, reach, knots)
     ends = [curve.at(u) for u in (0.0, 0.5 * (knots - 1), float(knots - 1))]
     bodies = list(links)

@@ -22,6 +22,8 @@ Prover = Callable[[Robot, CollisionModel, JointCurve], ClearanceResult]
 
 ROBOTS = ("panda", "ur5", "kinova_j2s6s200", "mh5", "dobot_magician", "tiago")
 """Turning, endless, sliding and coupled joints; axes along and across the frames."""
+OWN_BODIES = ("panda", "ur5", "ur10", "kinova_j2s6s200", "z1", "iiwa14")
+"""Robots whose own bodies are taken: hulls, pieces of split meshes, capsules and cylinders."""
 STEP = 5e-4
 
 
@@ -82,7 +84,7 @@ def judge(
 
 def falsify(
     count: int, *, seed: int = 0, first: int = 0, prover: Prover = prove_clearance,
-    reach: float = 0.6, step: float = STEP, robots: Sequence[Robot] = (),
+    reach: float = 0.6, step: float = STEP, robots: Sequence[Robot] = (), own: bool = False,
 ) -> Verdicts:  # fmt: skip
     """Draw motions and hold what is proven of them to dense distances.
 
@@ -94,15 +96,17 @@ def falsify(
         reach: Most that joint values leave those in the middle of a motion [rad or m].
         step: Most that a joint moves between instants [rad or m].
         robots: Taken in turn; none: six of the catalogue.
+        own: Whether links have the bodies of the robots' descriptions; otherwise drawn ones.
     """
-    robots = robots or [load_robot(name) for name in ROBOTS]
+    robots = robots or [load_robot(name) for name in (OWN_BODIES if own else ROBOTS)]
     verdicts = Verdicts()
     for i in range(first, first + count):
         rng = np.random.default_rng([seed, i])
         robot = robots[i % len(robots)]
         knots = int(rng.integers(2, 6))
         model, curve = draw_case(
-            robot, rng, reach=float(rng.uniform(0.2, 1.0)) * reach, knots=knots, obstacles=4
-        )
+            robot, rng, reach=float(rng.uniform(0.2, 1.0)) * reach, knots=knots, obstacles=4,
+            own=own,
+        )  # fmt: skip
         judge(verdicts, f"{robot.name} {i}", robot, model, curve, prover(robot, model, curve), step)
     return verdicts

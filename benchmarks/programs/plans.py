@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from typing import Literal
 
 import ikplan
 from benchmarks.requests.drawing import draw
@@ -12,10 +13,13 @@ from ikplan.plans.plan import Plan
 
 __all__ = ["random_plans"]
 
-_KINDS = ("plan", "timing")
+Kind = Literal["plan", "timing"]
+_KINDS: tuple[Kind, ...] = ("plan", "timing")
 
 
-def random_plans(robots: Sequence[str], seed: int, budget_s: float = 20.0) -> Iterator[Plan]:
+def random_plans(
+    robots: Sequence[str], seed: int, budget_s: float = 20.0, kinds: Sequence[Kind] = _KINDS
+) -> Iterator[Plan]:
     """Yield plans and timings of random requests, refused ones left out, without end.
 
     A broken certificate is no refusal: it is raised.
@@ -24,11 +28,12 @@ def random_plans(robots: Sequence[str], seed: int, budget_s: float = 20.0) -> It
         robots: Names of the robots to draw from.
         seed: Which series.
         budget_s: Time budget of each request [s].
+        kinds: Plans of paths, timings of joint paths, or both by turns.
     """
     number = 0
     while True:
-        kind = _KINDS[number % 2]
-        request = draw(kind, seed, number // 2, budget_s, robots)
+        kind = kinds[number % len(kinds)]
+        request = draw(kind, seed, number // len(kinds), budget_s, robots)
         number += 1
         request.pop("sampling", None)
         request["limits"].pop("jerk", None)

@@ -19,9 +19,11 @@ from ikplan.kinematics.chain import Chain
 __all__ = ["curve_contacts", "motion_contact"]
 
 
-_LOOSE = 0.04
+_LOOSE = 0.015
 """By how much the gap of hulls is at times larger than its cheap bound [m]: a guess that decides
 when they are compared, never what is proven."""
+_SHARE = 0.7
+"""By how much the gap is at times larger than that of the spheres, in the radii of both."""
 _FINEST = 2e-5
 """Motion of the outer body within an interval below which it is not halved any more [m]."""
 
@@ -82,12 +84,17 @@ def _halve(
             row = queue.rows[k]
             i, j = bodies.pairs[row, 0], bodies.pairs[row, 1]
             motion = w.motion[j, bodies.carrier[i]]
-            if sphere_gap(bodies, i, j, w) > need + motion:
+            apart = sphere_gap(bodies, i, j, w)
+            if apart > need + motion:
+                continue
+            # Not in contact here, and so far from being proven that it is not worth a closer look.
+            if apart > need and motion > apart + _SHARE * (bodies.bound[i] + bodies.bound[j]):
+                queue.rows[size] = row
+                size += 1
                 continue
             bound = bounded_gap(bodies, i, j, need + motion, w)
             if bound > need + motion:
                 continue
-            # Far from being proven, but not in contact here: not worth the hulls.
             if bound <= need or need + motion < bound + _LOOSE:
                 lower, upper = pair_gap(bodies, row, need + motion, need, w)
                 if lower > need + motion:

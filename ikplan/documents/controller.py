@@ -12,8 +12,17 @@ from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, model_valida
 from ikplan.documents.base import Document, as_list
 from ikplan.documents.poses import Frame
 
-__all__ = ["Controller", "ControllerInfo", "LanguageInfo", "ProgramLanguage", "Source"]
+__all__ = ["VARIANTS", "Controller", "ControllerInfo", "LanguageInfo", "ProgramLanguage", "Source"]
 
+LanguageName = Literal["urscript", "rapid", "krl"]
+Variant = Literal["cb3", "e-series", "irc5", "krc4"]
+VARIANTS: dict[str, tuple[str, ...]] = {
+    "urscript": ("cb3", "e-series"),
+    "rapid": ("irc5",),
+    "krl": ("krc4",),
+}
+"""The variants of each language."""
+Numbers = Annotated[list[float], Field(min_length=1, max_length=64)]
 Interpolation = Literal["none", "linear", "cubic", "quintic"]
 Jerks = Annotated[
     list[Annotated[float, Field(gt=0, le=1e9)]],
@@ -30,7 +39,14 @@ _INTERPOLATION = (
 _JERK = "Highest joint jerks that the maker publishes, one each [rad/s^3 or m/s^3]; null: none."
 _ZERO_ENDS = "Whether a motion has to begin and end with zero acceleration; this needs jerk limits."
 _BASE_FRAME = "The controller's own base frame in the robot's base; null: not known."
-_LONGEST = "Most samples of a program; null: not known."
+_LONGEST = "Most samples or points of a program; null: not known."
+_VARIANT = (
+    'Generation of the controller: "cb3" or "e-series" (and later) for URScript, "irc5" (and '
+    'OmniCore) for RAPID, "krc4" (KSS 8 and later) for KRL.'
+)
+_JOINTS = (
+    "Joint values as programs count them are this matrix times those of the robot; null: the same."
+)
 
 
 class Source(Document):
@@ -46,11 +62,22 @@ class Source(Document):
 class ProgramLanguage(Document):
     """A language of programs that a controller runs."""
 
-    name: Literal["urscript"] = Field(description="Name of the language.")
-    variant: Literal["cb3", "e-series"] = Field(
-        description="Generation of the controller: CB3, or e-Series and later."
-    )
+    name: LanguageName = Field(description="Name of the language.")
+    variant: Variant = Field(description=_VARIANT)
     longest_program: int | None = Field(None, ge=2, le=10_000_000, description=_LONGEST)
+    joints: Annotated[list[Numbers], Field(min_length=1, max_length=64)] | None = Field(
+        None, description=_JOINTS
+    )
+
+    @model_validator(mode="after")
+    def _known(self) -> ProgramLanguage:
+        if self.variant not in VARIANTS[self.name]:
+            raise ValueError(
+                f"{self.name} has the variants {', '.join(VARIANTS[self.name])}, not {self.variant}"
+            )
+        if self.joints is not None and {len(row) for row in self.joints} != {len(self.joints)}:
+            raise ValueError("joints has as many rows as columns")
+        return self
 
 
 class Controller(Document):
@@ -85,9 +112,10 @@ class _Result(BaseModel):
 class LanguageInfo(_Result):
     """A language of programs that a controller runs."""
 
-    name: str = Field(description='Name of the language: "urscript".')
-    variant: str = Field(description='Generation of the controller: "cb3" or "e-series".')
+    name: str = Field(description='Name of the language: "urscript", "rapid" or "krl".')
+    variant: str = Field(description=_VARIANT)
     longest_program: int | None = Field(None, description=_LONGEST)
+    joints: list[list[float]] | None = Field(None, description=_JOINTS)
 
 
 class FrameInfo(_Result):

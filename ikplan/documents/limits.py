@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from typing import Annotated, Any, Literal
 
-from pydantic import BeforeValidator, Discriminator, Field, Tag
+from pydantic import AfterValidator, BeforeValidator, Discriminator, Field, Tag
 
 from ikplan.documents import Document, IfGiven, Number, Vec3, as_list
 
@@ -15,6 +15,8 @@ __all__ = ["LimitOptions", "OwnLimits", "Payload", "SamplingOptions", "SegmentLi
 
 MAX_RATE_HZ = 10_000.0
 
+LEAST = 1e-6
+"""The least limit of a rate."""
 Positive = Annotated[float, Field(ge=1e-6, le=1e9)]
 Negative = Annotated[float, Field(ge=-1e9, le=-1e-6)]
 
@@ -27,11 +29,24 @@ def _tag(value: Any) -> str:
     return "[object]" if isinstance(value, dict | Document) else "[number]"
 
 
+def _zero_or_more(value: float) -> float:
+    """Refuse a limit between 0 and the least there is.
+
+    Raises:
+        ValueError: It is neither 0 nor at least ``LEAST``.
+    """
+    if 0.0 < value < LEAST:
+        raise ValueError(f"must be 0, of a joint that does not move, or at least {LEAST:g}")
+    return value
+
+
+OrZero = Annotated[float, Field(ge=0, le=1e9), AfterValidator(_zero_or_more)]
 # Tagged, so that an error names the form that the user wrote, not both.
 _PositiveList = Annotated[list[Positive], Field(min_length=1, max_length=1000), Tag("[values]")]
+_OrZeroList = Annotated[list[OrZero], Field(min_length=1, max_length=1000), Tag("[values]")]
 _NegativeList = Annotated[list[Negative], Field(min_length=1, max_length=1000), Tag("[values]")]
 PerJoint = Annotated[
-    Annotated[Positive, Tag("[number]")] | _PositiveList,
+    Annotated[Positive, Tag("[number]")] | _OrZeroList,
     Discriminator(lambda v: "[values]" if isinstance(v, list) else "[number]"),
     BeforeValidator(as_list),
 ]
@@ -41,7 +56,7 @@ PerJointBelow = Annotated[
     BeforeValidator(as_list),
 ]
 WholeJerk = Annotated[
-    Annotated[Positive, Tag("[number]")] | _PositiveList | Annotated[Literal[False], Tag("[flag]")],
+    Annotated[Positive, Tag("[number]")] | _OrZeroList | Annotated[Literal[False], Tag("[flag]")],
     Discriminator(lambda v: tag if (tag := _tag(v)) in ("[values]", "[flag]") else "[number]"),
     BeforeValidator(as_list),
 ]
@@ -82,7 +97,9 @@ class _Limits(Document):
         1.0, ge=1e-4, le=1, description="Share of the acceleration limits."
     )
     velocity: PerJoint | None = Field(
-        None, description="Highest joint velocities, one each or one for all [rad/s or m/s]."
+        None,
+        description="Highest joint velocities, one each or one for all [rad/s or m/s]; 0 in a "
+        "list, here as for accelerations and jerks: the joint must not move.",
     )
     velocity_lower: PerJointBelow | None = Field(
         None,

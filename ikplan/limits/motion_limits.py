@@ -8,11 +8,16 @@ from typing import Any
 import numpy as np
 
 from ikplan.arrays import Array
-from ikplan.documents.limits import LimitOptions, SegmentLimits, ToolRate
+from ikplan.documents.limits import LEAST, LimitOptions, SegmentLimits, ToolRate
 from ikplan.errors import InvalidRequest
 from ikplan.robots import Robot
 
-__all__ = ["LimitedSegment", "MotionLimits"]
+__all__ = ["STILL", "LimitedSegment", "MotionLimits"]
+
+
+STILL = 0.5 * LEAST
+"""What 0 stands for: less than can be asked for. A joint of this limit must not move, which the
+timing sees to; one that stands still keeps any limit."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -155,7 +160,8 @@ def _each(robot: Robot, value: float | list[float], field: str) -> Array:
             field=field,
             allowed=f"{robot.dof} numbers",
         )
-    return np.broadcast_to(np.array(value, dtype=np.float64), (robot.dof,)).copy()
+    each = np.broadcast_to(np.array(value, dtype=np.float64), (robot.dof,))
+    return np.where(each == 0.0, STILL, each)
 
 
 def _rates(

@@ -4,20 +4,21 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
-from ikplan.certificate.clearance import JointCurve, prove_clearance
 from ikplan.documents.clearance import Clearance
 from ikplan.documents.plan_request import IkRequest, PlanRequest
 from ikplan.documents.scene import AttachedBody, Obstacle, Scene, ToolFrame, ToolGeometry
 from ikplan.documents.shape import MeshShape
 from ikplan.documents.timing_request import TimingRequest
 from ikplan.errors import InCollision
-from ikplan.pipeline.timing_stage import Timing
 from ikplan.robots import Robot
 from ikplan.scene.body import CollisionModel
 from ikplan.scene.model import collision_model
 from ikplan.scene.resolve import resolve_geometry, resolve_scene
+
+if TYPE_CHECKING:
+    from ikplan.pipeline.timing_stage import Timing
 
 __all__ = ["prove_motion", "requested_model", "with_meshes"]
 
@@ -99,6 +100,9 @@ def prove_motion(
     Raises:
         InCollision: Bodies come nearer than allowed, or it cannot be told that they do not.
     """
+    # Poses are checked too, without a proof.
+    from ikplan.certificate.clearance import JointCurve, prove_clearance
+
     if timing.motion is not None:
         curve = JointCurve.of_motion(timing.motion)
     else:

@@ -4,14 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike
 
 from ikplan.arrays import Array
-from ikplan.collision.checker import CollisionChecker
 from ikplan.documents import parse
 from ikplan.documents.plan_request import IkOptions, IkRequest
 from ikplan.documents.pose_results import IkSolution
@@ -20,17 +19,18 @@ from ikplan.documents.scene import Scene, ToolFrame
 from ikplan.ik.arguments import check_start, target_of
 from ikplan.ik.solve import PoseSolver, pose_distance, solve_pose
 from ikplan.kinematics.arm import arm_of
-from ikplan.path import rotation_of
+from ikplan.path.rotation.so3 import rotation_of
 from ikplan.pipeline.collisions import requested_model, with_meshes
 from ikplan.pipeline.helpers import helped_by
 from ikplan.pipeline.request_budget import RequestBudget
 from ikplan.pipeline.resolve import resolve_robot
-from ikplan.planning import Progress, TimeBudget
-from ikplan.planning.waypoints.free_solutions import free_solutions
-from ikplan.planning.waypoints.waypoint_problem import WaypointProblem
 from ikplan.robots import Robot
 from ikplan.scene.body import CollisionModel
 from ikplan.scene.resolve import resolve_scene
+from ikplan.time_budget import Progress, TimeBudget
+
+if TYPE_CHECKING:
+    from ikplan.planning.waypoints.waypoint_problem import WaypointProblem
 
 __all__ = ["pose_solver", "solve_ik", "solve_ik_request"]
 
@@ -168,6 +168,10 @@ def _free_pose(
         solution = solve_pose(robot, solver, pose, start)
         if model is None or len(model.pairs) == 0:
             return solution
+        from ikplan.collision.checker import CollisionChecker
+        from ikplan.planning.waypoints.free_solutions import free_solutions
+        from ikplan.planning.waypoints.waypoint_problem import WaypointProblem
+
         contact = CollisionChecker(robot, model)
         if contact.free(solution.q[None])[0]:
             return solution

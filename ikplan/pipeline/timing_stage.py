@@ -15,6 +15,7 @@ from ikplan.documents.trajectory import Trajectory
 from ikplan.joint_path import JointPath
 from ikplan.limits import JointLimits
 from ikplan.limits.motion_limits import LimitedSegment, MotionLimits
+from ikplan.pipeline.still_joints import refuse_moving
 from ikplan.robots import Robot
 from ikplan.timing import (
     PathConstraint,
@@ -118,14 +119,16 @@ def time_motion(
         The motion.
 
     Raises:
-        InvalidRequest: The motion is too long for the rate.
+        InvalidRequest: The motion is too long for the rate, or a joint moves whose limit is 0.
         TimingFailed: No timing under the limits: where, which joint, which limit.
     """
+    refuse_moving(robot, path, limits, 0.0, path.length)
     constraints = _constraints(robot, limits)
     joint_segments = []
     for segment in segments:
         start, end = (float(s) for s in path.s_waypoints[[segment.first, segment.last]])
         if start < end:
+            refuse_moving(robot, path, segment.limits, start, end)
             joint_segments.append(
                 SegmentJointLimits(start, end, joint_limits(robot, segment.limits))
             )

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
@@ -30,7 +30,7 @@ from ikplan.planning.joint_route import (
 from ikplan.planning.moves.move_planner import MovePlanner
 from ikplan.planning.segment_number import segment_number
 from ikplan.planning.task_freedom import counts_orientation, freedom_of
-from ikplan.planning.tool_leg import check_box, path_tracker, track_tool_path
+from ikplan.planning.tool_leg import OpenPose, check_box, path_tracker, reached, track_tool_path
 from ikplan.planning.tracking.reference_path import points_around
 from ikplan.planning.tracking.start_copies import StartCopies
 from ikplan.planning.tracking.tracked_path import TrackedPath, TrackingFailed
@@ -108,25 +108,6 @@ _SAME_BRANCH = 1e-6
 """Configurations nearer to each other than this are one branch [rad or m]."""
 
 
-@dataclass(frozen=True)
-class _Open:
-    """A pose at the end of a joint leg or a move whose branch is left to the tool path after it.
-
-    Attributes:
-        waypoint: The waypoint there.
-        target: Its target.
-        starts: Its solutions, shape (c, dof) [rad or m].
-        costs: Joint motion to each, shape (c,).
-        move: The move that ends there; None: a joint leg.
-    """
-
-    waypoint: JointWaypoint
-    target: Target
-    starts: Array
-    costs: Array
-    move: MoveLeg | None = None
-
-
 class _JointPathPlanner:
     """Plans one leg after the other."""
 
@@ -141,7 +122,7 @@ class _JointPathPlanner:
         self.moves: list[RouteMove] = []
         self.move_planner = MovePlanner(problem)
         self.sharp = False
-        self.opened: _Open | None = None
+        self.opened: OpenPose | None = None
 
     def check_start_free(self) -> None:
         """Refuse a start in contact."""
@@ -227,10 +208,16 @@ class _JointPathPlanner:
         if pose.R is None and after.oriented(0.0):
             begin = replace(waypoint, pose=Pose(after.pose(0.0)[0], pose.p))
         problem = self._waypoint_problem([begin])
-        starts = branches(problem)
+        copies: StartCopies | None = self._copies()
+        try:
+            starts = self._reached(branches(problem), waypoint)
+        except InCollision:
+            starts, copies = self._reached(branches(problem, turns=True), waypoint), None
         away = np.linalg.norm(starts - self._last_q, axis=1)
         costs = away if self.q else np.zeros(len(starts))
-        self.opened = _Open(waypoint, self._target(pose), starts, costs)
+        self.opened = OpenPose(
+            waypoint, self._target(pose), starts, costs, copies=copies, problem=problem
+        )
 
     def move_leg(self, leg: MoveLeg, after: Leg | None) -> None:
         """Plan a move around obstacles; its branch is left to a tool path that begins there."""
@@ -239,7 +226,7 @@ class _JointPathPlanner:
         last = leg.targets[0]
         if isinstance(after, ToolLeg) and last.q is None and self.problem.options.refine:
             costs = np.linalg.norm(goals.q - self._last_q, axis=1)
-            self.opened = _Open(last, goals.targets[0], goals.q, costs, leg)
+            self.opened = OpenPose(last, goals.targets[0], goals.q, costs, leg)
             return
         if not self.q:  # from a free start nothing leads to it
             k = int(np.argmin(np.linalg.norm(goals.q - self._last_q, axis=1)))
@@ -260,8 +247,15 @@ class _JointPathPlanner:
             self.segments.append(RouteSegment(leg.targets[0].field, first, last))
         return move.goal
 
+    def _reached(self, starts: Array, waypoint: JointWaypoint) -> Array:
+        """Those of configurations that the straight joint motion leads to without contact."""
+        contact = self.problem.contact
+        if contact is None or not self.q:
+            return starts
+        return reached(contact, self._last_q, starts, waypoint, _segment_to(waypoint))
+
     def tool_leg(self, leg: ToolLeg, *, last: bool) -> None:
-        """Track a tool path; where a move leads to it, from a branch that a way is found to.
+        """Track a tool path; where a motion leads to it, from a branch that it gets to.
 
         After the last one, the branch that it ends in does not matter.
         """
@@ -271,12 +265,21 @@ class _JointPathPlanner:
         while True:
             tracked = track_tool_path(self.problem, self.tracker, path, starts, costs, copies)
             opened = self.opened
-            if opened is None or opened.move is None or not self.q:
+            if opened is None or not self.q:
                 break
             try:
+                if opened.move is None:
+                    if copies is not None:  # the copy that was taken may be beyond a body
+                        self._reached(tracked.q[:1], opened.waypoint)
+                    break
                 self._move(opened.move, tracked.q[:1])
                 break
             except InCollision:
+                if opened.problem is not None:
+                    every = branches(opened.problem, turns=True)
+                    starts, copies = self._reached(every, opened.waypoint), None
+                    costs = np.linalg.norm(starts - self._last_q, axis=1)
+                    continue
                 left = np.abs(starts - tracked.q[0]).max(axis=1) > _SAME_BRANCH
                 left[int(np.argmin(np.abs(starts - tracked.q[0]).max(axis=1)))] = False
                 if not left.any():
@@ -291,13 +294,13 @@ class _JointPathPlanner:
         if contact is not None and not contact.free(q[None], segment)[0]:
             raise in_collision(contact, q[None], waypoint.row, waypoint.name, segment, proven=True)
 
+    def _copies(self) -> StartCopies:
+        return StartCopies(self._last_q, counted=bool(self.q))
+
     def _starts(self, path: ToolPath) -> tuple[Array, Array, StartCopies | None]:
         """Configurations that the tool path may begin at, the motion to each, and their copies."""
-        copies = StartCopies(self._last_q, counted=bool(self.q))
         if self.opened is not None:
-            # A move leads to what is a solution, full turns included.
-            turned = copies if self.opened.move is None else None
-            return self.opened.starts, self.opened.costs, turned
+            return self.opened.starts, self.opened.costs, self.opened.copies
         if self.q:
             return self.q[-1][None], np.zeros(1), None
         R, p = path.pose(0.0)
@@ -307,7 +310,7 @@ class _JointPathPlanner:
         starts = branches(
             self._waypoint_problem([JointWaypoint(0, "the begin of the path", pose=pose)])
         )
-        return starts, np.zeros(len(starts)), copies
+        return starts, np.zeros(len(starts)), self._copies()
 
     def _append(self, path: ToolPath, tracked: TrackedPath) -> None:
         """Add the points of a tracked path; the motion rests where it begins and ends."""

@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from ikplan.documents.limits import LimitOptions
     from ikplan.documents.scene import Scene
     from ikplan.plans.playback import JointState
+    from ikplan.robots import Robot
 
 __all__ = ["Plan"]
 
@@ -41,13 +42,24 @@ class Plan(PlanDocument):
 
         return evaluate(self, t)
 
-    def save(self, path: str | Path, format: str | None = None) -> None:
+    def save(
+        self,
+        path: str | Path,
+        format: str | None = None,
+        *,
+        robot: Robot | None = None,
+        tolerance: float | None = None,
+    ) -> None:
         """Write the plan to a file.
 
         Args:
             path: The file.
-            format: "json", "csv", "npz", "ros", "ros-goal" or "urscript"; None: the one that the
-                suffix names (.json, .csv, .npz, .ros.json, .goal.yaml, .script).
+            format: "json", "csv", "npz", "ros", "ros-goal", "urscript", "rapid" or "krl"; None: the
+                one that the suffix names (.json, .csv, .npz, .ros.json, .goal.yaml, .script,
+                .mod, .src).
+            robot: The robot with its tool, for programs of few points ("rapid", "krl"); None: the
+                catalogue's, without a tool.
+            tolerance: How far such a program may be from the plan's path [m]; None: 0.1 mm.
 
         Raises:
             InvalidRequest: No such format, or the format cannot hold a plan for this robot.
@@ -55,7 +67,7 @@ class Plan(PlanDocument):
         """
         from ikplan.plans.export import save
 
-        save(self, Path(path), format)
+        save(self, Path(path), format, robot=robot, tolerance=tolerance)
 
     def plot(self, path: str | Path, scene: Mapping[str, Any] | Scene | None = None) -> None:
         """Draw joint positions, velocities against their limits, clearance, and the tool's path.

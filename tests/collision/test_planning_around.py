@@ -11,6 +11,7 @@ from benchmarks.collision.helices import helix_costs
 from benchmarks.collision.lines import line_study
 from benchmarks.collision.oracle import Oracle
 from benchmarks.collision.window import window_cases, window_study
+from benchmarks.planning.measure import pose_document
 from ikplan import load_robot
 from ikplan.collision.checker import CollisionChecker
 from ikplan.documents import parse
@@ -71,3 +72,36 @@ def test_a_wider_check_is_that_of_a_larger_clearance() -> None:
     assert np.array_equal(checker.free(q), gaps > 0.0)
     assert np.array_equal(wider.free(q), gaps > 0.05)
     assert (wider.free(q) != checker.free(q)).any()
+
+
+def test_a_joint_leg_goes_to_a_branch_that_its_straight_motion_reaches_freely() -> None:
+    robot = load_robot("ur5")
+    T = robot.fk(robot.home)
+    begin = T.translation + np.array([0.0, 0.45, 0.0])
+    post = {
+        "name": "post",
+        "shape": {"type": "box", "size": [0.08, 0.08, 0.8]},
+        "position": [0.5, 0.27, 0.4],
+    }
+    request = {
+        "robot": "ur5",
+        "start": robot.home.tolist(),
+        "path": {
+            "waypoints": [
+                pose_document(T.rotation, begin),
+                pose_document(T.rotation, begin + np.array([-0.05, -0.08, 0.0])),
+            ],
+            "interpolation": "line",
+            "approach": "joint",
+        },
+    }
+    checker = CollisionChecker(robot, collision_model(robot, parse(Scene, {"obstacles": [post]})))
+    nearest = ikplan.plan(request | {"scene": {"self_collision": False}})
+    met = checker.first_contact(nearest.q)
+    assert met is not None
+    assert "post" in met.pair
+    plan = ikplan.plan(request | {"scene": {"obstacles": [post]}})
+    clearance = plan.certificate.clearance
+    assert clearance is not None
+    assert clearance.proven
+    assert checker.first_contact(plan.q) is None

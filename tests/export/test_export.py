@@ -11,12 +11,16 @@ import pytest
 
 import ikplan.plans.export
 from ikplan import InvalidRequest, Plan
+from ikplan.documents.controller import LanguageInfo
 from ikplan.plans.export import FORMATS, encode, format_for, save
 
 from .plans import CB3, rest_to_rest
 
-NAMES = ["json", "csv", "npz", "ros", "ros-goal", "urscript"]
-SUFFIXES = [".json", ".csv", ".npz", ".ros.json", ".goal.yaml", ".ros.yaml", ".script"]
+NAMES = ["json", "csv", "npz", "ros", "ros-goal", "urscript", "rapid", "krl"]
+SUFFIXES = [
+    *(".json", ".csv", ".npz", ".ros.json", ".goal.yaml", ".ros.yaml"),
+    *(".script", ".mod", ".src"),
+]
 
 
 def test_json_is_the_document_of_the_plan():
@@ -82,9 +86,13 @@ def test_npz_does_not_depend_on_memory_order_clock_or_cost():
 
 @pytest.mark.parametrize("known", FORMATS, ids=lambda f: f.name)
 def test_the_suffix_chooses_the_format(known, tmp_path: Path):
-    plan = rest_to_rest(6, 51, controller=CB3)
+    languages = [LanguageInfo(name=n, variant="any") for n in ("urscript", "rapid", "krl")]
+    controller = CB3.model_copy(update={"languages": languages})
+    plan = rest_to_rest(6, 51, controller=controller).model_copy(
+        update={"robot": "abb_irb6640_185_280"}
+    )
     for suffix in known.suffixes:
-        target = tmp_path / f"plan{suffix.upper()}"
+        target = tmp_path / f"ikplan_trajectory{suffix.upper()}"
         plan.save(target)
         assert target.read_bytes() == known.encode(plan) == encode(plan, known.name)
 

@@ -68,7 +68,8 @@ def test_a_program_goes_with_the_controller_and_not_with_the_name(name: str) -> 
     info = load_robot(name).info()
     for known in FORMATS:
         path = f"plan{known.suffixes[0]}"
-        if known.name == "urscript" and not name.startswith("ur"):
+        others = {"urscript": "ur", "rapid": "abb", "krl": "kuka"}
+        if not name.startswith(others.get(known.name, "")):
             with pytest.raises(InvalidRequest, match=name) as caught:
                 check_format(info, path)
             assert caught.value.field == "format"

@@ -32,7 +32,7 @@ def post(robot: Robot, angle: float = 0.8, height: float = 1.6) -> dict[str, Any
 
 
 def window(
-    robot: Robot, angle: float = 0.8, opening: float = 0.5, lift: float = 0.25
+    robot: Robot, angle: float = 0.8, opening: float = 0.5, lift: float = 0.4
 ) -> list[dict[str, Any]]:
     """A wall across the turn from home with a square opening above the tool's way, in three parts.
 

@@ -37,6 +37,23 @@ export interface SegmentCertificate {
   tool_acceleration_ratio: number | null;
 }
 
+/** How near two bodies come, and where on each; null: no pair is checked. */
+export interface NearestPlace {
+  proven: boolean;
+  least: number | null;
+  time: number | null;
+  pair: string[] | null;
+  points: number[][] | null;
+}
+
+export interface Clearance extends NearestPlace {
+  clearance: number;
+  self: NearestPlace;
+  scene: NearestPlace;
+  segments: { begin: number; end: number }[];
+  unchecked: string[];
+}
+
 export interface Certificate {
   valid: boolean;
   max_position_error: number | null;
@@ -65,6 +82,8 @@ export interface Certificate {
   elongation_sum: number;
   elongation_lower_bound: number;
   segments: SegmentCertificate[];
+  /** null: nothing was checked for contact. */
+  clearance: Clearance | null;
 }
 
 export interface Trajectory {
@@ -118,6 +137,8 @@ export interface Problem {
   waypoints?: unknown[];
   /** Where the tool was to be, in the base. */
   target?: unknown;
+  /** Names of two bodies that touch. */
+  pair?: string[];
   /** The closest configuration, or the one at which the motion gets no further. */
   q?: number[];
   reason?: string;

@@ -51,6 +51,7 @@ function showMoment(): void {
   const moment = planned.motion.at(clock.time);
   view.setJoints(moment.q);
   view.setPassed(planned.motion.index(clock.time));
+  view.setTime(clock.time);
   plots.update(clock.time, moment);
 }
 
@@ -83,6 +84,7 @@ async function place(robot: RobotInfo, request: Request): Promise<boolean> {
   }
   view.setTool(toolOf(request));
   view.clearMarks();
+  view.showSurroundings(request);
   const start = request["start"];
   const q = isNumbers(start, robot.joints.length) ? start : robot.joints.map((joint) => joint.home);
   view.setJoints(q);
@@ -131,8 +133,10 @@ async function showPlan(made: Planned): Promise<void> {
   status.textContent = `There is a plan of ${timeText(made.motion.duration)}`;
 }
 
-function drawPlan({ plan: made, motion }: Planned): void {
+function drawPlan({ plan: made, motion, request }: Planned): void {
   view.clearMarks();
+  view.showSurroundings(request);
+  view.markNearest(made.certificate.clearance);
   view.markTrace(view.toolPositions(motion.samples.q));
   view.markWaypoints(view.toolPositions(made.waypoints.q));
 }

@@ -2,11 +2,12 @@
 
 import { Object3D, Vector3 } from "three";
 
-import type { RobotInfo } from "./documents";
+import type { Clearance, Request, RobotInfo } from "./documents";
 import { byId, h } from "./dom";
 import { Arm } from "./scene/arm";
 import { Marks, triad } from "./scene/marks";
 import { onPaletteChange } from "./scene/palette";
+import { Surroundings } from "./scene/surroundings";
 import { Stage, type View } from "./scene/stage";
 import { fetchVisual } from "./service";
 import type { Target } from "./targets";
@@ -14,6 +15,7 @@ import { fixed } from "./units";
 
 export class ArmView {
   private readonly marks = new Marks();
+  private readonly around = new Surroundings();
   private readonly stage: Stage | null;
   private readonly note = byId("stage-note");
   private readonly readout = byId("tool");
@@ -22,7 +24,7 @@ export class ArmView {
 
   constructor(repaint: () => void) {
     this.stage = this.makeStage();
-    this.stage?.scene.add(this.marks.group);
+    this.stage?.scene.add(this.marks.group, this.around.obstacles);
     onPaletteChange(repaint);
     for (const button of document.querySelectorAll<HTMLElement>("[data-view]")) {
       button.addEventListener("click", () => this.look(button.dataset["view"] as View));
@@ -50,7 +52,8 @@ export class ArmView {
     if (this.wanted !== info.name) return null; // another was chosen in the meantime
     this.arm?.root.removeFromParent();
     const arm = new Arm(info, urdf);
-    arm.tool.add(triad(0.08));
+    arm.tool.add(triad(0.08), this.around.carried);
+    arm.tip.add(this.around.held);
     this.arm = arm;
     arm.setJoints(info.joints.map((joint) => joint.home));
     this.stage?.scene.add(arm.root);
@@ -94,6 +97,24 @@ export class ArmView {
     });
   }
 
+  /** Shows obstacles, the shape of the tool and what it carries. */
+  showSurroundings(request: Request): void {
+    this.around.show(request);
+    byId("stage").dataset["obstacles"] = String(Math.max(this.around.obstacles.children.length - 1, 0));
+    this.stage?.draw();
+  }
+
+  /** Draws the nearest bodies of a plan at their times. */
+  markNearest(clearance: Clearance | null): void {
+    this.around.showNearest(clearance);
+  }
+
+  /** Shows what is carried and how near bodies are at a time. */
+  setTime(time: number): void {
+    this.around.setTime(time);
+    this.stage?.draw();
+  }
+
   clearMarks(): void {
     this.marks.clear();
     this.stage?.draw();
@@ -132,7 +153,7 @@ export class ArmView {
   }
 
   private content(): Object3D[] {
-    return this.arm === null ? [] : [this.arm.root, this.marks.group];
+    return this.arm === null ? [] : [this.arm.root, this.marks.group, this.around.obstacles];
   }
 
   private say(text: string): void {

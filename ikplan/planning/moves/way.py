@@ -74,6 +74,8 @@ def find_way(
         SearchCut: The search was ended.
     """
     effort = DEFAULT_EFFORT if effort is None else effort
+    # Kernels are compiled once, for arrays that may be written.
+    q_start, goals = np.array(q_start), np.array(goals)
     straight = np.linalg.norm(goals - q_start, axis=1)
     order = np.argsort(straight, kind="stable")
     space = search_space(arrays, *limits, q_start, goals)

@@ -7,15 +7,33 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ikplan.errors import InvalidRequest
-from ikplan.plans.export import as_csv, as_json, as_npz, as_ros, as_ros_goal, as_urscript
+from ikplan.plans.export import (
+    as_csv,
+    as_json,
+    as_krl,
+    as_npz,
+    as_rapid,
+    as_ros,
+    as_ros_goal,
+    as_urscript,
+)
+from ikplan.plans.export.entry_points import others
 from ikplan.plans.export.formats import Arm
 
 if TYPE_CHECKING:
     from ikplan.documents.plan_document import PlanDocument
     from ikplan.plans.export.formats import Format
-    from ikplan.robots import RobotInfo
+    from ikplan.robots import Robot, RobotInfo
 
-__all__ = ["FORMATS", "check_format", "encode", "format_for", "format_named", "save"]
+__all__ = [
+    "FORMATS",
+    "check_format",
+    "encode",
+    "format_for",
+    "format_named",
+    "known_formats",
+    "save",
+]
 
 FORMATS: tuple[Format, ...] = (
     as_json.FORMAT,
@@ -24,8 +42,22 @@ FORMATS: tuple[Format, ...] = (
     as_ros.FORMAT,
     as_ros_goal.FORMAT,
     as_urscript.FORMAT,
+    as_rapid.FORMAT,
+    as_krl.FORMAT,
 )
-"""Every format; a new one is a module with a ``FORMAT`` and a line here."""
+"""The formats of ikplan; a new one is a module with a ``FORMAT`` and a line here."""
+
+
+def known_formats() -> tuple[Format, ...]:
+    """Return every format: those of ikplan, then those of installed packages.
+
+    A package offers one by an entry point of the group ``ikplan.exporters`` that names a
+    :class:`Format`.
+
+    Raises:
+        InvalidRequest: An entry point names something else, or a name or suffix that is taken.
+    """
+    return (*FORMATS, *others(FORMATS))
 
 
 def format_for(path: str | Path) -> Format:
@@ -35,9 +67,10 @@ def format_for(path: str | Path) -> Format:
         InvalidRequest: No format has that suffix; lists those there are.
     """
     name = Path(path).name.lower()
-    matches = [f for f in FORMATS for suffix in f.suffixes if name.endswith(suffix)]
+    known = known_formats()
+    matches = [f for f in known for suffix in f.suffixes if name.endswith(suffix)]
     if not matches:
-        suffixes = [suffix for f in FORMATS for suffix in f.suffixes]
+        suffixes = [suffix for f in known for suffix in f.suffixes]
         raise InvalidRequest(
             f"cannot tell a format from the file name {str(path)!r}; "
             f"name it with one of {', '.join(suffixes)}",
@@ -53,10 +86,11 @@ def format_named(name: str) -> Format:
     Raises:
         InvalidRequest: No such format; lists those there are.
     """
-    for known in FORMATS:
+    formats = known_formats()
+    for known in formats:
         if known.name == name:
             return known
-    names = [f.name for f in FORMATS]
+    names = [f.name for f in formats]
     raise InvalidRequest(
         f"no format named {name!r}; known formats: {', '.join(names)}",
         field="format",
@@ -82,26 +116,58 @@ def check_format(
     return chosen
 
 
-def encode(plan: PlanDocument, name: str) -> bytes:
+def encode(
+    plan: PlanDocument, name: str, *, robot: Robot | None = None, tolerance: float | None = None
+) -> bytes:
     """Return the bytes of a plan in the format of that name.
+
+    Args:
+        plan: The plan.
+        name: Name of the format.
+        robot: The robot with its tool, for formats that thin the plan; None: the catalogue's.
+        tolerance: How far such a program may be from the plan's path [m]; None: 0.1 mm.
 
     Raises:
         InvalidRequest: No such format, or it cannot hold this plan.
     """
-    return format_named(name).encode(plan)
+    return _encoded(plan, format_named(name), "ikplan_trajectory", robot, tolerance)
 
 
-def save(plan: PlanDocument, path: str | Path, name: str | None = None) -> None:
+def save(
+    plan: PlanDocument,
+    path: str | Path,
+    name: str | None = None,
+    *,
+    robot: Robot | None = None,
+    tolerance: float | None = None,
+) -> None:
     """Write a plan to a file.
 
     Args:
         plan: The plan.
-        path: The file.
+        path: The file; a program is named as it is.
         name: Name of the format; None: the one that the file's suffix names.
+        robot: The robot with its tool, for formats that thin the plan; None: the catalogue's.
+        tolerance: How far such a program may be from the plan's path [m]; None: 0.1 mm.
 
     Raises:
         InvalidRequest: No such format, or it cannot hold this plan.
         OSError: The file cannot be written.
     """
     chosen = format_for(path) if name is None else format_named(name)
-    Path(path).write_bytes(chosen.encode(plan))
+    stem = Path(path).name.partition(".")[0]
+    Path(path).write_bytes(_encoded(plan, chosen, stem, robot, tolerance))
+
+
+def _encoded(
+    plan: PlanDocument, chosen: Format, stem: str, robot: Robot | None, tolerance: float | None
+) -> bytes:
+    if chosen.program is not None:
+        return chosen.program(plan, stem, robot, tolerance)
+    if tolerance is not None:
+        raise InvalidRequest(
+            f"{chosen.name} is written as it is planned: no tolerance is needed",
+            field="tolerance",
+            allowed=[f.name for f in FORMATS if f.program is not None],
+        )
+    return chosen.encode(plan)

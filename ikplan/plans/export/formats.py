@@ -10,7 +10,7 @@ from ikplan.documents.controller import ControllerInfo
 
 if TYPE_CHECKING:
     from ikplan.documents.plan_document import PlanDocument
-    from ikplan.robots import RobotInfo
+    from ikplan.robots import Robot, RobotInfo
 
 __all__ = ["Arm", "Format"]
 
@@ -59,6 +59,8 @@ class Format:
         media_type: Media type of the bytes.
         encode: From a plan to its bytes; the same plan gives the same bytes.
         check: Refuses, by InvalidRequest, an arm that can have no plan in this format.
+        program: Of formats that thin a plan: from the plan, the name of the program, its robot
+            (None: the catalogue's) and a tolerance [m] (None: the default) to the bytes.
     """
 
     name: str
@@ -67,3 +69,4 @@ class Format:
     media_type: str
     encode: Callable[[PlanDocument], bytes]
     check: Callable[[Arm], None] = _any
+    program: Callable[[PlanDocument, str, Robot | None, float | None], bytes] | None = None

@@ -31,6 +31,13 @@ def test_no_dense_distance_falls_below_a_proven_bound() -> None:
     assert max(verdicts.slack) <= 1e-3 + 1e-5  # the tolerance asked for, and coal's error
 
 
+def test_no_bound_on_the_robots_own_bodies_is_broken() -> None:
+    verdicts = falsify(6, reach=0.1, step=2e-3, own=True)
+    assert verdicts.broken == []
+    assert verdicts.false == []
+    assert verdicts.proven > 0
+
+
 def test_the_bounds_of_simple_arms_hold() -> None:
     assert falsify(10, robots=SIMPLE).broken == []
 

@@ -1,6 +1,6 @@
 /** Every promise of the certificate, with what is left of it. */
 
-import { isObject, type Certificate, type Place, type Plan, type Request } from "../documents";
+import { isObject, type Certificate, type Clearance, type Place, type Plan, type Request } from "../documents";
 import { h } from "../dom";
 import { angleText, angleUnit, fixed, lengthText, shareText, shown, timeText } from "../units";
 
@@ -95,6 +95,7 @@ function rows(plan: Plan, request: Request): Row[] {
     const name = segment.field.slice(segment.field.lastIndexOf(".") + 1);
     if (ratios.length > 0) share(`Own limits of ${name}`, Math.max(...ratios), { time: segment.begin });
   }
+  found.push(...clearanceRows(c.clearance));
   found.push(
     {
       promise: "Least singular value",
@@ -105,6 +106,30 @@ function rows(plan: Plan, request: Request): Row[] {
     { promise: "Joint motion", measured: motion(plan, c), used: null },
     { promise: "Duration", measured: timeText(plan.trajectory.time.at(-1) ?? 0), used: null },
   );
+  return found;
+}
+
+/** How near bodies come, as proven between the samples too; nothing where nothing was checked. */
+function clearanceRows(clearance: Clearance | null): Row[] {
+  if (clearance === null) return [];
+  const found: Row[] = [];
+  for (const [promise, place] of [
+    ["Arm from itself", clearance.self], ["Arm from obstacles", clearance.scene],
+  ] as const) {
+    if (place.least === null || place.time === null) continue;
+    const said = place.proven ? "at least" : "not proven: at least";
+    const pair = place.pair === null ? "" : `, ${place.pair.join(" and ")}`;
+    found.push({
+      promise,
+      measured: `${said} ${lengthText(place.least)}${pair}`,
+      used: clearance.clearance > 0 ? clearance.clearance / Math.max(place.least, clearance.clearance) : null,
+      where: { time: place.time },
+    });
+  }
+  if (found.length === 0) found.push({ promise: "Clearance", measured: "nothing checked: no shapes known", used: null });
+  if (clearance.unchecked.length > 0) {
+    found.push({ promise: "Not checked for contact", measured: clearance.unchecked.join(", "), used: null });
+  }
   return found;
 }
 

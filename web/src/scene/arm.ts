@@ -13,6 +13,8 @@ export class Arm {
   readonly root = new Group();
   /** The tool frame. */
   readonly tool = new Group();
+  /** The tip frame, which the tool is in. */
+  readonly tip = new Group();
   /** Ends when the meshes are there; says how many could not be had. */
   readonly complete: Promise<number>;
   private readonly robot: URDFRobot;
@@ -36,7 +38,7 @@ export class Arm {
     const names = info.coupling?.serial ?? info.joints.map((joint) => joint.name);
     this.serial = names.map((name) => this.robot.joints[name]!);
     for (const joint of this.serial) joint.ignoreLimits = true; // the plan keeps them
-    this.link(info.tip_frame).add(this.tool);
+    this.link(info.tip_frame).add(this.tool, this.tip);
     this.setTool(null);
     this.placeBase();
     if (!this.finishShapes() && meshes.length === 0) this.showSkeleton();

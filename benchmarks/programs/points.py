@@ -1,0 +1,116 @@
+"""A program of points read back and played, beside the plan and the certificate it comes with."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial import cKDTree
+
+from benchmarks.programs import krl, rapid
+from ikplan.plans.export import as_krl, as_rapid, encode
+from ikplan.plans.export.formats import Arm
+from ikplan.plans.export.program_text import points_of
+from ikplan.plans.plan import Plan
+from ikplan.plans.programs.certificate import ProgramCertificate
+from ikplan.robots import Robot
+
+__all__ = ["PLAYERS", "Judged", "judge"]
+
+Array = NDArray[np.float64]
+
+PLAYERS = {"rapid": ("blended", as_rapid.stored, 0.004), "krl": ("spline", as_krl.stored, 0.012)}
+"""What each language's controller does between points, what it stores, and its cycle [s]."""
+_FINE = 1e-3
+# Lines between places of the path one millisecond apart are this close to it, and closer.
+_CLOSE = 3e-6
+
+
+@dataclass(frozen=True)
+class Judged:
+    """What a played program does.
+
+    Attributes:
+        certificate: What its certificate says.
+        duration: How long it takes [s].
+        deviation: Largest distance of the tool from the plan's path, at any cycle [m].
+        velocity: Largest share of a joint's speed limit, from cycle to cycle.
+        acceleration: The same of the acceleration limits.
+        ends: How far the joints end from the plan's end [rad].
+    """
+
+    certificate: ProgramCertificate
+    duration: float
+    deviation: float
+    velocity: float
+    acceleration: float
+    ends: float
+
+    @property
+    def kept(self) -> bool:
+        """Whether the motion is within the bounds that the certificate names."""
+        c = self.certificate
+        return (
+            abs(self.duration - c.duration) <= 1e-5 * max(c.duration, 1.0)
+            and self.deviation <= c.max_path_deviation + _CLOSE
+            and c.max_path_deviation <= c.tolerance
+            and self.velocity <= c.velocity_limit_ratio * (1.0 + 1e-4) + 1e-9
+            and self.acceleration <= c.acceleration_limit_ratio * (1.0 + 1e-3) + 1e-6
+            and max(c.velocity_limit_ratio, c.acceleration_limit_ratio) <= 1.0 + 1e-9
+            and self.ends <= 2e-6
+        )
+
+
+def judge(plan: Plan, robot: Robot, language: str, limits: tuple[Array, Array]) -> Judged:
+    """Write a plan as a program, play it, and measure.
+
+    Args:
+        plan: The plan.
+        robot: Its robot.
+        language: "rapid" or "krl".
+        limits: Joint velocities and accelerations that the plan was made for.
+    """
+    kind, stored, cycle = PLAYERS[language]
+    known = Arm.of_plan(plan).controller
+    found = known.language(language) if known is not None else None
+    assert found is not None
+    certificate = points_of(plan, found, kind, stored, robot).certificate  # type: ignore[arg-type]
+    text = encode(plan, language, robot=robot).decode("ascii")
+    matrix = np.eye(6) if found.joints is None else np.array(found.joints)
+    back = np.linalg.inv(matrix).T
+
+    def way(a: Array, b: Array) -> float:
+        places = robot.poses(np.radians(np.array([a, b])) @ back)[1]
+        return float(1e3 * np.linalg.norm(places[1] - places[0]))
+
+    played = rapid.play(text, cycle, way) if language == "rapid" else krl.play(text, cycle)
+    q = np.radians(played.degrees) @ back
+    path = robot.poses(plan.at(np.arange(0.0, plan.duration + _FINE, _FINE))[0])[1]
+    # The arm is at the end when its time is over, in the middle of a cycle or not.
+    whole = q[:-1] if played.time[-1] - played.time[-2] < cycle * (1.0 - 1e-9) else q
+    rest = np.repeat(whole[:1], 2, axis=0)
+    speeds = np.diff(np.vstack([rest, whole]), axis=0) / cycle
+    changes = np.diff(speeds, axis=0) / cycle
+    return Judged(
+        certificate=certificate,
+        duration=float(played.time[-1]),
+        deviation=float(_from_path(robot.poses(q)[1], path).max()),
+        velocity=float((np.abs(speeds) / limits[0]).max()),
+        acceleration=float((np.abs(changes) / limits[1]).max()),
+        ends=float(np.abs(q[-1] - plan.q[-1]).max()),
+    )
+
+
+def _from_path(places: Array, path: Array) -> Array:
+    """Distances of places from the lines between the places of a path [m]."""
+    # Of a path that crosses itself, places near by belong to another part of it.
+    _, nearest = cKDTree(path).query(places, k=min(8, len(path)))
+    found = np.full(len(places), np.inf)
+    for column in np.atleast_2d(nearest).T:
+        for begin in (np.maximum(column - 1, 0), np.minimum(column, len(path) - 2)):
+            a, line = path[begin], path[begin + 1] - path[begin]
+            length = np.maximum((line * line).sum(axis=1), 1e-30)
+            x = np.clip(((places - a) * line).sum(axis=1) / length, 0.0, 1.0)
+            found = np.minimum(found, np.linalg.norm(places - a - x[:, None] * line, axis=1))
+    return found

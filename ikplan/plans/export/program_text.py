@@ -1,0 +1,166 @@
+"""What programs of points share: who can have one, and the thinned plan in the maker's terms."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ikplan.arrays import Array
+from ikplan.errors import InvalidRequest, RobotNotFound
+from ikplan.plans.export.formats import Arm
+
+if TYPE_CHECKING:
+    from ikplan.documents.controller import LanguageInfo
+    from ikplan.documents.plan_document import PlanDocument
+    from ikplan.plans.programs.certificate import ProgramCertificate, ProgramInterpolation
+    from ikplan.robots import Robot
+
+__all__ = [
+    "PointProgram",
+    "comments",
+    "fixed",
+    "language_of",
+    "name_from",
+    "points_of",
+    "refusal",
+]
+
+_JOINTS = 6
+
+
+@dataclass(frozen=True)
+class PointProgram:
+    """A thinned plan as a program counts it.
+
+    Attributes:
+        degrees: Joint values in degrees, as the maker counts joints, shape (n, 6).
+        steps: Time from each point to the next, whole microseconds, shape (n - 1,) [s].
+        tool: Positions of the tool at the points, shape (n, 3) [m].
+        turned: Rotation of the tool from each point to the next, shape (n - 1,) [rad].
+        certificate: What holds of the motion.
+    """
+
+    degrees: Array
+    steps: Array
+    tool: Array
+    turned: Array
+    certificate: ProgramCertificate
+
+
+def language_of(arm: Arm, name: str, title: str) -> LanguageInfo:
+    """Return what is known of a language of an arm's controller.
+
+    Raises:
+        InvalidRequest: Its controller is not known, runs other programs, or the arm does not have
+            six turning joints.
+    """
+    controller = arm.controller
+    found = controller.language(name) if controller is not None else None
+    if found is None:
+        why = "its controller runs none" if controller is not None else "no controller is known"
+        raise refusal(
+            name,
+            f"no {title} program for {arm.robot!r}: {why}; a robot whose controller has the "
+            f'language "{name}" can have one',
+        )
+    if arm.units != ("rad",) * _JOINTS:
+        raise refusal(
+            name,
+            f"no {title} program for {arm.robot!r}: it moves six turning joints, and this "
+            f"chain has {len(arm.units)} joints ({', '.join(arm.units)})",
+        )
+    return found
+
+
+def points_of(
+    plan: PlanDocument,
+    language: LanguageInfo,
+    kind: ProgramInterpolation,
+    stored: Callable[[Array], Array],
+    robot: Robot | None = None,
+    tolerance: float | None = None,
+) -> PointProgram:
+    """Thin a plan and count its points as programs do.
+
+    Args:
+        plan: The plan.
+        language: The language.
+        kind: What the controller does between points.
+        stored: From degrees to those that are left of them in the program's text.
+        robot: The robot with its tool; None: that of the catalogue.
+        tolerance: Largest distance from the path [m]; None: 0.1 mm.
+
+    Raises:
+        InvalidRequest: The robot is not in the catalogue, or no points keep the tolerance.
+    """
+    from ikplan.plans.programs.thinning import TOLERANCE, thin
+
+    known = robot if robot is not None else _from_catalogue(plan, language.name)
+    matrix = np.eye(_JOINTS) if language.joints is None else np.array(language.joints)
+    back = np.linalg.inv(matrix)
+
+    def kept(q: Array) -> Array:
+        return np.asarray(np.radians(stored(np.degrees(q @ matrix.T))) @ back.T)
+
+    asked = TOLERANCE if tolerance is None else tolerance
+    program = thin(plan, known, kind, tolerance=asked, stored=kept)
+    R, p = known.poses(program.q)
+    cosine = (np.einsum("mij,mij->m", R[:-1], R[1:]) - 1.0) / 2.0
+    return PointProgram(
+        degrees=stored(np.degrees(program.q @ matrix.T)) + 0.0,
+        steps=np.round(np.diff(program.time), 6),
+        tool=p,
+        turned=np.arccos(np.clip(cosine, -1.0, 1.0)),
+        certificate=program.certificate,
+    )
+
+
+def comments(plan: PlanDocument, certificate: ProgramCertificate) -> list[str]:
+    """Return what a program says of itself, in lines of ASCII."""
+    c = certificate
+    between = {
+        "blended": "moves linear in the joints, corners parabolas over half of the shorter step",
+        "spline": "cubic splines of the joints through the points, at rest at both ends",
+    }[c.interpolation]
+    return [
+        f"plan {plan.id} for {plan.robot}",
+        f"{c.points} points, {fixed(c.duration)} s, {c.time_factor:.4f} times the plan's time",
+        f"if the controller makes {between}:",
+        f"tool within {1e3 * c.max_path_deviation:.4f} mm and "
+        f"{np.degrees(c.max_orientation_deviation):.4f} deg of the plan's path,",
+        f"at most {c.velocity_limit_ratio:.4f} of the joint speed limits and "
+        f"{c.acceleration_limit_ratio:.4f} of the acceleration limits",
+    ]
+
+
+def fixed(value: float, digits: int = 6) -> str:
+    """Return a number in decimals without trailing zeros, and without a sign at zero."""
+    return f"{value + 0.0:.{digits}f}".rstrip("0").rstrip(".")
+
+
+def name_from(stem: str, longest: int) -> str:
+    """Return a name for a program from that of a file: letters, digits, underscores."""
+    name = re.sub(r"[^A-Za-z0-9_]", "_", stem) or "ikplan"
+    return (name if name[0].isalpha() else f"p_{name}")[:longest]
+
+
+def refusal(language: str, detail: str) -> InvalidRequest:
+    """Return the error that refuses a format."""
+    return InvalidRequest(detail, field="format", allowed=f"another format than {language}")
+
+
+def _from_catalogue(plan: PlanDocument, language: str) -> Robot:
+    from ikplan.robots import catalogue_robot
+
+    try:
+        return catalogue_robot(plan.robot)
+    except RobotNotFound as error:
+        raise refusal(
+            language,
+            f"{plan.robot!r} is not in the catalogue, and thinning a plan needs its robot: give "
+            "it to encode or save",
+        ) from error

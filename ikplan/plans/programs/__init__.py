@@ -1,0 +1,1 @@
+"""Programs of few points: a plan thinned, and certified as its controller interpolates."""

@@ -10,7 +10,17 @@ for _name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "NUMBA_NUM_THREADS"):
 import argparse  # noqa: E402 - the threads are counted when NumPy is imported
 from collections.abc import Callable, Iterator  # noqa: E402
 
-from benchmarks.planning import e9, helices, lines, nearest, refusals, scaling, scattered, singular  # noqa: E402
+from benchmarks.planning import (  # noqa: E402
+    e9,
+    helices,
+    lines,
+    nearest,
+    refusals,
+    scaling,
+    scattered,
+    singular,
+    turns,
+)
 from benchmarks.speed.measure import Figure  # noqa: E402
 
 PARTS: dict[str, tuple[str, Callable[[float], Iterator[Figure]]]] = {
@@ -37,6 +47,10 @@ PARTS: dict[str, tuple[str, Callable[[float], Iterator[Figure]]]] = {
     "refusals": (
         "1,000 random requests: what is refused, and the repairs",
         lambda share: refusals.figures(max(20, round(1000 * share))),
+    ),
+    "turns": (
+        "arcs of 1 to 2.5 turns of five arms, from any branch",
+        lambda share: turns.figures(max(4, round(60 * share))),
     ),
     "scattered": (
         "40 paths of ten waypoints anywhere",

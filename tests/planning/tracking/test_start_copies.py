@@ -132,6 +132,7 @@ def test_an_arc_longer_than_all_the_turns_there_are_is_refused() -> None:
     with pytest.raises(ikplan.Disconnected) as caught:
         ikplan.plan(arc("ur5", 2.3))
     assert "limit" in caught.value.reason
+    assert "waypoint -1" not in str(caught.value)
 
 
 def test_a_free_start_is_the_copy_and_the_branch_nearest_to_home() -> None:

@@ -10,7 +10,17 @@ for _name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "NUMBA_NUM_THREADS"):
 import argparse  # noqa: E402 - the threads are counted when NumPy is imported
 from collections.abc import Callable, Iterator  # noqa: E402
 
-from benchmarks.planning import e9, helices, lines, nearest, scaling, scattered  # noqa: E402
+from benchmarks.planning import (  # noqa: E402
+    e9,
+    helices,
+    lines,
+    nearest,
+    refusals,
+    scaling,
+    scattered,
+    singular,
+    turns,
+)
 from benchmarks.speed.measure import Figure  # noqa: E402
 
 PARTS: dict[str, tuple[str, Callable[[float], Iterator[Figure]]]] = {
@@ -29,6 +39,18 @@ PARTS: dict[str, tuple[str, Callable[[float], Iterator[Figure]]]] = {
     "free": (
         "the same lines from any branch",
         lambda share: lines.free_figures(max(5, round(200 * share))),
+    ),
+    "singular": (
+        "lines of 160 mm aimed at singularities, within the default tolerance",
+        lambda share: singular.figures(max(6, round(200 * share))),
+    ),
+    "refusals": (
+        "1,000 random requests: what is refused, and the repairs",
+        lambda share: refusals.figures(max(20, round(1000 * share))),
+    ),
+    "turns": (
+        "arcs of 1 to 2.5 turns of five arms, from any branch",
+        lambda share: turns.figures(max(4, round(60 * share))),
     ),
     "scattered": (
         "40 paths of ten waypoints anywhere",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
@@ -11,9 +12,9 @@ from numpy.typing import NDArray
 
 from ikplan.collision.checker import CollisionChecker
 from ikplan.documents import parse
-from ikplan.documents.plan_request import PlanRequest
+from ikplan.documents.plan_request import PlanRequest, Scene
 from ikplan.documents.trajectory import WaypointResults
-from ikplan.errors import Disconnected, InCollision, Unreachable
+from ikplan.errors import BudgetExceeded, Disconnected, IkplanError, InCollision, Unreachable
 from ikplan.ik.arguments import check_start
 from ikplan.ik.solve import pose_distance
 from ikplan.kinematics.arm import arm_of
@@ -34,11 +35,14 @@ from ikplan.planning import (
     find_repairs,
     plan_joint_path,
 )
+from ikplan.planning.repair_kinds import merged_document
 from ikplan.planning.segment_number import segment_number
+from ikplan.planning.tracking.tracked_path import TrackingFailed
 from ikplan.plans.plan import Plan
 from ikplan.robots import Robot
 from ikplan.robots.narrowing import narrowed
 from ikplan.scene.body import CollisionModel
+from ikplan.time_budget import TimeBudget
 
 __all__ = ["make_plan", "plan"]
 
@@ -89,6 +93,7 @@ def make_plan(
     progress: Progress | None = None,
     *,
     known_id: str | None = None,
+    repairs: bool = True,
 ) -> Plan:
     """Plan a request that is parsed already, see :func:`plan`.
 
@@ -97,8 +102,9 @@ def make_plan(
         robot: As in :func:`plan`.
         progress: As in :func:`plan`.
         known_id: The id of the plan, where it is known already: it is not computed again.
+        repairs: Whether a refusal explains itself and offers repairs.
     """
-    robot = resolve_robot(request, robot)
+    asked_robot, robot = robot, resolve_robot(request, robot)
     known_id = known_id or plan_id(request, robot)
     robot = narrowed(robot, request.limits.joints)
     limits = MotionLimits.of(robot, request.limits)
@@ -125,8 +131,51 @@ def make_plan(
         start_free,
         joint_limits(robot, limits),
         clock,
+        explain=repairs,
         contact=contact,
     )
+    try:
+        return _corrected(request, problem, limits, limits_of, model, known_id)
+    except (Unreachable, Disconnected, InCollision) as error:
+        if repairs:
+            # The verdict stands, whether or not there is time left for repairs.
+            with contextlib.suppress(BudgetExceeded):
+                error.repairs = _repairs(request, asked_robot, problem, error)
+        raise
+
+
+def _repairs(
+    request: PlanRequest,
+    robot: Robot | None,
+    problem: JointPathProblem,
+    error: Unreachable | Disconnected | InCollision,
+) -> list[dict[str, Any]]:
+    """Changes of a request with which it is planned, timed and certified.
+
+    Raises:
+        BudgetExceeded: The time budget of the request ran out.
+    """
+    clock, solver = problem.clock, problem.solver
+    clearance = request.scene.clearance if isinstance(request.scene, Scene) else 0.0
+    with clock.stage("planning"), clock.cutting(solver.cut, solver.search_evaluations):
+        return find_repairs(
+            problem, error, lambda change: _survives(request, robot, change, clock), clearance
+        )
+
+
+def _corrected(
+    request: PlanRequest,
+    problem: JointPathProblem,
+    limits: MotionLimits,
+    limits_of: Mapping[str, MotionLimits],
+    model: CollisionModel | None,
+    known_id: str,
+) -> Plan:
+    """Plan, time and certify; moves on which the proof fails are rounded anew.
+
+    Raises:
+        InCollision: The proof fails all the same.
+    """
     margins: dict[str, float] = {}
     for repair in range(_MOVE_REPAIRS + 1):
         motion = _motion(
@@ -156,11 +205,7 @@ def _motion(
     """
     robot, clock, solver = problem.robot, problem.clock, problem.solver
     with clock.stage("planning"), clock.cutting(solver.cut, solver.search_evaluations):
-        try:
-            route = plan_joint_path(problem)
-        except (Unreachable, Disconnected) as error:
-            error.repairs = find_repairs(problem, error)
-            raise
+        route = plan_joint_path(problem)
         stages = MotionStages(request, limits, limits_of)
         laid = stages.laid(problem, route)
     with clock.stage("timing"):
@@ -190,6 +235,26 @@ def _motion(
             if violation.time is not None and begin <= violation.time <= end:
                 return move.report.field, violation
         raise
+
+
+def _survives(
+    request: PlanRequest, robot: Robot | None, change: Mapping[str, Any], clock: TimeBudget
+) -> bool:
+    """Whether a request with a change is planned, timed, sampled and certified.
+
+    Raises:
+        BudgetExceeded: The time budget of the request ran out.
+    """
+    clock.check()
+    document = merged_document(request.model_dump(mode="json", exclude_unset=True), change)
+    document["budget_s"] = max(clock.left, 1e-3)
+    try:
+        make_plan(parse(PlanRequest, document), robot, repairs=False)
+    except BudgetExceeded:
+        raise
+    except (IkplanError, TrackingFailed):
+        return False
+    return True
 
 
 def _segment_times(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
@@ -30,12 +30,12 @@ from ikplan.planning.joint_route import (
 from ikplan.planning.moves.move_planner import MovePlanner
 from ikplan.planning.segment_number import segment_number
 from ikplan.planning.task_freedom import counts_orientation, freedom_of
-from ikplan.planning.tool_leg import check_box, tracking_verdict
-from ikplan.planning.tracking.path_tracker import PathTracker
+from ikplan.planning.tool_leg import OpenPose, check_box, path_tracker, reached, track_tool_path
 from ikplan.planning.tracking.reference_path import points_around
+from ikplan.planning.tracking.start_copies import StartCopies
 from ikplan.planning.tracking.tracked_path import TrackedPath, TrackingFailed
 from ikplan.planning.waypoints.ik_branches import branches
-from ikplan.planning.waypoints.in_collision import in_collision, motion_in_collision
+from ikplan.planning.waypoints.in_collision import in_collision
 from ikplan.planning.waypoints.select import select_configurations
 from ikplan.planning.waypoints.waypoint_problem import WaypointProblem
 
@@ -88,7 +88,7 @@ def _planned(planner: _JointPathPlanner, legs: list[Leg]) -> JointRoute:
         elif isinstance(leg, MoveLeg):
             planner.move_leg(leg, after)
         else:
-            planner.tool_leg(leg)
+            planner.tool_leg(leg, last=after is None)
         problem.clock.report(len(planner.waypoints))
     return planner.route()
 
@@ -108,40 +108,13 @@ _SAME_BRANCH = 1e-6
 """Configurations nearer to each other than this are one branch [rad or m]."""
 
 
-@dataclass(frozen=True)
-class _Open:
-    """A pose at the end of a joint leg or a move whose branch is left to the tool path after it.
-
-    Attributes:
-        waypoint: The waypoint there.
-        target: Its target.
-        starts: Its solutions, shape (c, dof) [rad or m].
-        costs: Joint motion to each, shape (c,).
-        move: The move that ends there; None: a joint leg.
-    """
-
-    waypoint: JointWaypoint
-    target: Target
-    starts: Array
-    costs: Array
-    move: MoveLeg | None = None
-
-
 class _JointPathPlanner:
     """Plans one leg after the other."""
 
     def __init__(self, problem: JointPathProblem) -> None:
         self.problem = problem
         self.freedom: Freedom = freedom_of(problem.path)
-        self.tracker = PathTracker(
-            problem.solver.arm,
-            problem.limits,
-            self.freedom,
-            counts_orientation(problem.path),
-            problem.path.tolerance,
-            problem.clock,
-            problem.contact,
-        )
+        self.tracker = path_tracker(problem)
         self.q: list[Array] = [] if problem.start_free else [problem.q_start]
         self.rest: list[int] = []
         self.waypoints: list[RouteWaypoint] = []
@@ -150,7 +123,7 @@ class _JointPathPlanner:
         self.move_planner = MovePlanner(problem)
         self.sharp = False
         self.slight = False
-        self.opened: _Open | None = None
+        self.opened: OpenPose | None = None
 
     def check_start_free(self) -> None:
         """Refuse a start in contact."""
@@ -203,8 +176,8 @@ class _JointPathPlanner:
             R, p = self.fk(q)
             self._add(q, waypoint, pose_target(p, R))
         self._select(run)
-        if left_open and last.pose is not None:
-            self._open_pose(last, last.pose)
+        if left_open and last.pose is not None and isinstance(after, ToolLeg):
+            self._open_pose(last, last.pose, after.path)
 
     def _waypoint_problem(self, run: list[JointWaypoint]) -> WaypointProblem:
         problem = self.problem
@@ -231,12 +204,22 @@ class _JointPathPlanner:
         for waypoint, target, q in zip(run, problem.targets, chosen, strict=True):
             self._add(q, waypoint, target)
 
-    def _open_pose(self, waypoint: JointWaypoint, pose: Pose) -> None:
-        """Offer every branch of a pose to the tool path that begins there."""
-        problem = self._waypoint_problem([waypoint])
-        starts = self._reached(branches(problem), waypoint)
-        costs = np.linalg.norm(starts - self._last_q, axis=1)
-        self.opened = _Open(waypoint, self._target(pose), starts, costs)
+    def _open_pose(self, waypoint: JointWaypoint, pose: Pose, after: ToolPath) -> None:
+        """Offer every branch of a pose to the tool path that begins there, turned as it begins."""
+        begin = waypoint
+        if pose.R is None and after.oriented(0.0):
+            begin = replace(waypoint, pose=Pose(after.pose(0.0)[0], pose.p))
+        problem = self._waypoint_problem([begin])
+        copies: StartCopies | None = self._copies()
+        try:
+            starts = self._reached(branches(problem), waypoint)
+        except InCollision:
+            starts, copies = self._reached(branches(problem, turns=True), waypoint), None
+        away = np.linalg.norm(starts - self._last_q, axis=1)
+        costs = away if self.q else np.zeros(len(starts))
+        self.opened = OpenPose(
+            waypoint, self._target(pose), starts, costs, copies=copies, problem=problem
+        )
 
     def move_leg(self, leg: MoveLeg, after: Leg | None) -> None:
         """Plan a move around obstacles; its branch is left to a tool path that begins there."""
@@ -245,7 +228,7 @@ class _JointPathPlanner:
         last = leg.targets[0]
         if isinstance(after, ToolLeg) and last.q is None and self.problem.options.refine:
             costs = np.linalg.norm(goals.q - self._last_q, axis=1)
-            self.opened = _Open(last, goals.targets[0], goals.q, costs, leg)
+            self.opened = OpenPose(last, goals.targets[0], goals.q, costs, leg)
             return
         if not self.q:  # from a free start nothing leads to it
             k = int(np.argmin(np.linalg.norm(goals.q - self._last_q, axis=1)))
@@ -267,58 +250,46 @@ class _JointPathPlanner:
         return move.goal
 
     def _reached(self, starts: Array, waypoint: JointWaypoint) -> Array:
-        """Those of configurations to which the straight joint motion is free of contact.
-
-        Raises:
-            InCollision: There is none; names the pair that the motion to the nearest meets.
-        """
-        contact, segment = self.problem.contact, _segment_to(waypoint)
+        """Those of configurations that the straight joint motion leads to without contact."""
+        contact = self.problem.contact
         if contact is None or not self.q:
             return starts
-        met = [contact.first_contact(np.vstack([self._last_q, q]), segment) for q in starts]
-        free = [k for k, found in enumerate(met) if found is None]
-        if not free and (first := met[0]) is not None:
-            subject = f"the joint motion to {waypoint.name}"
-            raise motion_in_collision(contact, first, waypoint.row, subject, segment)
-        return np.ascontiguousarray(starts[free])
+        return reached(contact, self._last_q, starts, waypoint, _segment_to(waypoint))
 
-    def tool_leg(self, leg: ToolLeg) -> None:
-        """Track a tool path; where a move leads to it, from a branch that a way is found to."""
+    def tool_leg(self, leg: ToolLeg, *, last: bool) -> None:
+        """Track a tool path; where a motion leads to it, from a branch that it gets to.
+
+        After the last one, the branch that it ends in does not matter.
+        """
         path = leg.path
         check_box(self.freedom, path)
-        starts, costs = self._starts(path)
+        starts, costs, copies = self._starts(path)
         while True:
-            tracked = self._tracked(path, starts, costs)
+            tracked = track_tool_path(self.problem, self.tracker, path, starts, costs, copies)
             opened = self.opened
-            if opened is None or opened.move is None or not self.q:
+            if opened is None or not self.q:
                 break
             try:
+                if opened.move is None:
+                    if copies is not None:  # the copy that was taken may be beyond a body
+                        self._reached(tracked.q[:1], opened.waypoint)
+                    break
                 self._move(opened.move, tracked.q[:1])
                 break
             except InCollision:
+                if opened.problem is not None:
+                    every = branches(opened.problem, turns=True)
+                    starts, copies = self._reached(every, opened.waypoint), None
+                    costs = np.linalg.norm(starts - self._last_q, axis=1)
+                    continue
                 left = np.abs(starts - tracked.q[0]).max(axis=1) > _SAME_BRANCH
                 left[int(np.argmin(np.abs(starts - tracked.q[0]).max(axis=1)))] = False
                 if not left.any():
                     raise
                 starts, costs = np.ascontiguousarray(starts[left]), costs[left]
-        self._append(path, tracked)
+        self._append(path, self.tracker.straighten(path, tracked) if last else tracked)
         self.sharp |= path.sharp
         self.slight |= path.slight
-
-    def _tracked(self, path: ToolPath, starts: Array, costs: Array) -> TrackedPath:
-        try:
-            tracked = self.tracker.track(path, starts, costs)
-        except TrackingFailed as failure:
-            if not self.problem.explain:
-                raise
-            verdict = tracking_verdict(self.problem, self.tracker, path, failure)
-            if not isinstance(verdict, Disconnected | InCollision):
-                raise verdict from failure
-            try:
-                tracked = self.tracker.track_global(path, starts, costs)
-            except TrackingFailed:
-                raise verdict from failure
-        return tracked
 
     def _check_free(self, q: Array, waypoint: JointWaypoint) -> None:
         """Refuse joint values that are asked for and in contact."""
@@ -326,12 +297,15 @@ class _JointPathPlanner:
         if contact is not None and not contact.free(q[None], segment)[0]:
             raise in_collision(contact, q[None], waypoint.row, waypoint.name, segment, proven=True)
 
-    def _starts(self, path: ToolPath) -> tuple[Array, Array]:
-        """Configurations that the tool path may begin at, and the joint motion to each."""
+    def _copies(self) -> StartCopies:
+        return StartCopies(self._last_q, counted=bool(self.q))
+
+    def _starts(self, path: ToolPath) -> tuple[Array, Array, StartCopies | None]:
+        """Configurations that the tool path may begin at, the motion to each, and their copies."""
         if self.opened is not None:
-            return self.opened.starts, self.opened.costs
+            return self.opened.starts, self.opened.costs, self.opened.copies
         if self.q:
-            return self.q[-1][None], np.zeros(1)
+            return self.q[-1][None], np.zeros(1), None
         R, p = path.pose(0.0)
         # What begins without an orientation may begin at a waypoint with one.
         rotations = [w.R for w in path.waypoints if w.s == 0.0 and w.R is not None]
@@ -339,7 +313,7 @@ class _JointPathPlanner:
         starts = branches(
             self._waypoint_problem([JointWaypoint(0, "the begin of the path", pose=pose)])
         )
-        return starts, np.zeros(len(starts))
+        return starts, np.zeros(len(starts)), self._copies()
 
     def _append(self, path: ToolPath, tracked: TrackedPath) -> None:
         """Add the points of a tracked path; the motion rests where it begins and ends."""

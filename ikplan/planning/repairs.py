@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import dataclass, replace
+import contextlib
+import itertools
+from collections.abc import Callable, Iterator
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -11,16 +13,18 @@ from numpy.typing import NDArray
 
 from ikplan.arrays import Array
 from ikplan.documents.plan_request import Frame, PathRequest
-from ikplan.errors import BudgetExceeded, Disconnected, InvalidRequest, Unreachable
+from ikplan.errors import BudgetExceeded, Disconnected, InCollision, InvalidRequest, Unreachable
 from ikplan.ik.solve import NoSolution, PoseSolver
 from ikplan.kinematics.forward import forward
 from ikplan.kinematics.target import Target, pose_target
 from ikplan.path import JointLeg, MoveLeg, Pose, ToolLeg, legs_of
 from ikplan.planning.joint_planner import plan_joint_path
 from ikplan.planning.joint_route import JointPathProblem
-from ikplan.planning.ladder.equivalent_configurations import with_equivalents
 from ikplan.planning.ladder.ik_candidates import sample_ik_solutions
+from ikplan.planning.repair_kinds import Repair, boxed, moved_aside, rounded, smaller_clearance
 from ikplan.planning.task_freedom import counts_orientation, freedom_of
+from ikplan.planning.tool_leg import path_tracker
+from ikplan.planning.tracking.start_copies import StartCopies, distinct_modulo_turns
 from ikplan.planning.tracking.tracked_path import TrackingFailed
 from ikplan.planning.unit_mistake import in_millimetres, name_unit_mistake
 from ikplan.planning.waypoints.stack import stack_targets
@@ -28,6 +32,8 @@ from ikplan.planning.waypoints.stack import stack_targets
 __all__ = ["find_repairs"]
 
 
+_ATTEMPTS = 4
+"""Changes of a kind that are planned to the end."""
 _MOST_BRANCHES = 12
 _SAMPLES = 12
 """Places on each tool path at which a shift of the path is tried first; of the targets that are out
@@ -37,33 +43,41 @@ _FARTHEST = 0.5
 """Longest shift that is offered [m]."""
 
 
-@dataclass(frozen=True)
-class _Repair:
-    change: dict[str, Any]
-    detail: str
+Survives = Callable[[dict[str, Any]], bool]
 
 
 def find_repairs(
-    problem: JointPathProblem, error: Unreachable | Disconnected
+    problem: JointPathProblem,
+    error: Unreachable | Disconnected | InCollision,
+    survives: Survives | None = None,
+    clearance: float = 0.0,
 ) -> list[dict[str, Any]]:
     """Return changes of the request that make the path feasible.
 
     Coordinates in millimetres where all are far beyond reach, of which the error then tells too;
-    else another branch to start in, a free tool axis, free orientation, and the smallest shift of
-    the path frame found. Every one was planned before it is offered; none is, when the time budget
-    is used up.
+    else another branch to start in, a box, rounded corners, a free tool axis, free orientation,
+    the smallest shift of the path frame found; where bodies touch, a shift away from them and a
+    smaller clearance. Each kind has a fixed number of attempts. Every one was planned before it is
+    offered; none is, when the time budget is used up.
 
     Args:
         problem: The path that has no plan.
         error: Why.
+        survives: Tells whether a change still holds once it is timed, sampled and certified;
+            None: a joint path is enough.
+        clearance: The gap asked for between bodies [m].
 
     Returns:
-        Repairs as ``{"change": fields of the request, "detail": in words}``.
+        Repairs as ``{"change": fields of the request, "detail": in words}``, one of each kind at
+        most, in the order above.
     """
     repairs: list[dict[str, Any]] = []
     try:
-        for repair in _repairs(replace(problem, explain=False), error):
-            repairs.append({"change": repair.change, "detail": repair.detail})
+        for kind in _kinds(replace(problem, explain=False), error, clearance):
+            for repair in itertools.islice(kind, _ATTEMPTS):
+                if survives is None or survives(repair.change):
+                    repairs.append({"change": repair.change, "detail": repair.detail})
+                    break
     except BudgetExceeded:
         return repairs
     return repairs
@@ -73,35 +87,44 @@ def _lays(problem: JointPathProblem) -> bool:
     """Whether there is a route."""
     try:
         plan_joint_path(problem)
-    except (Unreachable, Disconnected, InvalidRequest, TrackingFailed):
+    except (Unreachable, Disconnected, InCollision, InvalidRequest, TrackingFailed):
         return False
     return True
 
 
-def _repairs(problem: JointPathProblem, error: Unreachable | Disconnected) -> Iterator[_Repair]:
-    """Yield changes with which the path was laid."""
+def _kinds(
+    problem: JointPathProblem, error: Unreachable | Disconnected | InCollision, clearance: float
+) -> Iterator[Iterator[Repair]]:
+    """Yield, kind by kind in order of price, changes with which the path was laid."""
     if isinstance(error, Unreachable) and name_unit_mistake(problem, error):
-        yield from _in_millimetres(problem)
+        yield _in_millimetres(problem)
         return
-    if isinstance(error, Disconnected):  # what is out of reach is so in every branch
-        yield from _other_branch(problem)
-    yield from _free_orientation(problem)
+    if not isinstance(error, Unreachable):  # what is out of reach is so in every branch
+        yield _other_branch(problem)
+    yield boxed(problem, _lays)
+    if isinstance(error, Disconnected):
+        yield rounded(problem, _legs(problem), _lays)
+    yield _free_orientation(problem)
     if isinstance(error, Unreachable) and error.position_error <= _FARTHEST:
-        yield from _shifted(problem)
+        yield _shifted(problem)
+    if isinstance(error, InCollision):
+        yield moved_aside(problem, _moved, _lays)
+        yield smaller_clearance(error, clearance)
 
 
-def _in_millimetres(problem: JointPathProblem) -> Iterator[_Repair]:
+def _in_millimetres(problem: JointPathProblem) -> Iterator[Repair]:
     """The coordinates as millimetres."""
     path = in_millimetres(problem.path)
     if path is not None and _lays(replace(problem, path=path)):
         kind = "waypoints" if path.waypoints is not None else "segments"
         change = path.model_dump(mode="json", include={kind, "begin"}, exclude_unset=True)
-        yield _Repair({"path": change}, "read the coordinates as millimetres")
+        yield Repair({"path": change}, "read the coordinates as millimetres")
 
 
-def _other_branch(problem: JointPathProblem) -> Iterator[_Repair]:
+def _other_branch(problem: JointPathProblem) -> Iterator[Repair]:
     """The same tool pose at the start, in another branch, where a tool path begins there."""
-    if problem.start_free or not isinstance(_legs(problem)[0], ToolLeg):
+    leg = _legs(problem)[0]
+    if problem.start_free or not isinstance(leg, ToolLeg):
         return
     arm = problem.solver.arm
     R, p = forward(arm.chain, problem.q_start)
@@ -118,19 +141,25 @@ def _other_branch(problem: JointPathProblem) -> Iterator[_Repair]:
         0.5,
         1e-9,
     )
-    branches = with_equivalents(arm, found.q[0, : found.counts[0]])
+    branches = distinct_modulo_turns(arm, found.q[0, : found.counts[0]])
     order = np.argsort(np.linalg.norm(branches - problem.q_start, axis=1), kind="stable")
+    tracker, copies = path_tracker(problem), StartCopies(problem.q_start, counted=True)
+    starts: list[Array] = []
     for q in branches[order][:_MOST_BRANCHES]:
+        with contextlib.suppress(TrackingFailed):
+            # Of all copies of the branch, the nearest that gets to the end of the tool path.
+            tracked = tracker.track(leg.path, q[None], np.zeros(1), copies)
+            starts.append(np.ascontiguousarray(tracked.q[0]))
+    for q in sorted(starts, key=lambda start: float(np.linalg.norm(start - problem.q_start))):
         if np.abs(q - problem.q_start).max() < 1e-3:
             continue
-        attempt = replace(problem, q_start=np.ascontiguousarray(q))
+        attempt = replace(problem, q_start=q)
         if _lays(attempt):
             detail = "start with the tool at the same pose in another branch of the arm"
-            yield _Repair({"start": q.tolist()}, detail)
-            return
+            yield Repair({"start": q.tolist()}, detail)
 
 
-def _free_orientation(problem: JointPathProblem) -> Iterator[_Repair]:
+def _free_orientation(problem: JointPathProblem) -> Iterator[Repair]:
     """A free tool axis, or else free orientation."""
     path = problem.path
     if path.orientation_free is not None or path.tolerance.box is not None:
@@ -145,11 +174,10 @@ def _free_orientation(problem: JointPathProblem) -> Iterator[_Repair]:
                 "any orientation" if freedom == "all" else f"a free turn about {freedom['about']}"
             )
             change = {"path": {"orientation_free": freedom}}
-            yield _Repair(change, f"allow {what}")
-            return
+            yield Repair(change, f"allow {what}")
 
 
-def _shifted(problem: JointPathProblem) -> Iterator[_Repair]:
+def _shifted(problem: JointPathProblem) -> Iterator[Repair]:
     """The smallest shift of the path frame found."""
     shift = np.zeros(3)
     for _ in range(_ROUNDS):
@@ -174,7 +202,7 @@ def _shifted(problem: JointPathProblem) -> Iterator[_Repair]:
     position = attempt.path.frame.position
     length = float(np.linalg.norm(feasible * shift))
     detail = f"move the path by {length * 1e3:.1f} mm in the base"
-    yield _Repair({"path": {"frame": {"position": position}}}, detail)
+    yield Repair({"path": {"frame": {"position": position}}}, detail)
 
 
 def _moved(problem: JointPathProblem, shift: Array) -> JointPathProblem:

@@ -12,6 +12,7 @@ import ikplan
 from ikplan import InCollision, load_robot
 from ikplan.pipeline.poses import solve_ik_request
 from ikplan.pipeline.retime import time_request
+from ikplan.planning.repair_kinds import merged_document
 from ikplan.robots import robot_from_urdf
 from tests.two_joints import URDF
 
@@ -222,3 +223,28 @@ def test_solve_ik_checks_only_where_a_scene_is_given() -> None:
     with pytest.raises(ikplan.InvalidRequest) as wrong:
         ikplan.solve_ik(robot, pose, scene={"obstacels": []})
     assert wrong.value.field == "obstacels"
+
+
+def test_a_clearance_that_cannot_be_kept_has_a_smaller_one_as_its_repair() -> None:
+    post = tool_at("ur5", [0.0, 0.15, -0.2])
+    scene = {"obstacles": [box(post)], "clearance": 0.3, "self_collision": False}
+    document = request("ur5", [0.0, 0.2, 0.0], scene=scene)
+    with pytest.raises(InCollision) as caught:
+        ikplan.plan(document)
+    changes = [repair["change"] for repair in caught.value.repairs]
+    (smaller,) = [change["scene"]["clearance"] for change in changes if "scene" in change]
+    assert 0.0 <= smaller < 0.3
+    plan = ikplan.plan({**document, "scene": {**scene, "clearance": smaller}})
+    assert plan.certificate.clearance is not None
+    assert plan.certificate.clearance.proven
+
+
+def test_every_repair_of_a_path_through_an_obstacle_is_planned() -> None:
+    low = tool_at("ur5", [0.0, 0.15, -0.02])
+    scene = {"obstacles": [box(low, [0.05, 0.05, 0.05])], "self_collision": False}
+    document = request("ur5", [0.0, 0.3, 0.0], scene=scene)
+    with pytest.raises(InCollision) as caught:
+        ikplan.plan(document)
+    assert caught.value.repairs
+    for repair in caught.value.repairs:
+        ikplan.plan(merged_document(document, repair["change"]))

@@ -85,7 +85,7 @@ class MovePlanner:
         for waypoint, problem in zip(leg.targets, problems, strict=True):
             try:
                 if waypoint.q is None:
-                    found = branches(problem)
+                    found = branches(problem, turns=True)
                     target = problem.targets[0]
                 else:
                     found = self._joint_values(waypoint, problem)[None]

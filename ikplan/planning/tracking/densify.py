@@ -3,19 +3,20 @@
 from __future__ import annotations
 
 import functools
-from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 
 from ikplan.arrays import Array, Indices
 from ikplan.errors import InvalidRequest
 from ikplan.joint_path import JointPath
-from ikplan.planning.ladder.ik_candidates import Targets
 from ikplan.planning.tracking.path_deviation import deviation_ratios
 from ikplan.planning.tracking.reference_path import ReferencePath, rest_points, turn_between
 from ikplan.planning.tracking.tracked_arm import EXACT, MAX_POINTS, TrackedArm
 from ikplan.planning.tracking.tracked_path import TrackingFailed
 from ikplan.planning.tracking.tracking_kernels import project_onto_targets
+from ikplan.planning.within.tolerance_window import error_ratios, project_within
+from ikplan.planning.within.track_within import SpanList
 
 __all__ = ["densify"]
 
@@ -23,12 +24,18 @@ __all__ = ["densify"]
 _JUMP, _JUMP_STEP, _JUMP_TURN = 2.0**-20, 1e-6, 1e-4
 """A joint motion on less than this share of the path, this length [m] and this turn [rad], that is
 not on the path is a jump."""
-_MAX_DEVIATION_RATIO = 0.5
-"""Largest ratio of the joint spline's deviation to the tolerance."""
+_INSIDE_WINDOW = 0.8
+"""Ratio of the error to the tolerance to which points added in a window are brought."""
+_ON_PATH = 1e-3
+"""Ratio of a point's error to the tolerance up to which it counts as exact."""
 
 
 def densify(
-    tracked: TrackedArm, reference: ReferencePath, s: Array, q: Array
+    tracked: TrackedArm,
+    reference: ReferencePath,
+    s: Array,
+    q: Array,
+    windows: SpanList | None = None,
 ) -> tuple[Array, Array, list[int]]:
     """Add points until the joint spline through them stays on the path.
 
@@ -37,6 +44,7 @@ def densify(
         reference: The path.
         s: Path positions of the points, shape (m,).
         q: Their configurations, shape (m, dof) [rad or m].
+        windows: Parts of the path on which the points are within the tolerance only.
 
     Returns:
         Path positions, configurations, and the indices of the points where the motion rests.
@@ -58,10 +66,10 @@ def densify(
             s,
             path,
             tracked.tolerance,
-            _MAX_DEVIATION_RATIO,
+            tracked.deviation_share,
         )
         tracked.clock.count(spent)
-        wide = np.flatnonzero(off > _MAX_DEVIATION_RATIO)
+        wide = np.flatnonzero(off > _allowed(tracked, reference, s, q, windows or []))
         if len(wide) == 0:
             return s, q, rest
         if len(s) > MAX_POINTS:
@@ -80,7 +88,7 @@ def densify(
         if still:
             # The joints move, the tool does not: a jump that the first steps went over.
             raise TrackingFailed(float(s[at]), q[at].copy(), q[at + 1].copy())
-        middle, q_middle, bad = _between(tracked, targets_at, s, path, wide)
+        middle, q_middle, bad = _between(tracked, reference, s, path, wide, windows or [])
         if len(bad):
             at = int(bad[0])
             raise TrackingFailed(float(s[at]), q[at].copy(), q[at + 1].copy())
@@ -89,12 +97,26 @@ def densify(
         q = np.ascontiguousarray(np.vstack([q, q_middle])[order])
 
 
+def _allowed(
+    tracked: TrackedArm, reference: ReferencePath, s: Array, q: Array, windows: SpanList
+) -> Array | float:
+    """Largest ratio of the deviation to the tolerance in each step: more where it is needed."""
+    if not tracked.within:
+        return tracked.deviation_share
+    off = error_ratios(tracked, reference, s, q) > _ON_PATH
+    needed = off[1:] | off[:-1]
+    for begin, end in windows:
+        needed |= (s[:-1] >= begin) & (s[1:] <= end)
+    return np.where(needed, tracked.deviation_share, replace(tracked, within=False).deviation_share)
+
+
 def _between(
     tracked: TrackedArm,
-    targets_at: Callable[[Array], Targets],
+    reference: ReferencePath,
     s: Array,
     path: JointPath,
     steps: Indices,
+    windows: SpanList,
 ) -> tuple[Array, Array, Indices]:
     """Find a point within each of some steps, about its middle.
 
@@ -109,12 +131,23 @@ def _between(
         k = steps[left]
         middle[left] = s[k] + share * (s[k + 1] - s[k])
         tried = np.clip(path(s_points[k] + share * (s_points[k + 1] - s_points[k])), lower, upper)
+        free = np.array([any(a <= at <= b for a, b in windows) for at in middle[left]], dtype=bool)
+        exact = tried.copy()
         off, spent = project_onto_targets(
-            tracked.arm.chain, targets_at(middle[left]), tried, lower, upper
+            tracked.arm.chain, tracked.targets_at(reference, middle[left]), exact, lower, upper
         )
+        if free.any():
+            tried[free] = project_within(
+                tracked, reference, middle[left][free], tried[free], _INSIDE_WINDOW
+            )
+        tried[~free] = exact[~free]
         q[left] = tried
         tracked.clock.count(spent)
-        left = left[off > EXACT]
+        met = off <= EXACT
+        if tracked.within:
+            ratio = error_ratios(tracked, reference, middle[left], tried)
+            met = ratio <= tracked.deviation_share
+        left = left[~met]
         if len(left) == 0:
             break
     return middle, q, steps[left]

@@ -10,6 +10,8 @@ from __future__ import annotations
 
 import contextlib
 from collections.abc import Iterator
+from dataclasses import replace
+from typing import Self
 
 import numpy as np
 
@@ -24,44 +26,55 @@ from ikplan.planning.tracking.reference_path import (
     ReferencePath,
     initial_points,
     nearest_points,
-    turn_between,
 )
-from ikplan.planning.tracking.tracked_arm import EXACT, MAX_POINTS, TrackedArm
+from ikplan.planning.tracking.start_copies import StartCopies, turning_joints, without_limits
+from ikplan.planning.tracking.track_from import track_from
+from ikplan.planning.tracking.tracked_arm import EXACT, TrackedArm
 from ikplan.planning.tracking.tracked_path import TrackedPath, TrackingFailed
-from ikplan.planning.tracking.tracking_kernels import (
-    NO_EXTRA_OFFSET,
-    first_discontinuity,
-    track_points,
-)
+from ikplan.planning.tracking.tracking_kernels import first_discontinuity
+from ikplan.planning.within.track_within import SpanList
 
-__all__ = ["PathTracker"]
+__all__ = [
+    "FIRST_STEPS",
+    "JointSequence",
+    "PathTracker",
+    "farthest_failure",
+    "sequence_length",
+    "shortest_first",
+]
 
-_JointSequence = tuple[float, Array, Array]
+JointSequence = tuple[float, Array, Array]
 """Joint path length, path positions, shape (m,), and configurations, shape (m, dof)."""
 
-_FIRST_STEPS = (0.04, 0.005)
+FIRST_STEPS = (0.04, 0.005)
 """Spacing of the first points [m, or m-equivalent of a rotation]: the second where the first
 turns out to have gone over a jump."""
 _GLOBAL_STEPS = ((0.05, 0.01), (0.01, 0.003))
 """Least spacing of the points that sequences are chosen over [m], also as a share of the path."""
 _TRIED = 3
 """Sequences that are made dense, shortest first."""
-_FINEST, _FINEST_STEP, _FINEST_TURN = 2.0**-13, 1e-4, 1e-2
-"""Smallest step: as a share of the path's length, at most in all [m], and the turn in it [rad]."""
-_BEND = 0.01
-"""How far joints may turn back within the smallest step [rad or m]."""
+_DIGITS = 9
+"""Digits after the point to which lengths of sequences are compared."""
 
 
 class PathTracker(TrackedArm):
     """Tracks tool paths with an arm."""
 
-    def track(self, reference: ReferencePath, starts: Array, costs: Array) -> TrackedPath:
+    def track(
+        self,
+        reference: ReferencePath,
+        starts: Array,
+        costs: Array,
+        copies: StartCopies | None = None,
+    ) -> TrackedPath:
         """Track a tool path.
 
         Args:
             reference: The path.
             starts: Configurations at the path's first pose, shape (c, dof), c >= 1 [rad or m].
             costs: Joint motion already spent to get to each, shape (c,).
+            copies: Every 2 pi copy of the starts may be taken; their motion then counts by it.
+                None: the starts as they are.
 
         Returns:
             The points of the sequence with the least joint motion.
@@ -73,9 +86,9 @@ class PathTracker(TrackedArm):
         """
         redundant = self.redundant(reference)
         broken: TrackingFailed | None = None
-        for step in _FIRST_STEPS:
-            sequences, failure = self._track_starts(reference, starts, costs, step)
-            broken = _farthest_failure(broken, failure)
+        for step in FIRST_STEPS:
+            sequences, failure = self._track_starts(reference, starts, costs, step, copies)
+            broken = farthest_failure(broken, failure)
             if not sequences:
                 break  # smaller steps were tried where it failed
             if redundant:
@@ -83,7 +96,7 @@ class PathTracker(TrackedArm):
             try:
                 return self._densify_first(reference, sequences[:_TRIED])
             except TrackingFailed as later:
-                broken = _farthest_failure(broken, later)
+                broken = farthest_failure(broken, later)
         if broken is None:
             raise ValueError("no start was given")
         raise broken
@@ -114,22 +127,25 @@ class PathTracker(TrackedArm):
 
     def _global_sequences(
         self, reference: ReferencePath, starts: Array, costs: Array, spacing: float
-    ) -> Iterator[list[_JointSequence]]:
+    ) -> Iterator[list[JointSequence]]:
         """Yield sequences chosen over all points; where there are obstacles, around them first."""
         if self.contact is not None:
             s = initial_points(reference, spacing)
             q = dodged_sequence(self, reference, starts, costs, s)
-            yield [] if q is None else [(_length(q), s, q)]
+            yield [] if q is None else [(sequence_length(q), s, q)]
         yield self._resolve_globally(reference, starts, costs, spacing)
 
     def _densify_first(
-        self, reference: ReferencePath, sequences: list[_JointSequence]
+        self,
+        reference: ReferencePath,
+        sequences: list[JointSequence],
+        windows: SpanList | None = None,
     ) -> TrackedPath:
         """The first sequence that can be made dense, else the failure that got farthest."""
         broken: list[TrackingFailed] = []
         for length, s_sequence, q_sequence in sequences:
             try:
-                s, q, rest = densify(self, reference, s_sequence, q_sequence)
+                s, q, rest = densify(self, reference, s_sequence, q_sequence, windows)
             except TrackingFailed as failure:
                 broken.append(failure)
                 continue
@@ -141,42 +157,66 @@ class PathTracker(TrackedArm):
         raise max(broken, key=lambda failure: (failure.contact is not None, failure.s))
 
     def _track_starts(
-        self, reference: ReferencePath, starts: Array, costs: Array, step: float
-    ) -> tuple[list[_JointSequence], TrackingFailed | None]:
+        self,
+        reference: ReferencePath,
+        starts: Array,
+        costs: Array,
+        step: float,
+        copies: StartCopies | None,
+    ) -> tuple[list[JointSequence], TrackingFailed | None]:
         """Track the path from every start.
 
         Returns:
             Sequences, shortest first, and the failure that got farthest.
         """
-        sequences: list[_JointSequence] = []
+        sequences: list[JointSequence] = []
         farthest: TrackingFailed | None = None
         for q_start, cost in zip(starts, costs, strict=True):
             self.clock.check()
             try:
-                s, q = self._track_from(reference, q_start, step)
+                s, q = self._track_copies(reference, q_start, step, copies)
             except TrackingFailed as failure:
-                farthest = _farthest_failure(farthest, failure)
+                farthest = farthest_failure(farthest, failure)
                 continue
             if contact := self.first_contact(reference, s, q):
-                farthest = _farthest_failure(farthest, _in_contact(contact, s))
+                farthest = farthest_failure(farthest, _in_contact(contact, s))
                 continue
-            sequences.append((float(cost) + _length(q), s, q))
-        return sorted(sequences, key=lambda sequence: sequence[0]), farthest
+            before = float(cost) if copies is None else copies.cost(q[0])
+            sequences.append((before + sequence_length(q), s, q))
+        return shortest_first(sequences), farthest
+
+    def _unlimited(self) -> Self:
+        """The tracker of the arm whose turning joints have no limits."""
+        return replace(self, arm=without_limits(self.arm))
+
+    def _track_copies(
+        self, reference: ReferencePath, q_start: Array, step: float, copies: StartCopies | None
+    ) -> tuple[Array, Array]:
+        """Track from one start, or from the copy of it that goes through and is nearest."""
+        arm = self.arm
+        if copies is None or not turning_joints(arm).any():
+            return self._track_from(reference, q_start, step)
+        s, q = self._unlimited()._track_from(reference, q_start, step)
+        q, fits = copies.fitting(arm, q)
+        if fits:
+            return s, q
+        # Self-motion may keep to the limits where it has to; otherwise this tells where they bind.
+        return self._track_from(reference, q[0], step)
 
     def _resolve_globally(
         self, reference: ReferencePath, starts: Array, costs: Array, step: float
-    ) -> list[_JointSequence]:
+    ) -> list[JointSequence]:
         """Choose sequences over all points at once, from the nearest starts, shortest first."""
         s = initial_points(reference, step)
         targets = self.targets_at(reference, s)
-        sequences: list[_JointSequence] = []
+        sequences: list[JointSequence] = []
         for k in np.argsort(costs, kind="stable")[:_TRIED]:
             free = None if self.contact is None else self.contact.free
             for length, q in resolve_redundancy_globally(
                 self.arm, targets, starts[k], self.clock, free
             ):
                 broken, spent = first_discontinuity(
-                    self.arm.chain, targets, q, self.arm.lower, self.arm.upper, EXACT
+                    self.arm.chain, targets, q, self.arm.lower, self.arm.upper, EXACT, EXACT
                 )
                 self.clock.count(spent)
                 if broken == len(s) - 1 and self.first_contact(reference, s, q) is None:
@@ -187,63 +227,23 @@ class PathTracker(TrackedArm):
         self, reference: ReferencePath, q_start: Array, step: float
     ) -> tuple[Array, Array]:
         """Return path positions and configurations from one start to the end of the path."""
-        lower, upper = self.arm.lower, self.arm.upper
-        s = initial_points(reference, step)
-        q = np.empty((len(s), self.arm.dof))
-        q[0] = q_start
-        targets = self.targets_at(reference, s)
-        redundant = self.redundant(reference)
-        reached = 0
-        while True:
-            reached, spent = track_points(
-                self.arm.chain,
-                targets,
-                s,
-                q,
-                reached,
-                lower,
-                upper,
-                EXACT,
-                redundant,
-                NO_EXTRA_OFFSET,
-            )
-            self.clock.count(spent)
-            if reached == len(s) - 1:
-                return s, q
-            self.clock.check()
-            gap = s[reached + 2] - s[reached]
-            finest = gap < min(_FINEST * reference.length, _FINEST_STEP)
-            if finest and self.oriented:
-                finest = turn_between(reference, s[reached], s[reached + 2]) < _FINEST_TURN
-            if finest or len(s) > MAX_POINTS:
-                # Over a sharp bend, or a jump: whether the arm can move so, densifying shows.
-                these = slice(reached, reached + 3)
-                over, spent = track_points(
-                    self.arm.chain, self.targets_at(reference, s[these]), s[these], q[these], 0,
-                    lower, upper, EXACT, redundant, _BEND,
-                )  # fmt: skip
-                self.clock.count(spent)
-                if over == 0:
-                    raise TrackingFailed(float(s[reached]), q[reached].copy())
-                reached += over
-                continue
-            halves = 0.5 * (s[reached : reached + 2] + s[reached + 1 : reached + 3])
-            s = np.sort(np.concatenate([s, halves]))
-            q = np.vstack([q[: reached + 1], np.empty((len(s) - reached - 1, q.shape[1]))])
-            targets = self.targets_at(reference, s)
+        part = track_from(self, reference, q_start, step)
+        if not part.complete:
+            raise TrackingFailed(float(part.s[-1]), part.q[-1].copy())
+        return part.s, part.q
 
     def _shorten_all(
-        self, reference: ReferencePath, sequences: list[_JointSequence]
-    ) -> list[_JointSequence]:
+        self, reference: ReferencePath, sequences: list[JointSequence]
+    ) -> list[JointSequence]:
         """Return the sequences made shorter, shortest first."""
-        shorter: list[_JointSequence] = []
+        shorter: list[JointSequence] = []
         for length, s, q in sequences:
             self.clock.check()
             q_short = self._shorten(reference, s, q)
             if self.first_contact(reference, s, q_short) is not None:
                 q_short = q
-            shorter.append((length - _length(q) + _length(q_short), s, q_short))
-        return sorted(shorter, key=lambda sequence: sequence[0])
+            shorter.append((length - sequence_length(q) + sequence_length(q_short), s, q_short))
+        return shortest_first(shorter)
 
     def _shorten(self, reference: ReferencePath, s: Array, q: Array) -> Array:
         """Shorten a sequence by self-motion; whether it stays continuous, densifying shows."""
@@ -271,7 +271,7 @@ def _in_contact(contact: Contact, s: Array) -> TrackingFailed:
     return TrackingFailed(at, contact.q.copy(), contact=contact)
 
 
-def _farthest_failure(a: TrackingFailed | None, b: TrackingFailed | None) -> TrackingFailed | None:
+def farthest_failure(a: TrackingFailed | None, b: TrackingFailed | None) -> TrackingFailed | None:
     """Whichever got farther along the path; the first of those that got equally far.
 
     What is tracked to the end but for contact counts before what is not: obstacles hold it alone.
@@ -281,6 +281,11 @@ def _farthest_failure(a: TrackingFailed | None, b: TrackingFailed | None) -> Tra
     return b if (b.contact is not None, b.s) > (a.contact is not None, a.s) else a
 
 
-def _length(q: Array) -> float:
+def shortest_first(sequences: list[JointSequence]) -> list[JointSequence]:
+    """Sequences in order of their length; equally long ones, but for rounding, as they are."""
+    return sorted(sequences, key=lambda sequence: round(sequence[0], _DIGITS))
+
+
+def sequence_length(q: Array) -> float:
     """Sum of the joint distances along points, shape (m, dof)."""
     return joint_path_length(q, q[0], True)

@@ -53,21 +53,22 @@ class ReferencePath(Protocol):
         """Where an orientation is asked for, shape (m,)."""
 
 
-def initial_points(reference: ReferencePath, step: float) -> Array:
+def initial_points(reference: ReferencePath, step: float, begin: float = 0.0) -> Array:
     """Path positions that include every corner and waypoint, an even number of steps between them.
 
     Args:
         reference: The path.
         step: About their spacing [m].
+        begin: The first of them.
     """
     required = np.unique(np.concatenate([reference.corners, reference.waypoint_s]))
-    slack, kept = _slack(reference), [0.0]
+    slack, kept = _slack(reference), [begin]
     for s_required in required.tolist():
         if s_required > kept[-1] + slack and s_required < reference.length - slack:
             kept.append(s_required)
     if reference.length > 0.0:
         kept.append(reference.length)
-    parts = [np.zeros(1)]
+    parts = [np.full(1, begin)]
     for a, b in itertools.pairwise(kept):
         steps = 2 * max(2, int(np.ceil((b - a) / (2.0 * step))))
         parts.append(np.linspace(a, b, steps + 1)[1:])

@@ -26,6 +26,11 @@ MAX_POINTS = 20_000
 """Points of a path at which more are no longer added."""
 
 
+_MET = 0.85
+"""Share of the tolerance within which a point counts as met where it cannot be met exactly."""
+_DEVIATION, _DEVIATION_WITHIN = 0.5, 0.95
+
+
 @dataclass(frozen=True)
 class TrackedArm:
     """An arm that tracks tool paths.
@@ -38,6 +43,7 @@ class TrackedArm:
         tolerance: How far from the path the tool may be.
         clock: The time budget.
         contact: Refuses configurations and motions in contact; None: nothing is checked.
+        within: Whether points that cannot be met exactly may be met within the tolerance.
     """
 
     arm: Arm
@@ -47,6 +53,19 @@ class TrackedArm:
     tolerance: Tolerance
     clock: TimeBudget
     contact: ContactCheck | None = None
+    within: bool = False
+
+    @property
+    def met(self) -> tuple[float, float]:
+        """Distance [m] and angle [rad] from a target at which a point counts as on it."""
+        if not self.within:
+            return EXACT, EXACT
+        return _MET * self.tolerance.position, _MET * self.tolerance.orientation
+
+    @property
+    def deviation_share(self) -> float:
+        """Largest ratio of the joint spline's deviation to the tolerance."""
+        return _DEVIATION_WITHIN if self.within else _DEVIATION
 
     def first_contact(self, reference: ReferencePath, s: Array, q: Array) -> Contact | None:
         """Return where the straight motions between tracked points first meet a body, or None.
@@ -75,11 +94,14 @@ class TrackedArm:
         """Return the targets of path positions, shape (m,)."""
         R, p = reference.poses(s)
         mask = reference.orientation_mask(s) & self.oriented
+        weight = ORIENTATION_WEIGHT
+        if self.within:  # an error is to be as small as it can be in units of the tolerance
+            weight = min(max(self.tolerance.position / self.tolerance.orientation, 0.01), 10.0)
         return Targets(
             np.ascontiguousarray(R),
             np.ascontiguousarray(p),
             mask,
-            np.where(mask, ORIENTATION_WEIGHT, 0.0),
+            np.where(mask, weight, 0.0),
             self.freedom,
         )
 

@@ -5,13 +5,16 @@ from __future__ import annotations
 import numpy as np
 
 from ikplan.arrays import Array
+from ikplan.documents.plan_request import Tolerance
 from ikplan.errors import Disconnected, Unreachable
 from ikplan.ik.solve import NoSolution, PoseSolver, unreachable
+from ikplan.kinematics.target import Target
 from ikplan.path import ToolPath
 from ikplan.path.rotation.so3 import log
 from ikplan.planning.ladder.ik_candidates import target_at
 from ikplan.planning.tracking.path_tracker import PathTracker
 from ikplan.planning.tracking.tracked_path import TrackingFailed
+from ikplan.planning.waypoints.unreachable import within_tolerance
 from ikplan.robots import Robot
 
 __all__ = ["explain_tracking_failure"]
@@ -47,7 +50,7 @@ def explain_tracking_failure(
     where = f"{failure.s * 1e3:.1f} mm of {path.length * 1e3:.1f} mm along the path"
     target = target_at(tracker.targets_at(path, np.array([end])), 0)
     try:
-        solver.solve(target, failure.q)
+        _solved(solver, target, failure.q, tracker.tolerance)
     except NoSolution as verdict:
         subject = f"waypoint {after} (the path to it is feasible for {where})"
         return unreachable(robot, verdict.closest, after, subject, target)
@@ -57,7 +60,7 @@ def explain_tracking_failure(
     for s in ahead:
         target = target_at(tracker.targets_at(path, np.array([s])), 0)
         try:
-            solution = solver.solve(target, failure.q).q[0]
+            solution = _solved(solver, target, failure.q, tracker.tolerance)
         except NoSolution as verdict:
             subject = f"the path to waypoint {after}, from {where} on,"
             return unreachable(robot, verdict.closest, after, subject, target)
@@ -68,7 +71,7 @@ def explain_tracking_failure(
     joint = int(np.argmax(np.abs(gap)))
     reason = _cause(robot, failure.q, _next_motion(robot, tracker, path, failure))
     return Disconnected(
-        f"no continuous motion leads from waypoint {before} to waypoint {after}: the arm gets to "
+        f"no continuous motion leads from {_name(before)} to {_name(after)}: the arm gets to "
         f"{where}, where {reason}; going on takes another branch, {robot.joint_names[joint]} "
         f"{gap[joint]:+.3f} {'m' if robot.prismatic[joint] else 'rad'} away",
         waypoints=[before, after],
@@ -76,6 +79,24 @@ def explain_tracking_failure(
         reason=reason,
         q=failure.q.tolist(),
     )
+
+
+def _solved(solver: PoseSolver, target: Target, q_near: Array, tolerance: Tolerance) -> Array:
+    """A solution of a target, or what is within the tolerance of it.
+
+    Raises:
+        NoSolution: The target is out of reach by more than the tolerance.
+    """
+    try:
+        return np.asarray(solver.solve(target, q_near).q[0])
+    except NoSolution as verdict:
+        if within_tolerance(verdict.closest, tolerance):
+            return np.asarray(verdict.closest.q)
+        raise
+
+
+def _name(row: int) -> str:
+    return "the start" if row < 0 else f"waypoint {row}"
 
 
 def _neighbours(path: ToolPath, s: float) -> tuple[int, int]:

@@ -47,6 +47,7 @@ def _midpoint_is_continuous(
     lower: Array,
     upper: Array,
     tolerance: float,
+    angle_tolerance: float,
     extra_offset: float,
     middle: Array,
     w: Workspace,
@@ -60,7 +61,7 @@ def _midpoint_is_continuous(
     distance, angle, spent = refine(
         chain, target_at(targets, k), middle, lower, upper, Effort(8, 8), w
     )
-    if distance > tolerance or angle > tolerance:
+    if distance > tolerance or angle > angle_tolerance:
         return False, spent
     off = 0.0
     for d in range(dof):
@@ -109,6 +110,7 @@ def _double_step(
     lower: Array,
     upper: Array,
     tolerance: float,
+    angle_tolerance: float,
     avoid_limits: bool,
     trial: Array,
     w: Workspace,
@@ -126,7 +128,7 @@ def _double_step(
     target = target_at(targets, k + 2)
     distance, angle, evaluations = refine(chain, target, trial, lower, upper, Effort(15, 8), w)
     for side in range(2):
-        if distance <= tolerance and angle <= tolerance:
+        if distance <= tolerance and angle <= angle_tolerance:
             break
         # A singular configuration has no slope towards the target: step aside from it.
         for d in range(trial.shape[0]):
@@ -134,7 +136,7 @@ def _double_step(
             trial[d] = min(max(q[k, d] + aside, lower[d]), upper[d])
         distance, angle, spent = refine(chain, target, trial, lower, upper, Effort(25, 8), w)
         evaluations += spent
-    return distance <= tolerance and angle <= tolerance, evaluations
+    return distance <= tolerance and angle <= angle_tolerance, evaluations
 
 
 @kernel
@@ -147,6 +149,7 @@ def track_points(
     lower: Array,
     upper: Array,
     tolerance: float,
+    angle_tolerance: float,
     redundant: bool,
     extra_offset: float,
 ) -> tuple[int, int]:
@@ -160,7 +163,8 @@ def track_points(
         first: An even index.
         lower: Lower bounds, shape (dof,) [rad or m].
         upper: Upper bounds, shape (dof,) [rad or m].
-        tolerance: Error that counts as on the target [m and rad].
+        tolerance: Distance that counts as on the target [m].
+        angle_tolerance: Angle that counts as on the target [rad].
         redundant: Whether the arm has self-motion to move away from its limits with.
         extra_offset: How far off the middle a half-way configuration may be besides its part of
             the step [rad or m]: in a bend sharper than the points are dense it is off by all of a
@@ -186,6 +190,7 @@ def track_points(
                 lower,
                 upper,
                 tolerance,
+                angle_tolerance,
                 redundant and avoid_limits == 0,
                 trial,
                 w,
@@ -201,6 +206,7 @@ def track_points(
                     lower,
                     upper,
                     tolerance,
+                    angle_tolerance,
                     extra_offset,
                     middle,
                     w,
@@ -224,6 +230,7 @@ def first_discontinuity(
     lower: Array,
     upper: Array,
     tolerance: float,
+    angle_tolerance: float,
 ) -> tuple[int, int]:
     """Return the first even point whose step of two is not continuous, else m - 1; evaluations.
 
@@ -233,7 +240,8 @@ def first_discontinuity(
         q: Configurations of the points, shape (m, dof) [rad or m].
         lower: Lower bounds, shape (dof,) [rad or m].
         upper: Upper bounds, shape (dof,) [rad or m].
-        tolerance: Error that counts as on the target [m and rad].
+        tolerance: Distance that counts as on the target [m].
+        angle_tolerance: Angle that counts as on the target [rad].
     """
     m, dof = q.shape
     w = new_workspace(chain)
@@ -249,6 +257,7 @@ def first_discontinuity(
             lower,
             upper,
             tolerance,
+            angle_tolerance,
             NO_EXTRA_OFFSET,
             middle,
             w,

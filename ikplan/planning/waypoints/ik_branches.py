@@ -7,6 +7,7 @@ import numpy as np
 from ikplan.arrays import Array
 from ikplan.planning.ladder.equivalent_configurations import with_equivalents
 from ikplan.planning.ladder.ik_candidates import sample_ik_solutions
+from ikplan.planning.tracking.start_copies import distinct_modulo_turns
 from ikplan.planning.waypoints.free_solutions import free_solutions
 from ikplan.planning.waypoints.stack import stack_targets
 from ikplan.planning.waypoints.waypoint_ik import solve_waypoint
@@ -20,14 +21,16 @@ _STARTS = 24
 _SEEDS = 150
 
 
-def branches(problem: WaypointProblem) -> Array:
+def branches(problem: WaypointProblem, *, turns: bool = False) -> Array:
     """Return solutions of a single target, nearest to the start first.
 
     Args:
         problem: A problem of one target.
+        turns: Whether full turns of a solution are solutions too; otherwise each is at its copy
+            nearest to the start.
 
     Returns:
-        Solutions, full turns included, shape (c, dof), c >= 1 [rad or m].
+        Solutions, shape (c, dof), c >= 1 [rad or m].
 
     Raises:
         Unreachable: There is none within tolerance.
@@ -49,7 +52,8 @@ def branches(problem: WaypointProblem) -> Array:
             1e-9,
         )
         problem.clock.count(int(found.evaluations[0]))
-        q = with_equivalents(arm, found.q[0, : found.counts[0]])
+        q = found.q[0, : found.counts[0]]
+        q = with_equivalents(arm, q) if turns else distinct_modulo_turns(arm, q)
         if len(q) == 0:
             q = solve_waypoint(problem, 0, problem.q_start)[None]
         if problem.contact is not None:

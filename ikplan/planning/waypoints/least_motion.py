@@ -8,6 +8,7 @@ from ikplan.arrays import Array
 from ikplan.planning.ladder.free_candidates import shortest_free_sequence
 from ikplan.planning.ladder.ik_candidates import IkCandidates
 from ikplan.planning.ladder.shortest_sequences import ik_candidates, shortened_sequences
+from ikplan.planning.tracking.start_copies import StartCopies
 from ikplan.planning.waypoints.free_solutions import free_solutions
 from ikplan.planning.waypoints.in_collision import motion_in_collision
 from ikplan.planning.waypoints.stack import stack_targets
@@ -49,14 +50,19 @@ def select_least_motion(problem: WaypointProblem) -> Array:
         if problem.contact is not None:
             _keep_free(problem, candidates)
     best, best_length = candidates.q[:, 0], np.inf
+    # One waypoint from a free start is met without motion by every solution: the nearest is chosen.
+    choose_begin = problem.start_free and len(problem.targets) > 1
     for length, q in shortened_sequences(
-        arm, targets, candidates, problem.q_start, problem.start_free, problem.clock
+        arm, targets, candidates, problem.q_start, choose_begin, problem.clock
     ):
         if length < best_length and problem.first_contact(q) is None:
             best, best_length = q, length
         problem.clock.check({"q": best.tolist()})
     if problem.contact is not None and best_length == np.inf:
         best = _around(problem, candidates)
+    if problem.start_free:
+        # Full turns of the whole motion leave it as long as it is.
+        best, _ = StartCopies(problem.q_start, counted=False).fitting(arm, best)
     return best
 
 

@@ -168,11 +168,11 @@ def test_what_ways_that_were_lost_took_counts_too(monkeypatch: pytest.MonkeyPatc
     plain = once.track(GUIDE, starts(GUIDE), np.zeros(2))
     left, densify = [10**6, 10**6], path_tracker.densify
 
-    def losing(arm: Any, guide: Any, s: np.ndarray, q: np.ndarray) -> Any:
+    def losing(arm: Any, guide: Any, s: np.ndarray, q: np.ndarray, windows: Any) -> Any:
         if left:
             arm.clock.count(left.pop())
             raise TrackingFailed(0.1, q[0])
-        return densify(arm, guide, s, q)
+        return densify(arm, guide, s, q, windows)
 
     monkeypatch.setattr(path_tracker, "densify", losing)
     tracked = tracker.track(GUIDE, starts(GUIDE), np.zeros(2))

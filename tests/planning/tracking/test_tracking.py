@@ -37,7 +37,17 @@ def tracked(
     q[first] = q_first
     s = np.linspace(0.0, 1.0, len(p))
     reached, evaluations = track_points(
-        arm.chain, positions(p), s, q, first, arm.lower, arm.upper, EXACT, False, extra_offset
+        arm.chain,
+        positions(p),
+        s,
+        q,
+        first,
+        arm.lower,
+        arm.upper,
+        EXACT,
+        EXACT,
+        False,
+        extra_offset,
     )
     assert evaluations > 0
     return reached, q
@@ -119,10 +129,10 @@ def test_a_change_of_the_branch_is_found_where_it_is(at: int) -> None:
     p = straight((0.4, -0.3), (0.5, 0.3), 41)
     arm = arm_of(two_links())
     q = joints(p, 1.0)
-    whole, _ = first_discontinuity(arm.chain, positions(p), q, arm.lower, arm.upper, EXACT)
+    whole, _ = first_discontinuity(arm.chain, positions(p), q, arm.lower, arm.upper, EXACT, EXACT)
     assert whole == 40
     q[at:] = joints(p[at:], -1.0)
-    broken, _ = first_discontinuity(arm.chain, positions(p), q, arm.lower, arm.upper, EXACT)
+    broken, _ = first_discontinuity(arm.chain, positions(p), q, arm.lower, arm.upper, EXACT, EXACT)
     assert broken == 2 * ((at - 1) // 2)
 
 
@@ -175,7 +185,7 @@ def test_a_redundant_arm_leans_away_from_its_limits_and_stays_on_the_path() -> N
         q = np.full((m, 7), np.nan)
         q[0] = q0
         reached, _ = track_points(
-            arm.chain, targets, np.linspace(0.0, 0.2, m), q, 0, arm.lower, arm.upper, EXACT,
+            arm.chain, targets, np.linspace(0.0, 0.2, m), q, 0, arm.lower, arm.upper, EXACT, EXACT,
             leaning, NO_EXTRA_OFFSET,
         )  # fmt: skip
         assert reached == m - 1

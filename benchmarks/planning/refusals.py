@@ -1,0 +1,108 @@
+"""Random refusals, held to a solver of many restarts, and their repairs, each planned."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+import ikplan
+from benchmarks.requests.drawing import draw
+from benchmarks.speed.measure import Figure
+from ikplan.ik.levenberg_marquardt import Effort, refine
+from ikplan.ik.workspace import new_workspace
+from ikplan.kinematics.arm import arm_of
+from ikplan.kinematics.target import Target, pose_target
+from ikplan.path import rotation_of
+from ikplan.planning.repair_kinds import merged_document
+from ikplan.planning.task_freedom import freedom_of
+from ikplan.robots import Robot, load_robot
+
+__all__ = ["figures", "reached"]
+
+Array = NDArray[np.float64]
+
+SEED = 15
+RESTARTS = 3000
+BUDGET_S = 60.0
+
+
+def reached(robot: Robot, target: Target, position: float, orientation: float) -> bool:
+    """Return whether one of many restarts comes within a tolerance of a target."""
+    arm, rng = arm_of(robot), np.random.default_rng(SEED)
+    home = np.array(robot.home, dtype=float)
+    lower, upper = arm.search_bounds(home)
+    w = new_workspace(arm.chain)
+    for k in range(RESTARTS):
+        q = rng.uniform(lower, upper) if k else np.clip(home, lower, upper)
+        distance, angle, _ = refine(
+            arm.chain, target, np.ascontiguousarray(q), lower, upper, Effort(60, 20), w
+        )
+        if distance <= position and angle <= orientation:
+            return True
+    return False
+
+
+def _target(error: ikplan.Unreachable, request: ikplan.PlanRequest) -> Target:
+    """The target that a verdict tells of."""
+    told = error.target
+    quaternion = told["quaternion_xyzw"]
+    R = None if quaternion is None else rotation_of(quaternion)
+    return pose_target(np.array(told["position"]), R, freedom=freedom_of(request.path))
+
+
+def figures(count: int) -> Iterator[Figure]:
+    """Yield how many of random requests are refused, and what of these refusals is wrong."""
+    verdicts: Counter[str] = Counter()
+    kinds: Counter[str] = Counter()
+    inside = disproved = offered = broken = without = 0
+    for number in range(count):
+        document: dict[str, Any] = draw("plan", SEED, number, BUDGET_S)
+        document["scene"] = {"self_collision": False}
+        try:
+            ikplan.plan(document)
+        except (ikplan.Unreachable, ikplan.Disconnected) as error:
+            refusal = error
+        except ikplan.IkplanError as error:
+            verdicts[type(error).__name__] += 1
+            continue
+        else:
+            verdicts["planned"] += 1
+            continue
+        verdicts[type(refusal).__name__] += 1
+        without += not refusal.repairs
+        if isinstance(refusal, ikplan.Unreachable):
+            request = ikplan.PlanRequest.model_validate(document)
+            tolerance = request.path.tolerance
+            off = refusal.position_error, refusal.orientation_error or 0.0
+            if off[0] <= tolerance.position and off[1] <= tolerance.orientation:
+                inside += 1
+                print(f"  inside the tolerance: request {number}: {refusal}")
+            elif request.tool is None and reached(
+                load_robot(document["robot"]),
+                _target(refusal, request),
+                tolerance.position,
+                tolerance.orientation,
+            ):
+                disproved += 1
+                print(f"  disproved: request {number}: {refusal}")
+        for repair in refusal.repairs:
+            offered += 1
+            kinds[" ".join(repair["detail"].split()[:2])] += 1
+            try:
+                ikplan.plan(merged_document(document, repair["change"]))
+            except ikplan.IkplanError as error:
+                broken += 1
+                print(f"  no repair: request {number}: {repair}: {error}")
+    for verdict, number in sorted(verdicts.items()):
+        yield Figure(f"{verdict}, of {count}", number, "")
+    yield Figure("Unreachable, but the closest is inside the tolerance", inside, "", most=0)
+    yield Figure("Unreachable, disproved by many restarts", disproved, "", most=0)
+    yield Figure("repairs offered", offered, "")
+    yield Figure("repairs that do not plan", broken, "", most=0)
+    yield Figure("verdicts without a repair", without, "")
+    for kind, number in sorted(kinds.items()):
+        yield Figure(f"repairs: {kind} ...", number, "")

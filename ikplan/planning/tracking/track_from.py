@@ -1,0 +1,101 @@
+"""Tracking from one configuration, in steps that are halved wherever they do not hold."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ikplan.arrays import Array
+from ikplan.planning.tracking.reference_path import ReferencePath, initial_points, turn_between
+from ikplan.planning.tracking.tracked_arm import MAX_POINTS, TrackedArm
+from ikplan.planning.tracking.tracking_kernels import NO_EXTRA_OFFSET, track_points
+
+__all__ = ["TrackedPart", "track_from"]
+
+
+_FINEST, _FINEST_STEP, _FINEST_TURN = 2.0**-13, 1e-4, 1e-2
+"""Smallest step: as a share of the path's length, at most in all [m], and the turn in it [rad]."""
+_BEND = 0.01
+"""How far joints may turn back within the smallest step [rad or m]."""
+
+
+@dataclass(frozen=True)
+class TrackedPart:
+    """A path as far as it was tracked.
+
+    Attributes:
+        s: Path positions, shape (m,).
+        q: Configurations, shape (m, dof) [rad or m].
+        complete: Whether the last point is the end of the path.
+    """
+
+    s: Array
+    q: Array
+    complete: bool
+
+
+def track_from(
+    tracked: TrackedArm,
+    reference: ReferencePath,
+    q_start: Array,
+    step: float,
+    begin: float = 0.0,
+) -> TrackedPart:
+    """Track a path from one configuration, as far as that goes.
+
+    Args:
+        tracked: The arm, and what it has to keep.
+        reference: The path.
+        q_start: The configuration at ``begin``, shape (dof,) [rad or m].
+        step: Spacing of the first points [m].
+        begin: Path position to begin from.
+
+    Raises:
+        BudgetExceeded: The time budget ran out.
+    """
+    lower, upper = tracked.arm.lower, tracked.arm.upper
+    s = initial_points(reference, step, begin)
+    q = np.empty((len(s), tracked.arm.dof))
+    q[0] = q_start
+    targets = tracked.targets_at(reference, s)
+    redundant = tracked.redundant(reference)
+    reached = 0
+    while True:
+        reached, spent = track_points(
+            tracked.arm.chain,
+            targets,
+            s,
+            q,
+            reached,
+            lower,
+            upper,
+            *tracked.met,
+            redundant,
+            NO_EXTRA_OFFSET,
+        )
+        tracked.clock.count(spent)
+        if reached == len(s) - 1:
+            return TrackedPart(s, q, complete=True)
+        tracked.clock.check()
+        gap = s[reached + 2] - s[reached]
+        finest = gap < min(_FINEST * reference.length, _FINEST_STEP)
+        if finest and tracked.oriented:
+            finest = turn_between(reference, s[reached], s[reached + 2]) < _FINEST_TURN
+        if finest or len(s) > MAX_POINTS:
+            # Over a sharp bend, or a jump: whether the arm can move so, densifying shows.
+            these = slice(reached, reached + 3)
+            over, spent = track_points(
+                tracked.arm.chain, tracked.targets_at(reference, s[these]), s[these], q[these], 0,
+                lower, upper, *tracked.met, redundant, _BEND,
+            )  # fmt: skip
+            tracked.clock.count(spent)
+            if over == 0:
+                end = reached + 1
+                return TrackedPart(s[:end], q[:end], complete=False)
+            reached += over
+            continue
+        halves = 0.5 * (s[reached : reached + 2] + s[reached + 1 : reached + 3])
+        s = np.sort(np.concatenate([s, halves]))
+        q = np.vstack([q[: reached + 1], np.empty((len(s) - reached - 1, q.shape[1]))])
+        targets = tracked.targets_at(reference, s)

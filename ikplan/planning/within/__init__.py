@@ -1,0 +1,1 @@
+"""Tracking within the tolerance, where a tool path cannot be tracked exactly."""

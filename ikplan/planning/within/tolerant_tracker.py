@@ -1,0 +1,88 @@
+"""Tracking tool paths within the tolerance, where exact tracking fails or costs a flip."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from ikplan.arrays import Array
+from ikplan.planning.tracking.path_tracker import (
+    FIRST_STEPS,
+    JointSequence,
+    PathTracker,
+    farthest_failure,
+    sequence_length,
+    shortest_first,
+)
+from ikplan.planning.tracking.reference_path import ReferencePath
+from ikplan.planning.tracking.start_copies import StartCopies, turning_joints
+from ikplan.planning.tracking.tracked_path import TrackedPath, TrackingFailed
+from ikplan.planning.within.straightening import straightened
+from ikplan.planning.within.track_within import SpanList, track_within
+
+__all__ = ["TolerantTracker"]
+
+_TRIED_WITHIN = 8
+"""Starts that are tracked within the tolerance, nearest first."""
+
+
+class TolerantTracker(PathTracker):
+    """Tracks tool paths with an arm, exactly or within the tolerance."""
+
+    def track_within(
+        self,
+        reference: ReferencePath,
+        starts: Array,
+        costs: Array,
+        copies: StartCopies | None = None,
+    ) -> TrackedPath:
+        """Track a tool path within the tolerance; arguments and errors as in :meth:`track`.
+
+        Points are met exactly where that can be. Where a singularity ends exact tracking, the
+        joints are led over it, and the tool leaves the path within the tolerance.
+        """
+        tracker = replace(self, within=True)
+        sequences: list[JointSequence] = []
+        spans: dict[int, SpanList] = {}
+        broken: TrackingFailed | None = None
+        for q_start, cost in zip(starts[:_TRIED_WITHIN], costs, strict=False):
+            try:
+                s, q, windows = tracker._track_copies_within(reference, q_start, copies)
+            except TrackingFailed as failure:
+                broken = farthest_failure(broken, failure)
+                continue
+            before = float(cost) if copies is None else copies.cost(q[0])
+            sequences.append((before + sequence_length(q), s, q))
+            spans[id(s)] = windows
+        for sequence in shortest_first(sequences):
+            try:
+                return tracker._densify_first(reference, [sequence], spans[id(sequence[1])])
+            except TrackingFailed as failure:
+                broken = farthest_failure(broken, failure)
+        assert broken is not None
+        raise broken
+
+    def straighten(self, reference: ReferencePath, tracked: TrackedPath) -> TrackedPath:
+        """Return a tracked path led over its flips, or as it is where the tolerance saves none."""
+        found = straightened(self, reference, tracked.s, tracked.q, FIRST_STEPS[0])
+        if found is None:
+            return tracked
+        s, q, windows = found
+        length = tracked.length - sequence_length(tracked.q) + sequence_length(q)
+        try:
+            return replace(self, within=True)._densify_first(reference, [(length, s, q)], windows)
+        except TrackingFailed:
+            return tracked
+
+    def _track_copies_within(
+        self, reference: ReferencePath, q_start: Array, copies: StartCopies | None
+    ) -> tuple[Array, Array, SpanList]:
+        """Track within the tolerance from one start, or from a copy of it that goes through."""
+        arm, step = self.arm, FIRST_STEPS[0]
+        if copies is not None and turning_joints(arm).any():
+            unlimited = self._unlimited()
+            s, q, windows = track_within(unlimited, reference, q_start, step)
+            q, fits = copies.fitting(arm, q)
+            if fits:
+                return s, q, windows
+            q_start = q[0]
+        return track_within(self, reference, q_start, step)

@@ -47,8 +47,9 @@ def reached(robot: Robot, target: Target, position: float, orientation: float) -
 
 
 def _target(error: ikplan.Unreachable, request: ikplan.PlanRequest) -> Target:
-    """The target that a verdict tells of."""
+    """The target that a verdict names."""
     told = error.target
+    assert told is not None
     quaternion = told["quaternion_xyzw"]
     R = None if quaternion is None else rotation_of(quaternion)
     return pose_target(np.array(told["position"]), R, freedom=freedom_of(request.path))

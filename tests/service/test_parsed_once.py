@@ -86,7 +86,7 @@ def answers(path: str, *documents: dict[str, Any], upload: str | None = None) ->
         transport = httpx.ASGITransport(app)
         async with (
             app.router.lifespan_context(app),
-            httpx.AsyncClient(transport=transport, base_url="http://here") as client,
+            httpx.AsyncClient(transport=transport, base_url="http://localhost") as client,
         ):
             name = None
             if upload is not None:

@@ -58,7 +58,7 @@ def test_what_is_carried_counts_while_it_is_carried() -> None:
     carried = {**SCENE, "attached": [{**part, "name": "part", "first_segment": 1}]}
     document = request()
     ends = [tool_at([0.0, 0.05, 0.0]), tool_at([0.0, 0.05, 0.05])]
-    document["path"]["waypoints"] = [{"position": p} for p in ends]
+    document["path"] |= {"waypoints": [{"position": p} for p in ends], "corners": "exact"}
     made = ikplan.plan({**document, "scene": SCENE})
     robot = load_robot("ur5")
     model = collision_model(robot, Scene.model_validate({**carried, "self_collision": False}))

@@ -350,7 +350,7 @@ def test_folder_that_is_none_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
     [
         ("base: a", "base: [", "not YAML"),
         (MINE, "- a list", "mapping"),
-        (MINE, "[" * 5_000, "nested too deep"),
+        (MINE, "[" * 5_000, "nested too deep|not YAML"),
         ("title: My arm\n", "", "title: Field required"),
         ("title: My arm", "titel: My arm", "tit"),
         ("home: [10, 20]", "home: [10]", "home has 1 values for 2 joints"),

@@ -244,5 +244,5 @@ def test_a_job_that_was_cancelled_while_one_waits_is_not_found():
 @pytest.mark.parametrize("line", ["[]", "{}", '{"plan": 1}', "x", '{"problem": 1}'])
 def test_lines_that_are_none_of_ours_are_told(line):
     client, _ = scripted(httpx.Response(200, text=line))
-    with pytest.raises(ServiceUnavailable, match="something else"):
+    with pytest.raises(ServiceUnavailable, match="unexpected answer"):
         list(client.batch([GOOD]))

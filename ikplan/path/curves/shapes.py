@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Protocol
 import numpy as np
 
 from ikplan.arrays import Array
+from ikplan.path.curves.natural_spline import natural_spline
 
 if TYPE_CHECKING:
     from scipy.interpolate import BSpline
@@ -42,11 +43,9 @@ class CubicShape:
     """
 
     def __init__(self, points: Array) -> None:
-        from scipy.interpolate import CubicSpline  # slow to import
-
         chords = np.linalg.norm(np.diff(points, axis=0), axis=1)
         self.breaks: Array = np.concatenate([[0.0], np.cumsum(chords)])
-        spline = CubicSpline(self.breaks, points, axis=0, bc_type="natural")
+        spline = natural_spline(self.breaks, points)
         self._coefficients: Array = np.asarray(spline.c)
         self._last = points[-1]
 

@@ -8,6 +8,7 @@ import numpy as np
 
 from ikplan.arrays import Array
 from ikplan.path.curves.arc_length import CurvePoints
+from ikplan.path.curves.natural_spline import natural_spline
 from ikplan.path.pieces.piece import dot
 from ikplan.path.rotation.so3 import rotation_of
 
@@ -56,9 +57,7 @@ class SplineTurning:
             self._fit(knots, q)
 
     def _fit(self, knots: Array, q: Array) -> None:
-        from scipy.interpolate import CubicSpline  # slow to import
-
-        self._spline = CubicSpline(knots, q, axis=0, bc_type="natural")
+        self._spline = natural_spline(knots, q)
         between = self._spline(np.linspace(knots[:-1], knots[1:], 9).ravel())
         off = np.abs(np.linalg.norm(between, axis=1) - 1.0).reshape(9, -1).max(axis=0)
         self.worst_span, self.off_sphere = int(np.argmax(off)), float(off.max())

@@ -31,8 +31,11 @@ import asyncio, sys
 from ikplan.cli import main
 from ikplan_api.workers.process_planner import ProcessPlanner
 
+never = []  # what nothing refers to is collected, and so is the task that waits for it
+
 async def close(self):
-    await asyncio.Event().wait()
+    never.append(asyncio.Event())
+    await never[0].wait()
 
 if __name__ == "__main__":
     ProcessPlanner.close = close

@@ -31,6 +31,7 @@ include_patterns = [
     "docs/*.rst",
     "robots/README.md",
     "docker/README.md",
+    "kernels/README.md",
     "web/README.md",
     "benchmarks/*/README.md",
     "benchmarks/papers/REPORT.md",

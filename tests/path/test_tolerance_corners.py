@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import json
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -11,7 +13,7 @@ from numpy.typing import NDArray
 
 from ikplan.documents import content_hash, parse
 from ikplan.documents.plan_request import PathRequest
-from ikplan.path import Pose, ToolPath
+from ikplan.path import Pose, ToolLeg, ToolPath, legs_of
 from ikplan.path.rotation.so3 import angle_between
 
 from .requests import of_segments, pose, random_poses, seeds, through
@@ -156,3 +158,12 @@ def test_the_id_of_a_request_says_which_corners_are_asked_for() -> None:
     assert len(hashes) == 4
     default = content_hash(parse(PathRequest, document))
     assert default == content_hash(parse(PathRequest, {**document, "corners": "tolerance"}))
+
+
+def test_a_curve_that_is_nearest_to_its_corner_at_its_end_is_rounded() -> None:
+    """A tooth without a falling side, then a small circle: found by random requests."""
+    document = json.loads((Path(__file__).parent / "corner_at_the_end.json").read_text())
+    (leg,) = legs_of(parse(PathRequest, document), ORIGIN, lambda q: (np.eye(3), q[:3]))
+    assert isinstance(leg, ToolLeg)
+    assert leg.path.length > 0.0
+    assert np.isfinite(leg.path.poses(np.linspace(0.0, leg.path.length, 500))[1]).all()

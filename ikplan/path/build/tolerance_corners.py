@@ -160,9 +160,11 @@ def _off(before: Piece, after: Piece, blend: Blend, allowed: CornerTolerance) ->
         (before, first, before.length - blend.reach, before.length),
         (after, ~first, 0.0, blend.reach),
     ):
-        guess = low + places[here] if side is before else high - blend.piece.length + places[here]
-        sharp = _nearest(side, curve, here, np.clip(guess, low, high), low, high)
-        worst = max(worst, _ratio(allowed, curve, here, sharp, blend.piece.oriented))
+        if here.any():  # a curve that is nearest to its corner at its end has no second side
+            past = places[here]
+            guess = low + past if side is before else high - blend.piece.length + past
+            sharp = _nearest(side, curve, here, np.clip(guess, low, high), low, high)
+            worst = max(worst, _ratio(allowed, curve, here, sharp, blend.piece.oriented))
         if side is before:
             # The pose nearest to the corner is held to the corner itself: a waypoint may be there.
             at = side.evaluate(np.array([side.length]))

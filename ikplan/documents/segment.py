@@ -197,7 +197,7 @@ def _target_tag(value: Any) -> str:
     return "[pose]" if given is None else "[q]"
 
 
-# Tagged, so that a fault is told of the form the user wrote and not of both.
+# Tagged, so that an error names the form that the user wrote, not both.
 MoveTarget = Annotated[
     Annotated[JointTarget, Tag("[q]")] | Annotated[Waypoint, Tag("[pose]")],
     Discriminator(_target_tag),

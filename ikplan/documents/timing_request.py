@@ -29,7 +29,7 @@ def _tolerance_tag(value: Any) -> str:
     return "[object]" if isinstance(value, dict | Document) else "[number]"
 
 
-# Tagged, so that a fault is told of the form the user wrote and not of all.
+# Tagged, so that an error names the form that the user wrote, not all.
 PathNearness = Annotated[
     Annotated[_Near, Tag("[number]")] | _NearEach | Annotated[Tolerance, Tag("[object]")],
     Discriminator(_tolerance_tag),

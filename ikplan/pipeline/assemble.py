@@ -69,7 +69,7 @@ def assemble_plan(
         q_start: Start that was asked for, shape (dof,) [rad or m]; None: any.
         path: The path asked for; None: the waypoints are joint values.
         segments: Parts of a joint path with limits of their own.
-        moves: What is told of the moves around obstacles.
+        moves: Reports of the moves around obstacles.
         model: Bodies that must not touch; None: nothing is checked.
         segment_times: When each segment begins and ends [s], for attached bodies.
         joint_waypoints: Joint values that a timing asks for, shape (n, dof); None: a path is.

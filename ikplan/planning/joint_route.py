@@ -91,7 +91,7 @@ class RouteMove:
     """The configurations between which one move leads.
 
     Attributes:
-        report: What is told of it.
+        report: Its report.
         first: Index of the configuration at which it begins.
         last: Index of the one at which it ends.
     """

@@ -18,7 +18,7 @@ _PORTS = {"http": 80, "https": 443}
 def choose_service(options: argparse.Namespace) -> None:
     """Let the service of ``IKPLAN_SERVER`` plan where a command names none; ``--server ''``: none.
 
-    The plan is the same wherever it is made. A service that is not there is told of, and planning
+    The plan is the same wherever it is made. A missing service is reported, and planning
     goes on here; one that is named by ``--server`` has to be there.
 
     Raises:

@@ -28,6 +28,8 @@ from ikplan_api.settings import Settings
 
 from .browser import NoPlanner, Visit, chromium, served
 
+# A worker may have to compile what a request uses.
+expect.set_options(timeout=120_000)
 RED = (0xC6, 0x2A, 0x1F)
 """Of what failed, in light surroundings."""
 DARK = (0x17, 0x1B, 0x1F)
@@ -133,7 +135,7 @@ def between(pixels: NDArray[np.int64], low: int, high: int) -> int:
 
 def drawn(true: Callable[[], bool]) -> bool:
     """Whether something is true within a while: the next picture may take long to be drawn."""
-    deadline = time.monotonic() + 30
+    deadline = time.monotonic() + 120
     while not true():
         if time.monotonic() > deadline:
             return False

@@ -64,7 +64,7 @@ def main() -> None:
         size = options.file.stat().st_size / 2**20
         print(f"{options.file}: {size:.1f} MiB, compiled in {took:.0f} s")
         nowhere = Path(folder) / "nowhere"
-        nowhere.write_text("a file where a folder is wanted: nothing can be kept")
+        nowhere.write_text("a file in place of a folder: nothing can be kept")
         alone = {**shared, "IKPLAN_KERNELS": str(options.file.resolve())}
         alone |= {"IKPLAN_CACHE_DIR": str(nowhere / "cache")}
         said = finish([run("check", part, alone) for part in parts])

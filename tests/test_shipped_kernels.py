@@ -65,7 +65,7 @@ class Installed:
     def unwritable(self) -> None:
         """Leave no place where a kernel could be kept, not even for root."""
         shutil.rmtree(self.cache, ignore_errors=True)
-        self.cache.write_text("a file where a folder is wanted")
+        self.cache.write_text("a file in place of a folder")
 
 
 @pytest.fixture(scope="module")

@@ -9,7 +9,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from benchmarks.speed.measure import Figure
-from ikplan.ik import solve_ik
+from ikplan import solve_ik
 from ikplan.ik.nearest_solutions import nearest_solutions
 from ikplan.kinematics.arm import arm_of
 from ikplan.kinematics.target import pose_target

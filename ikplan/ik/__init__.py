@@ -1,7 +1,7 @@
 """Inverse kinematics: objectives, metaheuristics, refinement, the solver registry."""
 
 from ikplan.ik.registry import find_solver, solvers
-from ikplan.ik.solve import PoseSolver, solve_ik
+from ikplan.ik.solve import PoseSolver
 from ikplan.ik.solver import Solver
 
-__all__ = ["PoseSolver", "Solver", "find_solver", "solve_ik", "solvers"]
+__all__ = ["PoseSolver", "Solver", "find_solver", "solvers"]

@@ -24,14 +24,14 @@ from ikplan.ik.nearest_solutions import nearest_solutions
 from ikplan.ik.registry import find_solver
 from ikplan.ik.restarts import solve_lm
 from ikplan.ik.solver import Solver
-from ikplan.kinematics.arm import Arm, arm_of
+from ikplan.kinematics.arm import Arm
 from ikplan.kinematics.target import Target
 from ikplan.robots.reach import unit_hint, with_hint
 
 if TYPE_CHECKING:
     from ikplan.robots import Robot
 
-__all__ = ["NoSolution", "PoseSolver", "Solved", "solve_ik", "solve_pose", "target_as_data"]
+__all__ = ["NoSolution", "PoseSolver", "Solved", "solve_pose", "target_as_data"]
 
 
 _RESCUE_RESTARTS = 2000
@@ -222,60 +222,10 @@ def pose_distance(arm: Arm, target: Target, q: Array) -> tuple[float, float]:
     return float(distance), float(angle)
 
 
-def solve_ik(
-    robot: Robot,
-    pose: Any,
-    *,
-    start: ArrayLike | None = None,
-    method: str = "ik-ba",
-    seed: int = 0,
-    population: int | str | None = None,
-    iterations: int | str | None = None,
-    params: Mapping[str, Any] | None = None,
-    refine: bool = True,
-    tolerance_position: float = 1e-6,
-    tolerance_orientation: float = 1e-6,
-) -> IkSolution:
-    """Find joint values that bring the tool to a pose, near to a start configuration.
-
-    Args:
-        robot: The robot.
-        pose: ``pinocchio.SE3`` of the tool in the base, or a position, shape (3,) [m].
-        start: Configuration to stay near to, shape (dof,) [rad or m]; None: the robot's home.
-        method: Name of a solver, see :func:`ikplan.ik.registry.solvers`.
-        seed: Seed of the random numbers.
-        population: N; None: the planner's own; "paper": the paper's.
-        iterations: T; None: the planner's own; "paper": the paper's.
-        params: Parameters of the method, by name.
-        refine: Polish the seed; False returns what the method itself found, however far off.
-        tolerance_position: Distance that counts as solved [m].
-        tolerance_orientation: Angle that counts as solved [rad].
-
-    Returns:
-        The nearest solution found.
-
-    Raises:
-        InvalidRequest: An argument is wrong.
-        Unreachable: No solution within tolerance; carries the best one and the reason.
-    """
-    solver = PoseSolver(
-        arm_of(robot),
-        method,
-        seed,
-        population,
-        iterations,
-        params or {},
-        refine,
-        tolerance_position,
-        tolerance_orientation,
-    )
-    return solve_pose(robot, solver, pose, start)
-
-
 def solve_pose(
     robot: Robot, solver: PoseSolver, pose: Any, start: ArrayLike | None = None
 ) -> IkSolution:
-    """Find joint values with a solver that is set up already, see :func:`solve_ik`."""
+    """Find joint values with a solver that is set up already, see :func:`ikplan.solve_ik`."""
     target = target_of(pose)
     q_start = check_start(robot, robot.home if start is None else start)
     try:

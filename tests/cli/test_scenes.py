@@ -1,4 +1,4 @@
-"""Scenes on the command line: files of every kind, what is told of clearance and of contact."""
+"""Scenes on the command line: files of every kind, and how clearance and contact are printed."""
 
 from __future__ import annotations
 

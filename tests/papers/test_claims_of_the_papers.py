@@ -23,7 +23,7 @@ from benchmarks.papers.runner import find_experiment
 from benchmarks.papers.series import Series
 from benchmarks.papers.solving import run_series
 from benchmarks.papers.trajectories import TRAJECTORIES, points, tracking_case
-from ikplan.ik import solve_ik
+from ikplan import solve_ik
 
 REQUIRED_CM = 0.0025
 """Mean error that the calibrated IK-BA is asked to reach; published is 0.0019."""

@@ -18,8 +18,8 @@ from benchmarks.papers.li_paths import EQ_47, PRINTED, path_case
 from benchmarks.papers.li_poses import configurations
 from benchmarks.papers.series import Series, context_of
 from benchmarks.papers.statistics import anova, average_ranks, holm, paired, summary
+from ikplan import solve_ik
 from ikplan.errors import Unreachable
-from ikplan.ik import solve_ik
 from ikplan.robots import load_robot
 
 

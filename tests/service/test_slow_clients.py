@@ -58,7 +58,7 @@ def test_three_hundred_slow_clients_keep_nobody_out_and_are_closed(small: Served
     assert not prober.faults
     assert prober.worst <= bound_s()
     assert prober.asked > 5
-    # Some gave way to newer ones; the others are told why, or were silent themselves.
+    # Some gave way to newer ones; the others receive the reason, or were silent themselves.
     if sent:
         assert sum(b" 408 " in answer for answer in told) > 50
     if sent == HEAD:

@@ -1,4 +1,4 @@
-"""How long requests wait, what they are told then, and what becomes of a job whose worker dies."""
+"""How long requests wait, how they are refused, and what happens when a worker dies."""
 
 from __future__ import annotations
 

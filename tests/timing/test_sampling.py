@@ -1,4 +1,4 @@
-"""Samples of a timed joint path, and how bad input is told."""
+"""Samples of a timed joint path, and how bad input is reported."""
 
 from __future__ import annotations
 

@@ -7,7 +7,7 @@ import functools
 import numpy as np
 import pytest
 
-from ikplan.ik import solve_ik
+from ikplan import solve_ik
 from ikplan.ik.metaheuristic_seeds import Searcher
 from ikplan.ik.registry import find_solver, solvers
 from ikplan.kinematics.arm import arm_of

@@ -1,7 +1,7 @@
 """Play programs and samples as controllers do: ``python -m benchmarks.programs``.
 
 Random plans are written as programs, read back and played at the controller's cycle: URScript
-beside the plan, RAPID and KRL beside the certificate of the thinned program. Those of Franka arms
+beside the plan, the others beside the certificate of the thinned program. Those of Franka arms
 are judged by libfranka's difference formulas. Ends with exit code 1 if one is out of bounds.
 """
 
@@ -24,6 +24,8 @@ _FRANKA: dict[str, FciLimits] = {"panda": FER, "fr3": FR3}
 _POINTS = {
     "rapid": ("abb_irb2400_12_155", "abb_irb6640_185_280"),
     "krl": ("kuka_kr10_r1100_2", "kuka_kr6_r900_sixx", "kuka_kr210_r2700_2"),
+    "fanuc-ls": ("fanuc_m10ia", "fanuc_lrmate200id", "fanuc_crx10ia"),
+    "drl": ("doosan_m1013", "doosan_a0509"),
 }
 _JOINTS = 1e-4
 _TOOL = 1e-6

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import make_interp_spline
 
-from benchmarks.programs.rapid import Motion
+from benchmarks.programs.blending import Motion
 from benchmarks.programs.urscript import ScriptError
 
 __all__ = ["play"]

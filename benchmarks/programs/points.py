@@ -8,20 +8,27 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
-from benchmarks.programs import krl, rapid
-from ikplan.plans.export import as_krl, as_rapid, encode
+from benchmarks.programs import drl, fanuc, krl, rapid
+from ikplan.plans.export import as_drl, as_fanuc, as_krl, as_rapid, encode
 from ikplan.plans.export.formats import Arm
 from ikplan.plans.export.program_text import points_of
 from ikplan.plans.plan import Plan
 from ikplan.plans.programs.certificate import ProgramCertificate
+from ikplan.plans.programs.ticks import ANY_TIMES
 from ikplan.robots import Robot
 
 __all__ = ["PLAYERS", "Judged", "judge"]
 
 Array = NDArray[np.float64]
 
-PLAYERS = {"rapid": ("blended", as_rapid.stored, 0.004), "krl": ("spline", as_krl.stored, 0.012)}
-"""What each language's controller does between points, what it stores, and its cycle [s]."""
+PLAYERS = {
+    "rapid": ("blended", as_rapid.stored, 0.004, ANY_TIMES, 4),
+    "krl": ("spline", as_krl.stored, 0.012, ANY_TIMES, 4),
+    "fanuc-ls": ("blended", as_fanuc.stored, 0.008, as_fanuc.TIMES, 3),
+    "drl": ("blended", as_drl.stored, 0.001, ANY_TIMES, 4),
+}
+"""What each controller does between points, what it stores, its cycle [s], the times of
+its steps and the decimals of its degrees."""
 _FINE = 1e-3
 # Lines between places of the path one millisecond apart are this close to it, and closer.
 _CLOSE = 3e-6
@@ -38,6 +45,7 @@ class Judged:
         velocity: Largest share of a joint's speed limit, from cycle to cycle.
         acceleration: The same of the acceleration limits.
         ends: How far the joints end from the plan's end [rad].
+        resolution: Last decimal of the joint values in the program [rad].
     """
 
     certificate: ProgramCertificate
@@ -46,6 +54,7 @@ class Judged:
     velocity: float
     acceleration: float
     ends: float
+    resolution: float
 
     @property
     def kept(self) -> bool:
@@ -58,7 +67,7 @@ class Judged:
             and self.velocity <= c.velocity_limit_ratio * (1.0 + 1e-4) + 1e-9
             and self.acceleration <= c.acceleration_limit_ratio * (1.0 + 1e-3) + 1e-6
             and max(c.velocity_limit_ratio, c.acceleration_limit_ratio) <= 1.0 + 1e-9
-            and self.ends <= 2e-6
+            and self.ends <= 1.1 * self.resolution
         )
 
 
@@ -68,14 +77,14 @@ def judge(plan: Plan, robot: Robot, language: str, limits: tuple[Array, Array]) 
     Args:
         plan: The plan.
         robot: Its robot.
-        language: "rapid" or "krl".
+        language: One of PLAYERS.
         limits: Joint velocities and accelerations that the plan was made for.
     """
-    kind, stored, cycle = PLAYERS[language]
+    kind, stored, cycle, times, digits = PLAYERS[language]
     known = Arm.of_plan(plan).controller
     found = known.language(language) if known is not None else None
     assert found is not None
-    certificate = points_of(plan, found, kind, stored, robot).certificate  # type: ignore[arg-type]
+    made = points_of(plan, found, kind, stored, robot, times=times)  # type: ignore[arg-type]
     text = encode(plan, language, robot=robot).decode("ascii")
     matrix = np.eye(6) if found.joints is None else np.array(found.joints)
     back = np.linalg.inv(matrix).T
@@ -84,7 +93,10 @@ def judge(plan: Plan, robot: Robot, language: str, limits: tuple[Array, Array]) 
         places = robot.poses(np.radians(np.array([a, b])) @ back)[1]
         return float(1e3 * np.linalg.norm(places[1] - places[0]))
 
-    played = rapid.play(text, cycle, way) if language == "rapid" else krl.play(text, cycle)
+    if language in ("rapid", "drl"):
+        played = (rapid if language == "rapid" else drl).play(text, cycle, way)
+    else:
+        played = (krl if language == "krl" else fanuc).play(text, cycle)
     q = np.radians(played.degrees) @ back
     path = robot.poses(plan.at(np.arange(0.0, plan.duration + _FINE, _FINE))[0])[1]
     # The arm is at the end when its time is over, in the middle of a cycle or not.
@@ -93,12 +105,13 @@ def judge(plan: Plan, robot: Robot, language: str, limits: tuple[Array, Array]) 
     speeds = np.diff(np.vstack([rest, whole]), axis=0) / cycle
     changes = np.diff(speeds, axis=0) / cycle
     return Judged(
-        certificate=certificate,
+        certificate=made.certificate,
         duration=float(played.time[-1]),
         deviation=float(_from_path(robot.poses(q)[1], path).max()),
         velocity=float((np.abs(speeds) / limits[0]).max()),
         acceleration=float((np.abs(changes) / limits[1]).max()),
         ends=float(np.abs(q[-1] - plan.q[-1]).max()),
+        resolution=float(np.radians(10.0**-digits)),
     )
 
 

@@ -10,14 +10,14 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
+from benchmarks.programs.blending import Motion, played
 from benchmarks.programs.urscript import ScriptError
 
-__all__ = ["Motion", "play"]
+__all__ = ["play"]
 
 Array = NDArray[np.float64]
 
@@ -31,23 +31,6 @@ _MOVE = re.compile(
 )
 _NUMBER = re.compile(r"-?\d+(?:\.\d+)?")
 _LONGEST_LINE = 512
-
-
-@dataclass(frozen=True)
-class Motion:
-    """What the arm does.
-
-    Attributes:
-        points: Joint values of the points as the program counts them, shape (n, 6) [deg].
-        steps: Times of the moves, shape (n - 1,) [s].
-        time: Cycles of the controller, the end included, shape (m,) [s].
-        degrees: Joint values then, as the program counts them, shape (m, 6) [deg].
-    """
-
-    points: Array
-    steps: Array
-    time: Array
-    degrees: Array
 
 
 def play(program: str, cycle: float, way: Callable[[Array, Array], float]) -> Motion:
@@ -75,8 +58,7 @@ def play(program: str, cycle: float, way: Callable[[Array, Array], float]) -> Mo
         nearest = min(way(points[k - 1], points[k]), way(points[k], points[k + 1]))
         if zones[zone][0] < nearest / 2.0:
             raise ScriptError("the zone is smaller than half of the way to the nearest point")
-    time, degrees = _played(points, steps, cycle)
-    return Motion(points, steps, time, degrees)
+    return played(points, steps, cycle)
 
 
 def _parsed(program: str) -> tuple[dict[str, list[str]], dict[str, list[float]]]:
@@ -127,28 +109,3 @@ def _number(text: str) -> float:
     if not _NUMBER.fullmatch(text):
         raise ScriptError(f"not a number: {text}")
     return float(np.float32(text))
-
-
-def _played(points: Array, steps: Array, cycle: float) -> tuple[Array, Array]:
-    """Integrate the speeds: constant on moves, changing evenly in zones."""
-    due = np.concatenate([[0.0], np.cumsum(steps)])
-    half = steps / 2.0
-    # Half of the way is done at constant speed in a third of the time, the rest is the ramp's.
-    half[[0, -1]] = steps[[0, -1]] / (4.0 if len(steps) == 1 else 3.0)
-    reach = np.array([half[0], *np.minimum(half[:-1], half[1:]), half[-1]])
-    corner = np.array(due)
-    corner[0], corner[-1] = due[0] + reach[0], due[-1] - reach[-1]
-    speed = np.diff(points, axis=0) / np.diff(corner)[:, None]
-    still = np.zeros((1, points.shape[1]))
-    before, after = np.vstack([still, speed]), np.vstack([speed, still])
-    knots = np.empty(2 * len(corner))
-    knots[0::2], knots[1::2] = corner - reach, corner + reach
-    rates = np.empty((2 * len(corner), points.shape[1]))
-    rates[0::2], rates[1::2] = before, after
-    count = int(np.ceil(due[-1] / cycle - 1e-9))
-    time = np.minimum(np.arange(count + 1) * cycle, due[-1])
-    moments = np.union1d(knots, time)
-    velocity = np.stack([np.interp(moments, knots, column) for column in rates.T], axis=1)
-    moved = np.diff(moments)[:, None] * (velocity[1:] + velocity[:-1]) / 2.0
-    q = points[0] + np.vstack([still, np.cumsum(moved, axis=0)])
-    return time, q[np.searchsorted(moments, time)]

@@ -22,12 +22,14 @@ from ikplan.documents.poses import Frame
 
 __all__ = ["VARIANTS", "Controller", "ControllerInfo", "LanguageInfo", "ProgramLanguage", "Source"]
 
-LanguageName = Literal["urscript", "rapid", "krl"]
-Variant = Literal["cb3", "e-series", "irc5", "krc4"]
+LanguageName = Literal["urscript", "rapid", "krl", "fanuc-ls", "drl"]
+Variant = Literal["cb3", "e-series", "irc5", "krc4", "r-30ib", "drcf2"]
 VARIANTS: dict[str, tuple[str, ...]] = {
     "urscript": ("cb3", "e-series"),
     "rapid": ("irc5",),
     "krl": ("krc4",),
+    "fanuc-ls": ("r-30ib",),
+    "drl": ("drcf2",),
 }
 """The variants of each language."""
 Numbers = Annotated[list[float], Field(min_length=1, max_length=64)]
@@ -50,7 +52,8 @@ _BASE_FRAME = "The controller's own base frame in the robot's base; null: not kn
 _LONGEST = "Most samples or points of a program; null: not known."
 _VARIANT = (
     'Generation of the controller: "cb3" or "e-series" (and later) for URScript, "irc5" (and '
-    'OmniCore) for RAPID, "krc4" (KSS 8 and later) for KRL.'
+    'OmniCore) for RAPID, "krc4" (KSS 8 and later) for KRL, "r-30ib" (and Plus, Mini) for FANUC '
+    'TP programs, "drcf2" (and later) for DRL.'
 )
 _JOINTS = (
     "Joint values as programs count them are this matrix times those of the robot; null: the same."
@@ -129,7 +132,9 @@ class _Result(BaseModel):
 class LanguageInfo(_Result):
     """A language of programs that a controller runs."""
 
-    name: str = Field(description='Name of the language: "urscript", "rapid" or "krl".')
+    name: str = Field(
+        description='Name of the language: "urscript", "rapid", "krl", "fanuc-ls" or "drl".'
+    )
     variant: str = Field(description=_VARIANT)
     longest_program: int | None = Field(None, description=_LONGEST)
     joints: list[list[float]] | None = Field(None, description=_JOINTS)

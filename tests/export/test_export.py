@@ -16,10 +16,10 @@ from ikplan.plans.export import FORMATS, encode, format_for, save
 
 from .plans import CB3, rest_to_rest
 
-NAMES = ["json", "csv", "npz", "ros", "ros-goal", "urscript", "rapid", "krl"]
+NAMES = ["json", "csv", "npz", "ros", "ros-goal", "urscript", "rapid", "krl", "fanuc-ls", "drl"]
 SUFFIXES = [
     *(".json", ".csv", ".npz", ".ros.json", ".goal.yaml", ".ros.yaml"),
-    *(".script", ".mod", ".src"),
+    *(".script", ".mod", ".src", ".ls", ".drl"),
 ]
 
 
@@ -86,7 +86,7 @@ def test_npz_does_not_depend_on_memory_order_clock_or_cost():
 
 @pytest.mark.parametrize("known", FORMATS, ids=lambda f: f.name)
 def test_the_suffix_chooses_the_format(known, tmp_path: Path):
-    languages = [LanguageInfo(name=n, variant="any") for n in ("urscript", "rapid", "krl")]
+    languages = [LanguageInfo(name=n, variant="any") for n in NAMES[5:]]
     controller = CB3.model_copy(update={"languages": languages})
     plan = rest_to_rest(6, 51, controller=controller).model_copy(
         update={"robot": "abb_irb6640_185_280"}

@@ -1,4 +1,4 @@
-"""RAPID and KRL programs: who can have one, and that they play within their certificates."""
+"""Programs of points: who can have one, and that they play within their certificates."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ import pinocchio as pin
 import pytest
 
 import ikplan
-from benchmarks.programs import krl, rapid
+from benchmarks.programs import drl, fanuc, krl, rapid
 from benchmarks.programs.plans import short_timings
 from benchmarks.programs.points import judge
 from benchmarks.programs.urscript import ScriptError
@@ -24,8 +24,11 @@ from ikplan.plans.programs.certifying import limits_of
 ROBOTS = {
     "rapid": ("abb_irb2400_12_155", "abb_irb6640_185_280"),
     "krl": ("kuka_kr10_r1100_2", "kuka_kr6_r900_sixx"),
+    "fanuc-ls": ("fanuc_m10ia", "fanuc_crx10ia"),
+    "drl": ("doosan_m1013", "doosan_a0509"),
 }
-SUFFIX = {"rapid": ".mod", "krl": ".src"}
+SUFFIX = {"rapid": ".mod", "krl": ".src", "fanuc-ls": ".ls", "drl": ".drl"}
+NAMED = ("rapid", "krl", "fanuc-ls")
 
 
 def still(_a: object, _b: object) -> float:
@@ -93,12 +96,12 @@ def test_a_program_that_is_tampered_with_leaves_its_bounds(
     assert judge(plan, robot, language, limits).kept
     text = encode(plan, language).decode()
     for pattern, change in (
-        (r"(A3 |\[\[[^,]*,[^,]*,)(-?\d+\.\d+)", 0.02),
-        (r"(END=|T:=)(\d+\.\d+)", -0.01),
+        (r"(A3 |\[\[[^,]*,[^,]*,|J2= +|posj\([^,]*,[^,]*, )(-?\d+\.\d+)", 0.02),
+        (r"(END=|T:=|P\[\d+\] |t=)(\d+(?:\.\d+|(?=msec)))", -0.01),
     ):
         found = list(re.finditer(pattern, text))
         middle = found[len(found) // 2]
-        value = f"{float(middle[2]) + change:.4f}"
+        value = f"{float(middle[2]) + change:.3f}" if "." in middle[2] else "1"
         spoilt = text[: middle.start(2)] + value + text[middle.end(2) :]
         monkeypatch.setattr(
             "benchmarks.programs.points.encode", lambda *_, t=spoilt, **__: t.encode()
@@ -143,7 +146,7 @@ def test_a_krl_program_longer_than_the_longest_is_refused_with_what_to_do() -> N
             encode(small, "krl")
 
 
-@pytest.mark.parametrize("language", ROBOTS)
+@pytest.mark.parametrize("language", NAMED)
 def test_a_program_is_named_as_its_file_and_the_same_plan_gives_the_same_bytes(
     language: str, tmp_path: Path
 ) -> None:
@@ -154,10 +157,10 @@ def test_a_program_is_named_as_its_file_and_the_same_plan_gives_the_same_bytes(
     again.parent.mkdir()
     save(plan, again)
     assert file.read_bytes() == again.read_bytes()
-    name = re.search(r"(?:DEF|PROC) (\w+)\(", file.read_text())
+    name = re.search(r"(?:DEF |PROC |/PROG  )(\w+)", file.read_text())
     assert name is not None
-    assert name[1].startswith("p_7_welds__on_the_left")
-    assert len(name[1]) <= 25
+    assert name[1].lower().startswith("p_7_welds__on_the_left")
+    assert len(name[1]) <= 32
     file.read_text(encoding="ascii")
 
 
@@ -191,6 +194,55 @@ def test_an_arm_that_is_not_in_the_catalogue_is_given_with_the_plan() -> None:
     assert b"mine" in encode(other, "krl", robot=load_robot(plan.robot))
 
 
+def test_fanuc_programs_count_joint_3_from_the_horizontal() -> None:
+    for name, coupled in (("fanuc_m10ia", True), ("fanuc_crx10ia_pendant", False)):
+        plan = moved(name)
+        played = fanuc.play(encode(plan, "fanuc-ls").decode(), 0.008)
+        expected = np.degrees(plan.q[[0, -1]])
+        expected[:, 2] -= expected[:, 1] if coupled else 0.0
+        np.testing.assert_allclose(played.points[[0, -1]], expected, atol=1e-3)
+
+
+def test_the_pendants_count_and_the_descriptions_give_the_same_fanuc_program() -> None:
+    serial, counted = load_robot("fanuc_crx10ia"), load_robot("fanuc_crx10ia_pendant")
+    q = np.array([0.1, 0.3, 0.5, 0.2, -0.4, 0.6])
+    as_serial = q + np.array([0.0, 0.0, q[1], 0.0, 0.0, 0.0])
+    assert serial.fk(as_serial).isApprox(counted.fk(q), 1e-9)
+
+
+@pytest.mark.parametrize(("language", "points"), [("fanuc-ls", 12), ("drl", 12)])
+def test_a_program_longer_than_the_longest_is_refused(language: str, points: int) -> None:
+    plan = moved(ROBOTS[language][0])
+    assert plan.controller is not None
+    known = plan.controller.language(language)
+    assert known is not None
+    language_info = known.model_copy(update={"longest_program": points})
+    controller = plan.controller.model_copy(update={"languages": [language_info]})
+    with pytest.raises(InvalidRequest, match="in parts"):
+        encode(plan.model_copy(update={"controller": controller}), language, tolerance=2e-5)
+
+
+def test_a_tool_that_only_turns_has_no_drl_program() -> None:
+    robot = load_robot("doosan_m1013")
+    turned = [(robot.home + np.array([0.0, 0.0, 0.0, 0.0, 0.0, k])).tolist() for k in (0.0, 0.5, 1)]
+    plan = ikplan.time_request({"robot": "doosan_m1013", "waypoints": turned})
+    with pytest.raises(InvalidRequest, match="turns without moving"):
+        encode(plan, "drl")
+
+
+def test_a_move_of_more_than_32_s_has_no_fanuc_program() -> None:
+    q = load_robot("fanuc_m10ia").home
+    slow = ikplan.time_request(
+        {
+            "robot": "fanuc_m10ia",
+            "waypoints": [q.tolist(), (q + np.array([0.4, 0.0, 0.0, 0.0, 0.0, 0.0])).tolist()],
+            "limits": {"velocity_scale": 0.002},
+        }
+    )
+    with pytest.raises(InvalidRequest, match="faster motion"):
+        encode(slow, "fanuc-ls")
+
+
 def test_a_language_has_its_own_variants() -> None:
     with pytest.raises(ValueError, match="rapid has the variants irc5"):
         ProgramLanguage(name="rapid", variant="krc4")
@@ -207,6 +259,25 @@ def test_the_interpreters_refuse_what_a_controller_would() -> None:
     ):
         with pytest.raises(ScriptError, match=words):
             rapid.play(text.replace(old, new), 0.004, still)
+    text = encode(moved("fanuc_m10ia"), "fanuc-ls").decode()
+    for old, new, words in (
+        ("CNT100", "CNT50", "no such instruction"),
+        ("UF : 0", "UF : 1", "not a position"),
+        ("/END", "", "no end"),
+        ("J1= ", "J1= 1e-9", "not a position"),
+        ("  UTOOL_NUM=1 ;\r\n", " ;\r\n", "no such instruction"),
+    ):
+        with pytest.raises(ScriptError, match=words):
+            fanuc.play(text.replace(old, new), 0.008)
+    text = encode(moved("doosan_m1013"), "drl").decode()
+    for old, new, words in (
+        ("DUPLICATE", "OVERRIDE", "replace each other"),
+        (", r=", ", r=1000+", "not a number"),
+        (", r=", ", r=99", "larger than half"),
+        ("posj(", "posx(", "six joint values"),
+    ):
+        with pytest.raises(ScriptError, match=words):
+            drl.play(text.replace(old, new), 0.001, lambda _a, _b: 10.0)
     text = encode(moved("kuka_kr10_r1100_2"), "krl").decode()
     for old, new, words in (
         ("TIME_BLOCK START\r\n", "", "not one timed spline"),

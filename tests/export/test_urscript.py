@@ -69,6 +69,7 @@ def test_a_program_goes_with_the_controller_and_not_with_the_name(name: str) -> 
     for known in FORMATS:
         path = f"plan{known.suffixes[0]}"
         others = {"urscript": "ur", "rapid": "abb", "krl": "kuka"}
+        others |= {"fanuc-ls": "fanuc", "drl": "doosan"}
         if not name.startswith(others.get(known.name, "")):
             with pytest.raises(InvalidRequest, match=name) as caught:
                 check_format(info, path)

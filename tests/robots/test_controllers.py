@@ -21,8 +21,10 @@ from .urdfs import joint, two_joints, urdf
 CONTROLLED = {
     "fer": 0.001, "fr3": 0.001, "panda": 0.001, "ur10": 0.008, "ur10e": 0.002, "ur16e": 0.002,
     "ur20": 0.002, "ur3": 0.008, "ur30": 0.002, "ur3e": 0.002, "ur5": 0.008, "ur5e": 0.002,
-    # Every arm of these makers whose controller runs KRL or RAPID.
+    # Every arm of these makers whose controller runs KRL, RAPID, TP programs or DRL.
     **{name: 0.004 for name in robot_names() if name.startswith(("kuka_kr", "abb_"))},
+    **{name: 0.008 for name in robot_names() if name.startswith("fanuc_")},
+    **{name: 0.001 for name in robot_names() if name.startswith("doosan_")},
 }  # fmt: skip
 HALF_PI = np.pi / 2
 

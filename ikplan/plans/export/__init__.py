@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING, Any
 from ikplan.errors import InvalidRequest
 from ikplan.plans.export import (
     as_csv,
+    as_drl,
+    as_fanuc,
     as_json,
     as_krl,
     as_npz,
@@ -44,6 +46,8 @@ FORMATS: tuple[Format, ...] = (
     as_urscript.FORMAT,
     as_rapid.FORMAT,
     as_krl.FORMAT,
+    as_fanuc.FORMAT,
+    as_drl.FORMAT,
 )
 """The formats of ikplan; a new one is a module with a ``FORMAT`` and a line here."""
 

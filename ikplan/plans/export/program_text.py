@@ -12,6 +12,7 @@ import numpy as np
 from ikplan.arrays import Array
 from ikplan.errors import InvalidRequest, RobotNotFound
 from ikplan.plans.export.formats import Arm
+from ikplan.plans.programs.ticks import ANY_TIMES, Times
 
 if TYPE_CHECKING:
     from ikplan.documents.controller import LanguageInfo
@@ -38,7 +39,7 @@ class PointProgram:
 
     Attributes:
         degrees: Joint values in degrees, as the maker counts joints, shape (n, 6).
-        steps: Time from each point to the next, whole microseconds, shape (n - 1,) [s].
+        steps: Time from each point to the next, whole ticks, shape (n - 1,) [s].
         tool: Positions of the tool at the points, shape (n, 3) [m].
         turned: Rotation of the tool from each point to the next, shape (n - 1,) [rad].
         certificate: What holds of the motion.
@@ -83,6 +84,7 @@ def points_of(
     stored: Callable[[Array], Array],
     robot: Robot | None = None,
     tolerance: float | None = None,
+    times: Times = ANY_TIMES,
 ) -> PointProgram:
     """Thin a plan and count its points as programs do.
 
@@ -93,6 +95,7 @@ def points_of(
         stored: From degrees to those that are left of them in the program's text.
         robot: The robot with its tool; None: that of the catalogue.
         tolerance: Largest distance from the path [m]; None: 0.1 mm.
+        times: What the steps may take.
 
     Raises:
         InvalidRequest: The robot is not in the catalogue, or no points keep the tolerance.
@@ -107,7 +110,7 @@ def points_of(
         return np.asarray(np.radians(stored(np.degrees(q @ matrix.T))) @ back.T)
 
     asked = TOLERANCE if tolerance is None else tolerance
-    program = thin(plan, known, kind, tolerance=asked, stored=kept)
+    program = thin(plan, known, kind, tolerance=asked, stored=kept, times=times)
     R, p = known.poses(program.q)
     cosine = (np.einsum("mij,mij->m", R[:-1], R[1:]) - 1.0) / 2.0
     return PointProgram(

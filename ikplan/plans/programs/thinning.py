@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
@@ -15,6 +16,7 @@ from ikplan.plans.programs.certifying import certify, limits_of
 from ikplan.plans.programs.interpolation import interpolate
 from ikplan.plans.programs.pace import outwards, slowed, whole_microseconds
 from ikplan.plans.programs.reference import Reference
+from ikplan.plans.programs.ticks import ANY_TIMES, Times, at_ticks
 
 if TYPE_CHECKING:
     from ikplan.documents.plan_document import PlanDocument
@@ -43,7 +45,7 @@ class Program:
     """Points of a program.
 
     Attributes:
-        time: When each point is due, shape (n,), the first at 0, whole microseconds apart [s].
+        time: When each point is due, shape (n,), the first at 0, whole ticks apart [s].
         q: Joint values, shape (n, dof) [rad or m].
         certificate: What holds of the motion that the controller makes of them.
     """
@@ -60,6 +62,7 @@ def thin(
     tolerance: float = TOLERANCE,
     rotation: float = ROTATION,
     stored: Callable[[Array], Array] = np.asarray,
+    times: Times = ANY_TIMES,
 ) -> Program:
     """Return a program of few points for a plan.
 
@@ -76,6 +79,7 @@ def thin(
         tolerance: Largest distance of the tool from the path [m].
         rotation: Largest rotation of the tool from the plan's orientation [rad].
         stored: From joint values to those that are left of them in a program's text.
+        times: What the steps of a program may take.
 
     Raises:
         InvalidRequest: No points of the plan keep the tolerance.
@@ -89,10 +93,14 @@ def thin(
     share, found = 1.0, None
     for _ in range(_ATTEMPTS):
         aim = (share * tolerance, share * rotation, SHIFT)
-        rows, due, points = _points(reference, kind, aim, limits)
-        points = stored(points)
-        due = whole_microseconds(kind, slowed(kind, due, points, limits), points, limits)
-        found = certify(plan, robot, kind, reference.time[rows], due, points, tolerance)
+        rows, due, points = _points(reference, kind, aim, limits, times.shortest)
+        passed = reference.time[rows]
+        if times.tick > 1:
+            passed, due, points = at_ticks(plan, kind, passed, due, limits, stored, times.tick)
+        else:
+            points = stored(points)
+            due = whole_microseconds(kind, slowed(kind, due, points, limits), points, limits)
+        found = certify(plan, robot, kind, passed, due, points, tolerance)
         if found.max_path_deviation <= tolerance and found.max_orientation_deviation <= rotation:
             return Program(due, points, found)
         share *= _TIGHTER
@@ -111,17 +119,19 @@ def _points(
     kind: ProgramInterpolation,
     aim: Aim,
     limits: tuple[Array, Array],
+    shortest: float,
 ) -> tuple[Indices, Array, Array]:
     """Rows of the grid at which a program has points, when they are due, and the points."""
     # Corners that are moved outwards leave a part of what the moves between them are off.
     loose = _OUTWARDS if kind == "blended" else 1.0
-    rows = _first(reference, kind, (loose * aim[0], loose * aim[1], aim[2]))
+    rows = _first(reference, kind, (loose * aim[0], loose * aim[1], aim[2]), shortest)
     due = points = np.empty(0)
     for _ in range(_ROUNDS):
         due, points = reference.time[rows], reference.q[rows]
         if kind == "blended":
             points = outwards(due, points)
             uneven = _uneven(due, points, rows, limits[1])
+            uneven = _apart(reference, rows, uneven, shortest)
             if len(uneven):
                 rows = np.union1d(rows, uneven)
                 continue
@@ -129,14 +139,24 @@ def _points(
         if kind == "blended":
             points = outwards(due, reference.q[rows])
         new = _halves(reference, kind, rows, due, points, aim)
+        new = _apart(reference, rows, new, shortest)
         if not len(new):
             break
         rows = np.union1d(rows, new)
     return rows, due, points
 
 
-def _first(reference: Reference, kind: ProgramInterpolation, aim: Aim) -> Indices:
+def _apart(reference: Reference, rows: Indices, new: Indices, shortest: float) -> Indices:
+    """Those of new rows that leave no step shorter than the shortest."""
+    k = np.searchsorted(rows, new)
+    time = reference.time
+    gap = np.minimum(time[new] - time[rows[k - 1]], time[rows[k]] - time[new])
+    return new[gap >= shortest]
+
+
+def _first(reference: Reference, kind: ProgramInterpolation, aim: Aim, shortest: float) -> Indices:
     """Rows by the longest steps whose own interpolation keeps the tolerance."""
+    least = max(math.ceil(shortest / reference.time[1] - 1e-9), 1)
     rows, last = [0], len(reference.time) - 1
     step = 1
     while rows[-1] < last:
@@ -151,7 +171,10 @@ def _first(reference: Reference, kind: ProgramInterpolation, aim: Aim) -> Indice
                 low = middle
             else:
                 high = middle
-        rows.append(low)
+        low = max(low, begin + least)
+        # What is left for the last step is not shorter either.
+        rows.append(low if low + least <= last else last)
+        low = rows[-1]
         step = (low - begin) // 2
     return np.array(rows, dtype=np.int64)
 

@@ -38,6 +38,7 @@ if TYPE_CHECKING:
         Unreachable,
         WorkerLost,
     )
+    from ikplan.gcode import read_gcode
     from ikplan.pipeline.move import move
     from ikplan.pipeline.plan import plan
     from ikplan.pipeline.poses import solve_ik
@@ -87,6 +88,7 @@ else:
             "move": "pipeline.move",
             "plan": "pipeline.plan",
             "read_scene": "scene.read_scene",
+            "read_gcode": "gcode",
             "read_waypoints": "points",
             "robot_names": "robots",
             "solve_ik": "pipeline.poses",
@@ -133,6 +135,7 @@ __all__ = [
     "load_robot",
     "move",
     "plan",
+    "read_gcode",
     "read_scene",
     "read_waypoints",
     "robot_names",

@@ -30,6 +30,7 @@ RANK = {
     "robots": 2,
     "kinematics": 3,
     "limits": 3,
+    "gcode": 3,
     "points": 3,
     "smoothing": 3,
     "scene": 3,

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from ikplan.cli.outputs import check_formats, check_outputs, draw, report
 from ikplan.cli.requests.changes import merged, set_values
+from ikplan.cli.requests.gcode import is_gcode, plan_of_gcode
 from ikplan.cli.requests.points import choices_as_changes, is_points, plan_of_points
 from ikplan.cli.requests.robot import info_of, name_robot
 from ikplan.cli.requests.scene import set_scene, with_meshes_beside
@@ -45,8 +46,10 @@ def _document(options: argparse.Namespace) -> Any:
     """The request of a file and of the options; a file that cannot be read raises OSError."""
     name = options.request
     data = sys.stdin.buffer.read() if name == "-" else Path(name).read_bytes()
-    if is_points(name, data):
-        document: Any = plan_of_points(options, data)
+    if is_gcode(name):
+        document: Any = plan_of_gcode(options, data)
+    elif is_points(name, data):
+        document = plan_of_points(options, data)
     else:
         document = with_meshes_beside(load_json(data), name)
         changes = choices_as_changes(options)

@@ -22,7 +22,14 @@ from ikplan.points import (
 if TYPE_CHECKING:
     from ikplan.robots import Robot
 
-__all__ = ["choices_as_changes", "is_points", "joint_names", "plan_of_points", "read_joint_rows"]
+__all__ = [
+    "changes_of_path",
+    "choices_as_changes",
+    "is_points",
+    "joint_names",
+    "plan_of_points",
+    "read_joint_rows",
+]
 
 _SUFFIXES = (".csv", ".tsv", ".txt")
 
@@ -101,6 +108,15 @@ def choices_as_changes(options: argparse.Namespace) -> dict[str, Any]:
     for name in ("units", "angles", "columns"):
         if getattr(options, name) is not None:
             raise InvalidRequest(f"--{name} belongs to a file of points", field="command line")
+    return changes_of_path(options)
+
+
+def changes_of_path(options: argparse.Namespace) -> dict[str, Any]:
+    """Return what the options for a path change, those of files left out.
+
+    Raises:
+        InvalidRequest: An option has a wrong value.
+    """
     path: dict[str, Any] = {}
     for name in ("interpolation", "approach"):
         if getattr(options, name) is not None:

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import ikplan
@@ -53,6 +53,7 @@ def test_inches_and_increments_give_the_same_path() -> None:
         assert other == pytest.approx(speed)
 
 
+@settings(deadline=None)
 @given(
     st.floats(1.0, 50.0),
     st.floats(-3.1, 3.1),
@@ -127,6 +128,7 @@ def test_what_is_not_read_is_refused_with_its_line(text: str, words: str) -> Non
         read_toolpath(text.encode())
 
 
+@settings(deadline=None)
 @given(st.binary(max_size=200))
 def test_any_bytes_are_read_or_refused(data: bytes) -> None:
     try:

@@ -125,25 +125,42 @@ def _points(
     # Corners that are moved outwards leave a part of what the moves between them are off.
     loose = _OUTWARDS if kind == "blended" else 1.0
     rows = _first(reference, kind, (loose * aim[0], loose * aim[1], aim[2]), shortest)
-    due = points = np.empty(0)
     for _ in range(_ROUNDS):
-        due, points = reference.time[rows], reference.q[rows]
-        if kind == "blended":
-            points = outwards(due, points)
-            uneven = _uneven(due, points, rows, limits[1])
-            uneven = _apart(reference, rows, uneven, shortest)
-            if len(uneven):
-                rows = np.union1d(rows, uneven)
-                continue
-        due = slowed(kind, due, points, limits)
-        if kind == "blended":
-            points = outwards(due, reference.q[rows])
-        new = _halves(reference, kind, rows, due, points, aim)
-        new = _apart(reference, rows, new, shortest)
+        new = _more_rows(reference, kind, rows, aim, limits, shortest)
         if not len(new):
             break
         rows = np.union1d(rows, new)
-    return rows, due, points
+    return rows, *_placed(reference, kind, rows, limits)
+
+
+def _placed(
+    reference: Reference, kind: ProgramInterpolation, rows: Indices, limits: tuple[Array, Array]
+) -> tuple[Array, Array]:
+    """When the points at rows are due, and the points, with corners moved outwards."""
+    points = reference.q[rows]
+    if kind == "blended":
+        points = outwards(reference.time[rows], points)
+    due = slowed(kind, reference.time[rows], points, limits)
+    return due, outwards(due, reference.q[rows]) if kind == "blended" else points
+
+
+def _more_rows(
+    reference: Reference,
+    kind: ProgramInterpolation,
+    rows: Indices,
+    aim: Aim,
+    limits: tuple[Array, Array],
+    shortest: float,
+) -> Indices:
+    """Rows that a program needs beside those it has."""
+    if kind == "blended":
+        due = reference.time[rows]
+        uneven = _uneven(due, outwards(due, reference.q[rows]), rows, limits[1])
+        uneven = _apart(reference, rows, uneven, shortest)
+        if len(uneven):
+            return uneven
+    due, points = _placed(reference, kind, rows, limits)
+    return _apart(reference, rows, _halves(reference, kind, rows, due, points, aim), shortest)
 
 
 def _apart(reference: Reference, rows: Indices, new: Indices, shortest: float) -> Indices:

@@ -18,7 +18,11 @@ _PASSES = 6
 
 
 def slowed(
-    kind: ProgramInterpolation, due: Array, points: Array, limits: tuple[Array, Array]
+    kind: ProgramInterpolation,
+    due: Array,
+    points: Array,
+    limits: tuple[Array, Array],
+    shortest: float = 0.0,
 ) -> Array:
     """Return times at which the motion keeps its limits, shape (n,) [s].
 
@@ -31,16 +35,20 @@ def slowed(
         due: When each point is due, shape (n,), the first at 0 [s].
         points: The points, shape (n, dof) [rad or m].
         limits: Joint velocities and accelerations, shape (dof,) each.
+        shortest: Least time of a step [s].
     """
     tries = [due]
     h = np.diff(due)
     for _ in range(_ROUNDS):
-        excess = _excess(kind, _from_steps(h), points, limits)
+        excess = np.maximum(_excess(kind, _from_steps(h), points, limits), shortest / h)
         if excess.max() <= 1.0 + _CLOSE:
             break
         h = h * np.exp(_spread(np.log(np.maximum(excess, 1.0)), h))
     tries.append(_from_steps(h))
-    return min((_whole(kind, times, points, limits) for times in tries), key=lambda t: float(t[-1]))
+    return min(
+        (_whole(kind, times, points, limits, shortest) for times in tries),
+        key=lambda t: float(t[-1]),
+    )
 
 
 def whole_microseconds(
@@ -59,11 +67,16 @@ def whole_microseconds(
 
 
 def _whole(
-    kind: ProgramInterpolation, times: Array, points: Array, limits: tuple[Array, Array]
+    kind: ProgramInterpolation,
+    times: Array,
+    points: Array,
+    limits: tuple[Array, Array],
+    shortest: float = 0.0,
 ) -> Array:
     """Slow all steps by the least factor that keeps the limits."""
     speeds, changes = interpolate(kind, times, points).peaks()
     factor = max(float((speeds / limits[0]).max()), float((changes / limits[1]).max()) ** 0.5)
+    factor = max(factor, shortest / float(np.diff(times).min()))
     # A hair more, so that rounding leaves the limits kept.
     return times * factor * (1.0 + 1e-12) if factor > 1.0 else times
 

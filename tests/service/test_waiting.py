@@ -150,7 +150,7 @@ def test_the_attempts_of_a_job_survive_the_service(tmp_path: Path) -> None:
     def killed(scenario: Callable[[StandIn, httpx.AsyncClient], Awaitable[None]]) -> None:
         """Run a service that ends without its shutdown: its store is left as it is."""
 
-        async def use(planner: StandIn, http: httpx.AsyncClient, jobs: Any) -> None:
+        async def use(planner: StandIn, http: httpx.AsyncClient, _: Any) -> None:
             await scenario(planner, http)
             await asyncio.sleep(0.05)  # what is under way in the store
             shutil.copytree(tmp_path, tmp_path / "copy")
@@ -169,7 +169,7 @@ def test_the_attempts_of_a_job_survive_the_service(tmp_path: Path) -> None:
         planner.fail(WorkerLost("the worker process ended by SIGKILL", exit_code=-9))
         await until(lambda: len(planner.asked) == 2)
 
-    async def begin_again(planner: StandIn, http: httpx.AsyncClient) -> None:
+    async def begin_again(planner: StandIn, _: httpx.AsyncClient) -> None:
         await until(lambda: planner.asked)
 
     async def look(planner: StandIn, http: httpx.AsyncClient) -> None:

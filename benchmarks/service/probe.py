@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import http.client
 import multiprocessing
+import statistics
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from multiprocessing.connection import Connection
 from urllib.parse import urlsplit
 
-__all__ = ["probing"]
+__all__ = ["probing", "told"]
 
 _EVERY_S = 0.1
 
@@ -49,3 +50,12 @@ def _ask(address: str, control: Connection[str | list[float], str]) -> None:
         connection.getresponse().read()
         times.append(time.perf_counter() - begin)
     control.send(times)
+
+
+def told(alive: list[float]) -> str:
+    """Tell the times of all answers, sorted [s]."""
+    middle, late = statistics.median(alive), alive[int(0.99 * len(alive))]
+    return (
+        f"/livez, {len(alive)} times: median {1e3 * middle:.1f} ms, p99 {1e3 * late:.0f} ms, "
+        f"longest {1e3 * alive[-1]:.0f} ms"
+    )

@@ -87,6 +87,14 @@ class Server:
                 total += int(re.search(r"^Pss:\s+(\d+) kB", rollup, re.MULTILINE)[1]) * 1024  # type: ignore[index]
         return total
 
+    def shared_files(self) -> list[Path]:
+        """Files in /dev/shm that the service and all it started have mapped."""
+        found: set[str] = set()
+        for pid in self.processes():
+            with suppress(OSError):
+                found |= set(re.findall(r"/dev/shm/\S+", Path(f"/proc/{pid}/maps").read_text()))
+        return sorted(Path(path) for path in found)
+
     def kill(self) -> None:
         """End it as a power cut would."""
         self.process.send_signal(signal.SIGKILL)

@@ -16,8 +16,9 @@ __all__ = ["damaged_json", "damaged_text", "damaged_xml"]
 
 _TAG = re.compile(r"<[^<>]*>")
 _VALUE = re.compile(r'"[^"<>]*"')
-_MANY = 20_000
-_REPEATED = (2, 3, 70, 1500, _MANY)
+_REPEATED = (2, 3, 70, 1500, 20_000)
+_LONGEST = 2**23
+"""Longest text that a repetition makes."""
 _INSERTED = (
     "<!DOCTYPE robot []>", '<!ENTITY a "b">', "<!-- x -->", "<![CDATA[x]]>", "<?x y?>", "&x;",
     "&#0;", "&#x110000;", "<a xmlns:x='y' x:z='1'/>", '<?xml version="1.1" encoding="utf-16"?>',
@@ -72,7 +73,7 @@ def _change(draw: st.DrawFn, document: Any, places: list[_Place]) -> None:
             key
         )
     elif what == 6 and isinstance(holder, list) and len(json.dumps(document)) < 50_000:
-        holder[key:key] = [holder[key]] * draw(st.sampled_from(_REPEATED))
+        holder[key:key] = [holder[key]] * _times(draw, len(json.dumps(holder[key])))
     else:
         holder[key] = draw(st.floats() | st.integers() | st.text(max_size=20))
 
@@ -89,7 +90,7 @@ def damaged_text(draw: st.DrawFn, texts: st.SearchStrategy[str]) -> str:
         if what == 0:
             piece = ""
         elif what == 1 and len(text) < 50_000:
-            piece *= draw(st.sampled_from(_REPEATED))
+            piece *= _times(draw, len(piece))
         elif what == 2:
             piece = draw(st.sampled_from(ODD_NUMBERS + ODD_TEXTS))
         elif what == 3:
@@ -128,9 +129,14 @@ def _change_xml(draw: st.DrawFn, text: str, tags: list[re.Match[str]]) -> str:
     if what == 3:
         return text[:begin] + text[end:]
     if what == 4:
-        times = draw(st.sampled_from(_REPEATED)) if len(text) < 50_000 else 2
+        times = _times(draw, end - begin) if len(text) < 50_000 else 2
         return text[:begin] + text[begin:end] * times + text[end:]
     return text[:begin] + draw(st.sampled_from(_INSERTED)) + text[begin:]
+
+
+def _times(draw: st.DrawFn, length: int) -> int:
+    """How often a piece of some length is repeated."""
+    return min(draw(st.sampled_from(_REPEATED)), 1 + _LONGEST // (length + 1))
 
 
 def _encoded(draw: st.DrawFn, text: str) -> bytes:

@@ -14,13 +14,14 @@ from collections.abc import Iterator
 import httpx
 
 import ikplan
-from benchmarks.service.probe import probing, told
+from benchmarks.service.probe import over_bounds, probing, told
 from benchmarks.service.requests import helices
 from benchmarks.service.server import Server, serving
 
 __all__ = ["measure_load", "measure_overload"]
 
 _MAX_WAIT_S = 10.0
+_SECONDS = "ikplan_http_request_seconds"
 _HEADERS = {"content-type": "application/json", "accept-encoding": "identity"}
 
 
@@ -115,7 +116,7 @@ def measure_overload(seconds: float = 20.0) -> list[str]:
         calm, rest = _solo(server, 3 * 10**6), server.memory_bytes()
         with probing(server.address) as alive:
             seen, took = asyncio.run(_closed_loop(server.address, 200, seconds, helices()))
-        full = server.memory_bytes()
+        full, metrics = server.memory_bytes(), server.metrics()
         begin = time.perf_counter()
         after = _solo(server, 4 * 10**6)
         back = time.perf_counter() - begin
@@ -128,6 +129,8 @@ def measure_overload(seconds: float = 20.0) -> list[str]:
         f"longest wait for a plan: {longest:.2f} s, of {_MAX_WAIT_S:g} s for a worker and its own "
         f"time; for a refusal: median {1e3 * statistics.median(refused):.0f} ms, longest "
         f"{refused[-1]:.2f} s",
+        f"in the service, refusals: {over_bounds(metrics, _SECONDS, status='503')}",
+        f"in the service, plans: {over_bounds(metrics, _SECONDS, status='200', method='POST')}",
         told(alive),
         f"memory of all processes: {rest / 2**20:.0f} MiB before, {full / 2**20:.0f} MiB after",
         f"alone: {1e3 * calm:.0f} ms before, {1e3 * after:.0f} ms after; five plans were answered "

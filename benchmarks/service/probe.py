@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 import http.client
+import math
 import multiprocessing
+import re
 import statistics
 import time
+from collections import Counter
 from collections.abc import Iterator
 from contextlib import contextmanager
 from multiprocessing.connection import Connection
 from urllib.parse import urlsplit
 
-__all__ = ["probing", "told"]
+__all__ = ["over_bounds", "probing", "told"]
 
 _EVERY_S = 0.1
 
@@ -59,3 +62,21 @@ def told(alive: list[float]) -> str:
         f"/livez, {len(alive)} times: median {1e3 * middle:.1f} ms, p99 {1e3 * late:.0f} ms, "
         f"longest {1e3 * alive[-1]:.0f} ms"
     )
+
+
+def over_bounds(metrics: str, name: str, **labels: str) -> str:
+    """Tell how many observations of a histogram exceed some bounds.
+
+    Args:
+        metrics: The metrics of the service, as text.
+        name: Name of the histogram [s].
+        labels: Labels that it must have.
+    """
+    below: Counter[float] = Counter()
+    for found, value in re.findall(rf"^{name}_bucket{{(.*)}} (\S+)$", metrics, re.MULTILINE):
+        given = dict(re.findall(r'(\w+)="([^"]*)"', found))
+        if labels.items() <= given.items():
+            below[float(given["le"])] += float(value)
+    count = below[math.inf]
+    over = {bound: count - below[bound] for bound in (0.05, 0.1, 0.25, 0.5, 1.0, 10.0, 30.0)}
+    return f"of {count:.0f}, over " + ", ".join(f"{k:g} s: {n:.0f}" for k, n in over.items())

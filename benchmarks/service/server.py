@@ -87,6 +87,10 @@ class Server:
                 total += int(re.search(r"^Pss:\s+(\d+) kB", rollup, re.MULTILINE)[1]) * 1024  # type: ignore[index]
         return total
 
+    def metrics(self) -> str:
+        """What the service tells of itself, in the Prometheus text format."""
+        return httpx.get(f"{self.address}/metrics", timeout=60.0).text
+
     def shared_files(self) -> list[Path]:
         """Files in /dev/shm that the service and all it started have mapped."""
         found: set[str] = set()

@@ -7,7 +7,6 @@ import contextlib
 import itertools
 import json
 import os
-import re
 import signal
 import socket
 import time
@@ -18,7 +17,7 @@ from pathlib import Path
 import httpx
 import numpy as np
 
-from benchmarks.service.probe import probing, told
+from benchmarks.service.probe import over_bounds, probing, told
 from benchmarks.service.requests import helices
 from benchmarks.service.server import Server, serving
 
@@ -74,12 +73,7 @@ def _state(server: Server) -> dict[str, float]:
 
 def _loop_lag(server: Server) -> str:
     """How often the service's own measure of its event loop exceeded some bounds."""
-    text = httpx.get(f"{server.address}/metrics", timeout=60.0).text
-    name = "ikplan_event_loop_lag_seconds"
-    below = {float(k): float(n) for k, n in re.findall(rf'{name}_bucket{{le="(.+)"}} (\S+)', text)}
-    count = below[float("inf")]
-    over = {bound: count - below[bound] for bound in (0.05, 0.1, 0.25, 0.5, 1.0)}
-    return f"of {count:.0f}, over " + ", ".join(f"{k:g} s: {n:.0f}" for k, n in over.items())
+    return over_bounds(server.metrics(), "ikplan_event_loop_lag_seconds")
 
 
 class _Soak:

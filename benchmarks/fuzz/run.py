@@ -89,7 +89,7 @@ def fuzz(
     first_seed: int = 0,
     seconds: float = 1e9,
     rounds: int = 10**9,
-    examples: int = 300,
+    examples: int = 100,
     watch: Watch = lambda _: None,
     faults: Path | None = None,
 ) -> Report:

@@ -8,7 +8,6 @@ import multiprocessing
 import re
 import statistics
 import time
-from collections import Counter
 from collections.abc import Iterator
 from contextlib import contextmanager
 from multiprocessing.connection import Connection
@@ -72,11 +71,12 @@ def over_bounds(metrics: str, name: str, **labels: str) -> str:
         name: Name of the histogram [s].
         labels: Labels that it must have.
     """
-    below: Counter[float] = Counter()
+    below: dict[float, float] = {}
     for found, value in re.findall(rf"^{name}_bucket{{(.*)}} (\S+)$", metrics, re.MULTILINE):
         given = dict(re.findall(r'(\w+)="([^"]*)"', found))
         if labels.items() <= given.items():
-            below[float(given["le"])] += float(value)
+            bound = float(given["le"])
+            below[bound] = below.get(bound, 0.0) + float(value)
     count = below[math.inf]
     over = {bound: count - below[bound] for bound in (0.05, 0.1, 0.25, 0.5, 1.0, 10.0, 30.0)}
     return f"of {count:.0f}, over " + ", ".join(f"{k:g} s: {n:.0f}" for k, n in over.items())

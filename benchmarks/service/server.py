@@ -59,6 +59,10 @@ class Server:
 
     def processes(self) -> list[int]:
         """Process ids of the service and all it started."""
+        return sorted(self._family())
+
+    def _family(self) -> dict[int, int]:
+        """The service and all it started, each with its parent."""
         parents = {}
         for stat in Path("/proc").glob("[0-9]*/stat"):
             with suppress(OSError):
@@ -66,13 +70,13 @@ class Server:
         family = {self.process.pid}
         while more := {pid for pid, parent in parents.items() if parent in family} - family:
             family |= more
-        return sorted(family)
+        return {pid: parents.get(pid, 0) for pid in family}
 
     def workers(self) -> list[int]:
-        """Process ids of the workers: those that share the memory of the warm process."""
-        family = self.processes()
-        warm = [pid for pid in family if _command(pid).count("forkserver")]
-        return [pid for pid in warm if pid != min(warm)]
+        """Process ids of the workers: children of the warm process, which the service started."""
+        family = self._family()
+        warm = {pid for pid in family if _command(pid).count("forkserver")}
+        return sorted(pid for pid in warm if family[pid] in warm)
 
     def processor_s(self) -> float:
         """Processor time that the service and all it started have taken [s]."""

@@ -7,10 +7,11 @@ import contextlib
 import itertools
 import json
 import os
+import re
 import signal
 import socket
 import time
-from collections import Counter
+from collections import Counter, deque
 from collections.abc import Awaitable, Callable, Iterator
 from pathlib import Path
 
@@ -27,7 +28,7 @@ _CLIENTS = 24
 _SLOW_CLIENTS = 100
 _KILL_EVERY_S = 3.0
 _JOBS_S = 120.0
-"""Longest time that an accepted job may take after all clients have left [s]."""
+"""Longest time that an accepted job may take after those before it [s]."""
 _EXPECTED = {200, 202, 204, 304, 404, 406, 408, 415, 422, 503}
 _NDJSON = {"content-type": "application/x-ndjson"}
 
@@ -36,7 +37,7 @@ Act = Callable[[httpx.AsyncClient], Awaitable[httpx.Response]]
 
 def soak(requests: int = 20_000, seconds: float = 1200.0) -> Iterator[str]:
     """Ask so many requests, or for so long [s], and tell what is left and what was not answered."""
-    with serving(workers="2", header_s="2", body_s="3") as server:
+    with serving(workers="2", header_s="5", body_s="10") as server:
         asyncio.run(_Soak(server, 40, 30.0).run())  # every path once: caches are full after it
         before = _state(server)
         study, load = _Soak(server, requests, seconds), os.getloadavg()[1]
@@ -45,13 +46,14 @@ def soak(requests: int = 20_000, seconds: float = 1200.0) -> Iterator[str]:
         time.sleep(5.0)
         after = _state(server)
         shared = server.shared_files()
-        lag = _loop_lag(server)
+        lag, closed = _loop_lag(server), _closed(server)
     yield (
         f"{study.asked} requests in {study.took_s:.0f} s, {study.kills} workers killed; "
         f"load of the machine {load:.0f} before, {os.getloadavg()[1]:.0f} after"
     )
     yield "answers: " + ", ".join(f"{k}: {n}" for k, n in sorted(study.answers.items()))
     yield f"without an answer: {study.unanswered or 'none'}"
+    yield f"closed by the service: {closed}"
     yield f"accepted jobs: {study.jobs}"
     yield told(alive)
     yield f"lag of the event loop: {lag}"
@@ -76,6 +78,12 @@ def _loop_lag(server: Server) -> str:
     return over_bounds(server.metrics(), "ikplan_event_loop_lag_seconds")
 
 
+def _closed(server: Server) -> str:
+    """How many connections the service closed, by reason."""
+    found = re.findall(r'connections_closed_total{reason="(.+)"} (\S+)', server.metrics())
+    return ", ".join(f"{reason}: {float(count):.0f}" for reason, count in found) or "none"
+
+
 class _Soak:
     """One run: clients, chaos and a probe."""
 
@@ -92,25 +100,29 @@ class _Soak:
         self.answers: Counter[int] = Counter()
         self.unanswered: Counter[str] = Counter()
         self.jobs: Counter[int] = Counter()
-        self._accepted: list[str] = []
+        self._accepted: deque[str] = deque()
         self.took_s = 0.0
 
     async def run(self) -> None:
         """Ask until there is nothing left to ask, or the time is over."""
         began = time.monotonic()
         others = [asyncio.create_task(t) for t in (self._kill(), self._drip())]
+        following = asyncio.create_task(self._follow())
         clients = [asyncio.create_task(self._client(began)) for _ in range(_CLIENTS)]
         await asyncio.gather(*clients)
         self.took_s = time.monotonic() - began
         self._over.set()
         await asyncio.gather(*others)
-        await self._await_jobs()
+        await following
 
-    async def _await_jobs(self) -> None:
-        """Wait until every accepted job has ended, and count how."""
+    async def _follow(self) -> None:
+        """Wait until every accepted job has ended, one after the other, and count how."""
         async with httpx.AsyncClient(base_url=self._server.address, timeout=120.0) as http:
-            for place in self._accepted:
-                deadline = time.monotonic() + _JOBS_S
+            while not self._over.is_set() or self._accepted:
+                if not self._accepted:
+                    await asyncio.sleep(0.1)
+                    continue
+                place, deadline = self._accepted.popleft(), time.monotonic() + _JOBS_S
                 while (status := (await http.get(place)).status_code) == 202:
                     if time.monotonic() > deadline:
                         self.unanswered["job"] += 1

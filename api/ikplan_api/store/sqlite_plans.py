@@ -287,4 +287,4 @@ class SqlitePlanStore:
             "LEFT JOIN attempts USING (id) WHERE problem IS NULL ORDER BY place"
         )
         async with self._open_connection().execute(query) as cursor:
-            return [Job(*row, attempts=begun) async for *row, begun in cursor]
+            return [Job(*row)._replace(attempts=begun) async for *row, begun in cursor]

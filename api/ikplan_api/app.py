@@ -180,8 +180,8 @@ async def _lifespan(app: FastAPI) -> AsyncIterator[dict[str, Any]]:
     watching = asyncio.create_task(watch_loop(app.state.metrics))
     try:
         # The server calls the first as soon as a shutdown is requested; its protocol keeps to the
-        # bounds of the second; the third ends when everything is loaded; the fourth makes what takes
-        # 0.3 s, and would hold the loop for the first client that asks for it.
+        # bounds of the second; the third ends when everything is loaded; the fourth makes in
+        # 0.3 s what would hold the loop for the first client that asks for it.
         yield {
             "stop": shutdown.begin,
             "connections": app.state.connections,

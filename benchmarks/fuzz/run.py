@@ -98,7 +98,7 @@ def fuzz(
     Args:
         name: Name of the target.
         first_seed: Seed of the first round; the same seed draws the same documents.
-        seconds: No new round begins after this time [s].
+        seconds: No document is read after this time [s].
         rounds: Largest number of rounds.
         examples: Documents of a round.
         watch: Called with each document before it is read.
@@ -122,7 +122,8 @@ def fuzz(
         )
         @given(document=documents)
         def round_(document: bytes) -> None:
-            reading.one(document)
+            if time.monotonic() < deadline:
+                reading.one(document)
 
         try:
             round_()

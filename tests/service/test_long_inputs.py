@@ -105,7 +105,7 @@ def test_what_is_loaded_at_the_start_is_never_searched_for_garbage() -> None:
         server.lifespan = config.lifespan_class(config)
         await server.startup()
         counts = [gc.get_freeze_count()]
-        kept = [[] for _ in range(1000)]
+        kept: list[list[int]] = [[] for _ in range(1000)]
         warming.set_result(None)
         await asyncio.sleep(0)
         counts.append(gc.get_freeze_count())

@@ -14,6 +14,7 @@ import pytest
 
 from ikplan import InvalidRequest, ServiceUnavailable, WorkerLost
 from ikplan_api.app import create_app
+from ikplan_api.jobs.plan_jobs import PlanJobs
 from ikplan_api.settings import Settings
 from ikplan_api.telemetry.load import Load
 from ikplan_api.workers.process_planner import ProcessPlanner
@@ -89,14 +90,14 @@ def test_no_task_waits_longer_than_the_bound_unless_it_is_to_wait() -> None:
 
 
 def test_a_job_whose_worker_dies_is_tried_once_more() -> None:
-    async def use(planner: StandIn, http: httpx.AsyncClient, _: Any) -> None:
+    async def use(planner: StandIn, http: httpx.AsyncClient, jobs: PlanJobs) -> None:
         accepted = await http.post("/v1/plans", json=GOOD, headers={"prefer": "respond-async"})
         place = accepted.headers["location"]
         await until(lambda: planner.asked)
         planner.fail(WorkerLost("the worker process ended by SIGKILL", exit_code=-9))
         await until(lambda: len(planner.asked) == 2)
         planner.answer()
-        await until(lambda: not planner._open)
+        await until(lambda: not jobs._in_progress)
         assert (await http.get(place)).status_code == 200
 
     served(use)

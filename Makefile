@@ -2,10 +2,11 @@
 PYTHON ?= python3
 VENV   := .venv
 BIN    := $(VENV)/bin
+MINUTES ?= 30
 STAMP  := $(VENV)/.ready
 DOCS   := $(VENV)/.docs-ready
 
-.PHONY: help setup demo kernels page picture test coverage check docs serve bench papers mutants lock sbom audit clean
+.PHONY: help setup demo kernels page picture test coverage check docs serve bench papers mutants fuzz lock sbom audit clean
 help:            ## list the targets
 	@grep -E '^[a-z]+: .*##|^[a-z]+:  *##' $(MAKEFILE_LIST) | sed 's/:.*##/\t/'
 
@@ -60,6 +61,9 @@ papers: $(STAMP) ## run a reduced version of the papers' experiments into out/pa
 
 mutants: $(STAMP) ## plant faults and print those that no test finds; up to 30 minutes
 	$(BIN)/python -m benchmarks.mutants
+
+fuzz: $(STAMP)   ## read damaged requests, scenes, points and URDFs for MINUTES=30; documents of faults to out/fuzz
+	$(BIN)/python -m benchmarks.fuzz --minutes $(MINUTES)
 
 lock: $(STAMP)   ## write what the container installs, with hashes, from constraints.txt
 	$(BIN)/python docker/lock.py

@@ -99,6 +99,7 @@ def create_app(
     app.state.robots = robots or _uploads("robots", bounds, app.state.store)
     bounds = settings.store_scenes, settings.store_scene_bytes
     app.state.scenes = scenes or _uploads("scenes", bounds, app.state.store)
+    app.state.described = {}  # robots of the catalogue, each made once by a worker
     app.state.robot_builder = RobotBuilder(settings.robot_memory_bytes, settings.robot_timeout_s)
     for router in ROUTERS:
         app.include_router(router)
@@ -179,8 +180,14 @@ async def _lifespan(app: FastAPI) -> AsyncIterator[dict[str, Any]]:
     watching = asyncio.create_task(watch_loop(app.state.metrics))
     try:
         # The server calls the first as soon as a shutdown is requested; its protocol keeps to the
-        # bounds of the second.
-        yield {"stop": shutdown.begin, "connections": app.state.connections}
+        # bounds of the second; the third ends when everything is loaded; the fourth makes in
+        # 0.3 s what would hold the loop for the first client that asks for it.
+        yield {
+            "stop": shutdown.begin,
+            "connections": app.state.connections,
+            "warming": warming,
+            "prepare": app.openapi,
+        }
     finally:
         warming.cancel()
         watching.cancel()

@@ -14,12 +14,14 @@ from collections.abc import Iterator
 import httpx
 
 import ikplan
-from benchmarks.service.probe import probing
+from benchmarks.service.probe import over_bounds, probing, told
 from benchmarks.service.requests import helices
 from benchmarks.service.server import Server, serving
 
 __all__ = ["measure_load", "measure_overload"]
 
+_MAX_WAIT_S = 10.0
+_SECONDS = "ikplan_http_request_seconds"
 _HEADERS = {"content-type": "application/json", "accept-encoding": "identity"}
 
 
@@ -92,17 +94,9 @@ def measure_load(seconds: float = 60.0) -> list[str]:
         f"processor time of an answer: {1e3 * spent_s * each:.0f} ms of the service and "
         f"{1e3 * own_s * each:.0f} ms of the clients; of a plan alone: {1e3 * cost:.0f} ms, "
         f"{100 * cost / ((spent_s + own_s) * each):.0f} % of that",
-        _told(alive),
+        told(alive),
         f"memory of all processes: {memory / 2**20:.0f} MiB",
     ]
-
-
-def _told(alive: list[float]) -> str:
-    middle, late = statistics.median(alive), alive[int(0.99 * len(alive))]
-    return (
-        f"/livez, {len(alive)} times: median {1e3 * middle:.1f} ms, p99 {1e3 * late:.0f} ms, "
-        f"longest {1e3 * alive[-1]:.0f} ms"
-    )
 
 
 def _solo(server: Server, first: int) -> float:
@@ -118,19 +112,26 @@ def _solo(server: Server, first: int) -> float:
 
 def measure_overload(seconds: float = 20.0) -> list[str]:
     """Let 200 clients ask at once, and see what is left of the service afterwards."""
-    with serving(workers="2", max_queued="16") as server:
+    with serving(workers="2", max_queued="16", max_wait_s=str(_MAX_WAIT_S)) as server:
         calm, rest = _solo(server, 3 * 10**6), server.memory_bytes()
         with probing(server.address) as alive:
             seen, took = asyncio.run(_closed_loop(server.address, 200, seconds, helices()))
-        full = server.memory_bytes()
+        full, metrics = server.memory_bytes(), server.metrics()
         begin = time.perf_counter()
         after = _solo(server, 4 * 10**6)
         back = time.perf_counter() - begin
     counts = collections.Counter(status for status, _ in seen)
+    longest = max(t for status, t in seen if status == 200)
+    refused = sorted(t for status, t in seen if status != 200)
     return [
         f"200 clients for {took:.0f} s: "
         + ", ".join(f"{count} x {status}" for status, count in sorted(counts.items())),
-        _told(alive),
+        f"longest wait for a plan: {longest:.2f} s, of {_MAX_WAIT_S:g} s for a worker and its own "
+        f"time; for a refusal: median {1e3 * statistics.median(refused):.0f} ms, longest "
+        f"{refused[-1]:.2f} s",
+        f"in the service, refusals: {over_bounds(metrics, _SECONDS, status='503')}",
+        f"in the service, plans: {over_bounds(metrics, _SECONDS, status='200', method='POST')}",
+        told(alive),
         f"memory of all processes: {rest / 2**20:.0f} MiB before, {full / 2**20:.0f} MiB after",
         f"alone: {1e3 * calm:.0f} ms before, {1e3 * after:.0f} ms after; five plans were answered "
         f"{back:.1f} s after the last client left",

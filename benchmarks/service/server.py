@@ -59,6 +59,10 @@ class Server:
 
     def processes(self) -> list[int]:
         """Process ids of the service and all it started."""
+        return sorted(self._family())
+
+    def _family(self) -> dict[int, int]:
+        """The service and all it started, each with its parent."""
         parents = {}
         for stat in Path("/proc").glob("[0-9]*/stat"):
             with suppress(OSError):
@@ -66,13 +70,13 @@ class Server:
         family = {self.process.pid}
         while more := {pid for pid, parent in parents.items() if parent in family} - family:
             family |= more
-        return sorted(family)
+        return {pid: parents.get(pid, 0) for pid in family}
 
     def workers(self) -> list[int]:
-        """Process ids of the workers: those that share the memory of the warm process."""
-        family = self.processes()
-        warm = [pid for pid in family if _command(pid).count("forkserver")]
-        return [pid for pid in warm if pid != min(warm)]
+        """Process ids of the workers: children of the warm process, which the service started."""
+        family = self._family()
+        warm = {pid for pid in family if _command(pid).count("forkserver")}
+        return sorted(pid for pid in warm if family[pid] in warm)
 
     def processor_s(self) -> float:
         """Processor time that the service and all it started have taken [s]."""
@@ -86,6 +90,18 @@ class Server:
                 rollup = Path(f"/proc/{pid}/smaps_rollup").read_text()
                 total += int(re.search(r"^Pss:\s+(\d+) kB", rollup, re.MULTILINE)[1]) * 1024  # type: ignore[index]
         return total
+
+    def metrics(self) -> str:
+        """What the service tells of itself, in the Prometheus text format."""
+        return httpx.get(f"{self.address}/metrics", timeout=60.0).text
+
+    def shared_files(self) -> list[Path]:
+        """Files in /dev/shm that the service and all it started have mapped."""
+        found: set[str] = set()
+        for pid in self.processes():
+            with suppress(OSError):
+                found |= set(re.findall(r"/dev/shm/\S+", Path(f"/proc/{pid}/maps").read_text()))
+        return sorted(Path(path) for path in found)
 
     def kill(self) -> None:
         """End it as a power cut would."""

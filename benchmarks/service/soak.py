@@ -7,16 +7,18 @@ import contextlib
 import itertools
 import json
 import os
+import re
 import signal
 import socket
 import time
-from collections import Counter
+from collections import Counter, deque
 from collections.abc import Awaitable, Callable, Iterator
 from pathlib import Path
 
 import httpx
 import numpy as np
 
+from benchmarks.service.probe import over_bounds, probing, told
 from benchmarks.service.requests import helices
 from benchmarks.service.server import Server, serving
 
@@ -25,6 +27,8 @@ __all__ = ["soak"]
 _CLIENTS = 24
 _SLOW_CLIENTS = 100
 _KILL_EVERY_S = 3.0
+_JOBS_S = 120.0
+"""Longest time that an accepted job may take after those before it [s]."""
 _EXPECTED = {200, 202, 204, 304, 404, 406, 408, 415, 422, 503}
 _NDJSON = {"content-type": "application/x-ndjson"}
 
@@ -33,19 +37,30 @@ Act = Callable[[httpx.AsyncClient], Awaitable[httpx.Response]]
 
 def soak(requests: int = 20_000, seconds: float = 1200.0) -> Iterator[str]:
     """Ask so many requests, or for so long [s], and tell what is left and what was not answered."""
-    with serving(workers="2", header_s="2", body_s="3") as server:
+    with serving(workers="2", header_s="5", body_s="10") as server:
         asyncio.run(_Soak(server, 40, 30.0).run())  # every path once: caches are full after it
         before = _state(server)
-        study = _Soak(server, requests, seconds)
-        asyncio.run(study.run())
+        study, load = _Soak(server, requests, seconds), os.getloadavg()[1]
+        with probing(server.address) as alive:
+            asyncio.run(study.run())
         time.sleep(5.0)
         after = _state(server)
-    yield f"{study.asked} requests in {study.took_s:.0f} s, {study.kills} workers killed"
+        shared = server.shared_files()
+        lag, closed = _loop_lag(server), _closed(server)
+    yield (
+        f"{study.asked} requests in {study.took_s:.0f} s, {study.kills} workers killed; "
+        f"load of the machine {load:.0f} before, {os.getloadavg()[1]:.0f} after"
+    )
     yield "answers: " + ", ".join(f"{k}: {n}" for k, n in sorted(study.answers.items()))
     yield f"without an answer: {study.unanswered or 'none'}"
-    yield f"worst /livez: {study.worst_s:.2f} s of {study.probes}"
+    yield f"closed by the service: {closed}"
+    yield f"accepted jobs: {study.jobs}"
+    yield told(alive)
+    yield f"lag of the event loop: {lag}"
     for name, value in before.items():
         yield f"{name}: {value:g} before, {after[name]:g} after"
+    left = [path for path in shared if path.exists()]
+    yield f"left in /dev/shm by the service that ended: {len(left)} of {len(shared)} files"
 
 
 def _state(server: Server) -> dict[str, float]:
@@ -54,8 +69,19 @@ def _state(server: Server) -> dict[str, float]:
         "memory of all [MB]": round(server.memory_bytes() / 1e6),
         "descriptors of the service": len(list(Path(f"/proc/{pid}/fd").iterdir())),
         "processes": len(server.processes()),
-        "files in /dev/shm": len(list(Path("/dev/shm").iterdir())),
+        "its files in /dev/shm": len(server.shared_files()),
     }
+
+
+def _loop_lag(server: Server) -> str:
+    """How often the service's own measure of its event loop exceeded some bounds."""
+    return over_bounds(server.metrics(), "ikplan_event_loop_lag_seconds")
+
+
+def _closed(server: Server) -> str:
+    """How many connections the service closed, by reason."""
+    found = re.findall(r'connections_closed_total{reason="(.+)"} (\S+)', server.metrics())
+    return ", ".join(f"{reason}: {float(count):.0f}" for reason, count in found) or "none"
 
 
 class _Soak:
@@ -70,20 +96,39 @@ class _Soak:
         self._seeds = itertools.count()
         self._ids: list[str] = []
         self._over = asyncio.Event()
-        self.asked = self.kills = self.probes = 0
+        self.asked = self.kills = 0
         self.answers: Counter[int] = Counter()
         self.unanswered: Counter[str] = Counter()
-        self.worst_s = self.took_s = 0.0
+        self.jobs: Counter[int] = Counter()
+        self._accepted: deque[str] = deque()
+        self.took_s = 0.0
 
     async def run(self) -> None:
         """Ask until there is nothing left to ask, or the time is over."""
         began = time.monotonic()
-        others = [asyncio.create_task(t) for t in (self._probe(), self._kill(), self._drip())]
+        others = [asyncio.create_task(t) for t in (self._kill(), self._drip())]
+        following = asyncio.create_task(self._follow())
         clients = [asyncio.create_task(self._client(began)) for _ in range(_CLIENTS)]
         await asyncio.gather(*clients)
         self.took_s = time.monotonic() - began
         self._over.set()
         await asyncio.gather(*others)
+        await following
+
+    async def _follow(self) -> None:
+        """Wait until every accepted job has ended, one after the other, and count how."""
+        async with httpx.AsyncClient(base_url=self._server.address, timeout=120.0) as http:
+            while not self._over.is_set() or self._accepted:
+                if not self._accepted:
+                    await asyncio.sleep(0.1)
+                    continue
+                place, deadline = self._accepted.popleft(), time.monotonic() + _JOBS_S
+                while (status := (await http.get(place)).status_code) == 202:
+                    if time.monotonic() > deadline:
+                        self.unanswered["job"] += 1
+                        break
+                    await asyncio.sleep(0.1)
+                self.jobs[status] += 1
 
     async def _client(self, began: float) -> None:
         acts: list[Act] = [
@@ -102,7 +147,7 @@ class _Soak:
                 finally:
                     self.asked += 1
                 self.answers[answer.status_code] += 1
-                if answer.status_code not in _EXPECTED and "worker-lost" not in answer.text:
+                if answer.status_code not in _EXPECTED:
                     self.unanswered[f"{act.__name__}: {answer.status_code}"] += 1
                 if place := answer.headers.get("content-location"):
                     self._ids = [*self._ids[-50:], place]
@@ -128,7 +173,10 @@ class _Soak:
 
     async def _job(self, http: httpx.AsyncClient) -> httpx.Response:
         document = json.loads(next(self._helices))
-        return await http.post("/v1/plans", json=document, headers={"prefer": "respond-async"})
+        answer = await self._submitted(http, document)
+        if answer.status_code == 202:
+            self._accepted.append(answer.headers["location"])
+        return answer
 
     async def _delete(self, http: httpx.AsyncClient) -> httpx.Response:
         """Delete a plan while it is asked for."""
@@ -158,18 +206,6 @@ class _Soak:
 
     async def _list(self, http: httpx.AsyncClient) -> httpx.Response:
         return await http.get("/v1/robots")
-
-    async def _probe(self) -> None:
-        async with httpx.AsyncClient(base_url=self._server.address, timeout=60.0) as http:
-            while not self._over.is_set():
-                began = time.perf_counter()
-                try:
-                    await http.get("/livez")
-                except httpx.HTTPError as error:
-                    self.unanswered[f"livez: {type(error).__name__}"] += 1
-                self.worst_s = max(self.worst_s, time.perf_counter() - began)
-                self.probes += 1
-                await asyncio.sleep(0.05)
 
     async def _kill(self) -> None:
         while not self._over.is_set():

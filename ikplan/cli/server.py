@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import gc
 import logging
 import math
 import os
@@ -32,6 +33,12 @@ class Server(uvicorn.Server):
     async def startup(self, sockets: list[socket.socket] | None = None) -> None:
         """Start to listen, with a queue of its own length for connections to be accepted."""
         await super().startup(sockets)
+        if (prepare := self.lifespan.state.get("prepare")) is not None:
+            prepare()
+        # What is loaded now stays: looking for garbage in it would hold the loop for 0.1 s.
+        gc.freeze()
+        if (warming := self.lifespan.state.get("warming")) is not None:
+            warming.add_done_callback(lambda _: gc.freeze())
         for listening in sockets or ():
             listening.listen(_QUEUE)
 

@@ -144,6 +144,14 @@ class Scene(Document):
         return self
 
 
+class SceneUpload(Scene):
+    """A scene, and what it is called."""
+
+    name: str | None = Field(
+        None, min_length=1, max_length=200, description="What the scene is called, for people."
+    )
+
+
 def _scene_tag(value: Any) -> str:
     return "[id]" if isinstance(value, str) else "[scene]"
 

@@ -8,6 +8,7 @@ from typing import Any
 from ikplan.errors import IkplanError, ServiceUnavailable
 from ikplan.planning import Progress
 from ikplan_api.telemetry.load import Load
+from ikplan_api.workers.attempts import Attempts
 from ikplan_api.workers.tasks import TaskResult
 
 
@@ -37,13 +38,21 @@ class StandIn:
         if not wait_if_full:
             self.check_capacity()
         assert kind in ("plan", "time")
+        attempts: Attempts = how.get("attempts") or Attempts()
+        return await attempts.run(lambda: self._attempt(document, attempts, how.get("progress")))
+
+    async def _attempt(
+        self, document: bytes, attempts: Attempts, progress: Progress | None
+    ) -> TaskResult:
+        attempts.begin()
         future: asyncio.Future[TaskResult] = asyncio.get_running_loop().create_future()
         self.asked.append(document)
-        self.progress.append(how.get("progress"))
+        self.progress.append(progress)
         self._open.append(future)
         try:
             return await future
         except asyncio.CancelledError:
+            attempts.withdraw()
             self.cancelled.append(document)
             raise
         finally:

@@ -4,6 +4,7 @@ import asyncio
 import io
 import json
 import sys
+import time
 
 import httpx
 import pytest
@@ -95,6 +96,20 @@ def test_a_request_may_be_json_already(client):
     assert plans[0].id == plans[1].id
     with pytest.raises(ikplan.InvalidRequest, match="blank"):
         list(client.batch([b" "]))
+
+
+def test_a_body_of_line_feeds_is_refused_before_it_is_split(http):
+    body = b"\n" * 2**22 * 4
+    began = time.process_time()
+    answer = http.post("/v1/batches", content=body, headers=HEADERS)
+    assert time.process_time() - began < 0.5  # 0.6 s to split it
+    assert (answer.status_code, answer.json()["allowed"]) == (413, "at most 10000 requests")
+
+
+def test_a_line_that_is_longer_than_a_request_is_refused_by_itself(http):
+    body = b"{" + b" " * 2**22 + b"\n" + lines({"robot": "x"})
+    told = http.post("/v1/batches", content=body, headers=HEADERS).text.splitlines()
+    assert [json.loads(line)["status"] for line in told] == [413, 422]
 
 
 @pytest.mark.parametrize(

@@ -4,6 +4,7 @@ import fnmatch
 import json
 import os
 import re
+import runpy
 import shlex
 import socket
 import subprocess
@@ -64,9 +65,18 @@ def test_kernels_are_compiled_for_the_folder_and_processor_they_are_used_with():
     assert "docker/warm.py /opt/ikplan/ikplan/kernels.pack" in BUILDER
 
 
-def test_every_stage_has_the_same_python():
-    bases = re.findall(r"^FROM (\S+)", DOCKERFILE, re.MULTILINE)
-    assert len({base for base in bases if base.startswith("python:")}) == 1
+def test_every_stage_begins_with_one_base_that_a_digest_can_pin():
+    before, *stages = re.split(r"^FROM ", DOCKERFILE, flags=re.MULTILINE)
+    (base,) = re.findall(r"^ARG BASE=(\S+)$", before, re.MULTILINE)
+    python = runpy.run_path(str(ROOT / "docker/lock.py"))["PYTHON"]
+    assert base.startswith(f"python:{python}-")
+    names: set[str] = set()
+    for stage in stages:
+        image, *name = stage.splitlines()[0].split(" AS ")
+        assert image == "${BASE}" or image in names
+        names |= set(name)
+    readme = (ROOT / "docker/README.md").read_text()
+    assert f"--build-arg BASE={base}@sha256:" in readme
 
 
 def test_the_image_keeps_plans_where_its_user_may_write():

@@ -26,6 +26,7 @@ from ikplan.planning import Progress
 from ikplan_api.app import create_app
 from ikplan_api.settings import Settings
 from ikplan_api.telemetry.load import Load
+from ikplan_api.workers.attempts import Attempts
 from ikplan_api.workers.process_planner import ProcessPlanner
 from tests.measured import waypoint_errors
 
@@ -41,6 +42,8 @@ LONG = json.dumps(
         "ik": {"population": 2000, "iterations": 5000},
     }
 ).encode()
+
+SLOW = json.dumps({**json.loads(LONG), "ik": {"population": 100, "iterations": 100}}).encode()
 
 
 def use(
@@ -109,24 +112,57 @@ def test_a_worker_starts_no_threads_but_the_one_that_watches_the_service():
     use(count)
 
 
-def test_a_worker_that_is_killed_costs_its_own_request_and_nothing_else():
-    async def kill(planner: ProcessPlanner) -> None:
-        begun = Begun()
-        doomed = asyncio.create_task(planner.run("plan", LONG, progress=begun.progress))
+async def end_worker_twice(planner: ProcessPlanner, how: signal.Signals) -> IkplanError:
+    """Begin a plan, end its worker, and again that of its second attempt."""
+    begun, attempts = Begun(), Attempts()
+    doomed = asyncio.create_task(
+        planner.run("plan", LONG, progress=begun.progress, attempts=attempts)
+    )
+    for attempt in (1, 2):
+        await until(lambda attempt=attempt: attempts.begun == attempt)
+        begun.clear()
         await begun.wait()
-        first, second = planner.pids
-        others = [asyncio.create_task(planner.run("plan", QUICK)) for _ in range(3)]
-        os.kill(first, signal.SIGKILL)
-        with pytest.raises(WorkerLost) as caught:
-            await doomed
-        assert caught.value.exit_code == -signal.SIGKILL
-        assert len({json.loads((await o).document)["id"] for o in others}) == 1
-        await until(lambda: first not in planner.pids)
-        assert planner.pids[1] == second
-        await asyncio.gather(*(planner.run("plan", QUICK) for _ in range(4)))
-        assert planner.load == Load(workers=2, running=0, queued=0)
+        os.kill(planner.pids[0], how)
+    with pytest.raises(IkplanError, match="tried 2 times") as caught:
+        await doomed
+    return caught.value
 
-    use(kill, workers=2)
+
+def test_a_request_whose_workers_are_killed_costs_no_other_request():
+    async def kill(planner: ProcessPlanner) -> None:
+        first = planner.pids[0]
+        dooming = asyncio.create_task(end_worker_twice(planner, signal.SIGKILL))
+        await until(lambda: planner.load.running == 1)
+        others = [asyncio.create_task(planner.run("plan", QUICK)) for _ in range(3)]
+        error = await dooming
+        assert (type(error), error.data["retry_after_s"]) == (ServiceUnavailable, 1.0)
+        assert len({json.loads((await o).document)["id"] for o in others}) == 1
+        assert first not in planner.pids
+        await until(lambda: planner.load == Load(workers=1, running=0, queued=0))
+
+    use(kill)
+
+
+def test_a_request_whose_worker_is_killed_once_is_answered():
+    async def kill(planner: ProcessPlanner) -> bytes:
+        begun = Begun()
+        asking = asyncio.create_task(planner.run("plan", SLOW, progress=begun.progress))
+        await begun.wait()
+        os.kill(planner.pids[0], signal.SIGKILL)
+        return (await asking).document
+
+    plan = ikplan.Plan.load(use(kill))
+    assert waypoint_errors(plan, json.loads(LONG)["path"]).max() <= 1e-8
+
+
+@pytest.mark.parametrize("how", [signal.SIGSEGV, signal.SIGABRT])
+def test_a_request_that_crashes_its_workers_is_told_so(how: signal.Signals):
+    async def crash(planner: ProcessPlanner) -> None:
+        error = await end_worker_twice(planner, how)
+        assert (type(error), error.data) == (WorkerLost, {"exit_code": -how})
+        await planner.run("plan", QUICK)
+
+    use(crash)
 
 
 def test_a_worker_that_is_killed_while_idle_costs_nothing():
@@ -197,10 +233,7 @@ def test_progress_is_told_by_stage_and_waypoint():
     told: list[tuple[str, int, int]] = []
 
     async def listen(planner: ProcessPlanner) -> None:
-        slow = {**json.loads(LONG), "ik": {"population": 100, "iterations": 100}}
-        await planner.run(
-            "plan", json.dumps(slow).encode(), progress=lambda *news: told.append(news)
-        )
+        await planner.run("plan", SLOW, progress=lambda *news: told.append(news))
 
     use(listen)
     assert list(dict.fromkeys(stage for stage, _, _ in told)) == [

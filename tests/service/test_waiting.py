@@ -4,6 +4,9 @@ from __future__ import annotations
 
 import asyncio
 import json
+import shutil
+from collections.abc import Awaitable, Callable
+from pathlib import Path
 from typing import Any
 
 import httpx
@@ -11,6 +14,7 @@ import pytest
 
 from ikplan import InvalidRequest, ServiceUnavailable, WorkerLost
 from ikplan_api.app import create_app
+from ikplan_api.jobs.plan_jobs import PlanJobs
 from ikplan_api.settings import Settings
 from ikplan_api.telemetry.load import Load
 from ikplan_api.workers.process_planner import ProcessPlanner
@@ -86,14 +90,14 @@ def test_no_task_waits_longer_than_the_bound_unless_it_is_to_wait() -> None:
 
 
 def test_a_job_whose_worker_dies_is_tried_once_more() -> None:
-    async def use(planner: StandIn, http: httpx.AsyncClient, _: Any) -> None:
+    async def use(planner: StandIn, http: httpx.AsyncClient, jobs: PlanJobs) -> None:
         accepted = await http.post("/v1/plans", json=GOOD, headers={"prefer": "respond-async"})
         place = accepted.headers["location"]
         await until(lambda: planner.asked)
         planner.fail(WorkerLost("the worker process ended by SIGKILL", exit_code=-9))
         await until(lambda: len(planner.asked) == 2)
         planner.answer()
-        await until(lambda: not planner._open)
+        await until(lambda: not jobs._in_progress)
         assert (await http.get(place)).status_code == 200
 
     served(use)
@@ -115,6 +119,82 @@ def test_a_job_that_ends_every_worker_ends_with_its_verdict() -> None:
         assert len(planner.asked) == 2
 
     served(use)
+
+
+@pytest.mark.parametrize(("exit_code", "status"), [(-9, 503), (-15, 503), (-11, 500), (1, 500)])
+def test_a_request_is_tried_twice_and_ends_with_503_unless_it_crashes_workers(
+    exit_code: int, status: int
+) -> None:
+    async def use(planner: StandIn, http: httpx.AsyncClient, _: Any) -> None:
+        asking = asyncio.create_task(http.post("/v1/plans", json=GOOD))
+        for attempt in (1, 2):
+            await until(lambda attempt=attempt: len(planner.asked) == attempt)
+            planner.fail(WorkerLost("the worker process ended", exit_code=exit_code))
+        answer = await asking
+        assert answer.status_code == status
+        assert answer.headers.get("retry-after") == ("1" if status == 503 else None)
+        assert "tried 2 times" in answer.json()["detail"]
+        asking = asyncio.create_task(http.post("/v1/plans", json=GOOD))
+        await until(lambda: len(planner.asked) == 3)
+        planner.fail(WorkerLost("the worker process ended", exit_code=exit_code))
+        await until(lambda: len(planner.asked) == 4)
+        planner.answer()
+        assert (await asking).status_code == 200
+
+    served(use)
+
+
+def test_the_attempts_of_a_job_survive_the_service(tmp_path: Path) -> None:
+    path = tmp_path / "store.sqlite3"
+    places: list[str] = []
+
+    def killed(scenario: Callable[[StandIn, httpx.AsyncClient], Awaitable[None]]) -> None:
+        """Run a service that ends without its shutdown: its store is left as it is."""
+
+        async def use(planner: StandIn, http: httpx.AsyncClient, _: Any) -> None:
+            await scenario(planner, http)
+            await asyncio.sleep(0.05)  # what is under way in the store
+            shutil.copytree(tmp_path, tmp_path / "copy")
+
+        served(use, path)
+        for file in tmp_path.glob("store.sqlite3*"):
+            file.unlink()
+        for file in (tmp_path / "copy").iterdir():
+            file.rename(tmp_path / file.name)
+        (tmp_path / "copy").rmdir()
+
+    async def begin(planner: StandIn, http: httpx.AsyncClient) -> None:
+        answer = await http.post("/v1/plans", json=GOOD, headers={"prefer": "respond-async"})
+        places.append(answer.headers["location"])
+        await until(lambda: planner.asked)
+        planner.fail(WorkerLost("the worker process ended by SIGKILL", exit_code=-9))
+        await until(lambda: len(planner.asked) == 2)
+
+    async def begin_again(planner: StandIn, _: httpx.AsyncClient) -> None:
+        await until(lambda: planner.asked)
+
+    async def look(planner: StandIn, http: httpx.AsyncClient) -> None:
+        answer = await http.get(places[0])
+        assert answer.status_code == WorkerLost.status
+        assert "tried 3 times" in answer.json()["detail"]
+        assert planner.asked == []
+
+    killed(begin)
+    killed(begin_again)
+    killed(look)
+
+
+def test_an_attempt_that_a_shutdown_ends_does_not_count(tmp_path: Path) -> None:
+    path = tmp_path / "store.sqlite3"
+
+    async def use(planner: StandIn, http: httpx.AsyncClient, _: Any) -> None:
+        if not path.with_suffix(".begun").exists():
+            path.with_suffix(".begun").touch()
+            await http.post("/v1/plans", json=GOOD, headers={"prefer": "respond-async"})
+        await until(lambda: planner.asked)
+
+    for _ in range(5):
+        served(use, path)
 
 
 def test_who_waits_when_the_server_ends_its_tasks_gets_a_503() -> None:

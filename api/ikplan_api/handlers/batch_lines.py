@@ -13,6 +13,7 @@ from fastapi import Request
 
 from ikplan.documents.json_text import json_ready
 from ikplan.errors import IkplanError, InvalidRequest
+from ikplan_api.http.body import too_long
 from ikplan_api.http.problems import Refusal, http_problem, request_id_of
 from ikplan_api.jobs.plan_jobs import PlanJobs
 from ikplan_api.robots.uploads import named_robot
@@ -24,6 +25,8 @@ _log = logging.getLogger("ikplan.service")
 
 NDJSON = "application/x-ndjson"
 """Media type of JSON lines."""
+_LONGEST_BLANK = 2**20
+"""Longest line that is passed over if it is blank [bytes]."""
 
 
 def split_lines(body: bytes, max_lines: int) -> list[bytes]:
@@ -37,7 +40,14 @@ def split_lines(body: bytes, max_lines: int) -> list[bytes]:
         InvalidRequest: The batch is empty.
         Refusal: 413, it has too many lines.
     """
-    lines = [line for line in body.split(b"\n") if line and not line.isspace()]
+    # Counted first: a body of line feeds would be split into as many lines as it has bytes.
+    if body.count(b"\n") > 2 * max_lines:
+        error = InvalidRequest(
+            f"the batch has more than {2 * max_lines} lines, blank ones included",
+            allowed=f"at most {max_lines} requests",
+        )
+        raise Refusal(error, status=413)
+    lines = [line for line in body.split(b"\n") if not _is_blank(line)]
     if not lines:
         raise InvalidRequest(
             "a batch needs at least one line with a request in JSON", allowed="JSON lines"
@@ -49,6 +59,11 @@ def split_lines(body: bytes, max_lines: int) -> list[bytes]:
         )
         raise Refusal(error, status=413)
     return lines
+
+
+def _is_blank(line: bytes) -> bool:
+    # A longer one is refused by itself, and looking at every byte of it would take 0.1 s.
+    return len(line) <= _LONGEST_BLANK and not line.strip()
 
 
 async def plan_lines(
@@ -80,13 +95,19 @@ async def plan_lines(
 
 async def _plan_line(request: Request, index: int, line: bytes) -> bytes:
     jobs: PlanJobs = request.app.state.plan_jobs
+    longest: int = request.app.state.settings.max_body_bytes
     try:
+        if len(line) > longest:
+            raise too_long(longest)
         line = await with_stored_scene(request, line)
         robot, known = await named_robot(request, "plan", line)
         job = await jobs.identify("plan", line, robot, known, wait_if_full=True)
         plan = await jobs.run(job, wait_if_full=True)
     except IkplanError as error:
         return _failed(request, index, json_ready(error.to_problem()))
+    except Refusal as refusal:
+        problem = {**refusal.error.to_problem(), "status": refusal.status}
+        return _failed(request, index, json_ready(problem))
     except Exception:
         _log.exception("line %d of a batch failed", index)
         return _failed(request, index, http_problem(500, "unexpected error in the service"))

@@ -2,33 +2,20 @@
 
 from __future__ import annotations
 
-import asyncio
-import json
-import math
 from collections.abc import Mapping
 from typing import Any
 
 from fastapi import Request
 
-from ikplan.documents import parse
-from ikplan.documents.plan_request import PlanRequest
 from ikplan.errors import InvalidRequest, near_names
-from ikplan.points import (
-    INTERPOLATIONS,
-    TOOL_AXES,
-    Choices,
-    JointName,
-    Note,
-    Reading,
-    frame_of,
-    read_points,
-    request_of,
-)
+from ikplan.points import INTERPOLATIONS, TOOL_AXES, Note
 from ikplan.points.units import ANGLES, LENGTHS
-from ikplan.robots import catalogue_robot, is_upload_id
-from ikplan.robots.base_frames import frame_in_base
+from ikplan.robots import is_upload_id
 from ikplan_api.http.body import media_type_of
+from ikplan_api.http.disconnect import while_connected
 from ikplan_api.robots.uploads import stored_robot
+from ikplan_api.workers.headed import headed, split_head
+from ikplan_api.workers.planner import Planner
 
 __all__ = [
     "CSV",
@@ -141,10 +128,15 @@ async def read_points_request(request: Request, body: bytes) -> tuple[bytes, lis
     Raises:
         InvalidRequest: The file or the query is invalid; names line and column or the parameter.
         RobotNotFound: No robot has that name.
+        ServiceUnavailable: The queue is full.
     """
     query = _query(request)
-    joints = await _joints(request, query["robot"])
-    return await asyncio.to_thread(_document, body, query, joints)
+    name = query["robot"]
+    robot = (await stored_robot(request, name)).document if is_upload_id(name) else None
+    planner: Planner = request.app.state.planner
+    work = planner.run("read-points", headed(query, body), robot=robot)
+    told, document = split_head((await while_connected(request, work)).document)
+    return document, [Note(**note) for note in told]
 
 
 def remember_notes(request: Request, notes: list[Note]) -> None:
@@ -172,79 +164,3 @@ def _query(request: Request) -> dict[str, str]:
     if not query.get("robot"):
         raise InvalidRequest("robot: this parameter is required with CSV", field="robot")
     return query
-
-
-async def _joints(request: Request, robot: str) -> list[JointName]:
-    """Return the joints of a robot."""
-    if is_upload_id(robot):
-        joints = json.loads((await stored_robot(request, robot)).info)["joints"]
-        return [JointName(joint["name"], joint["type"] == "prismatic") for joint in joints]
-    loaded = await asyncio.to_thread(catalogue_robot, robot)
-    slides = loaded.prismatic.tolist()
-    return [JointName(n, s) for n, s in zip(loaded.joint_names, slides, strict=True)]
-
-
-def _document(
-    body: bytes, query: Mapping[str, str], joints: list[JointName]
-) -> tuple[bytes, list[Note]]:
-    reading = Reading(
-        query.get("units"), query.get("angles"), query.get("columns"), query.get("free_axis")
-    )
-    choices = Choices(
-        robot=query["robot"],
-        interpolation=query.get("interpolation"),
-        approach=query.get("approach"),
-        start=_start(query),
-        frame=_frame(query),
-        tool=frame_of(_numbers(query, "tool"), "tool") if "tool" in query else None,
-    )
-    points = read_points(body, reading, joints)
-    document, notes = request_of(points, choices)
-    if "scene" in query:
-        document["scene"] = query["scene"]
-    if "tool_speed" in query:
-        document.setdefault("limits", {})["tool_speed"] = _number(query, "tool_speed")
-    if "rate_hz" in query:
-        document["sampling"] = {"rate_hz": _number(query, "rate_hz")}
-    parse(PlanRequest, document)
-    return json.dumps(document, allow_nan=False).encode(), [*points.notes, *notes]
-
-
-def _start(query: Mapping[str, str]) -> Any:
-    word = query.get("start", "home")
-    if word in ("home", "free"):
-        return None if word == "home" else word
-    return _numbers(query, "start")
-
-
-def _frame(query: Mapping[str, str]) -> dict[str, Any] | None:
-    given = frame_of(_numbers(query, "frame"), "frame") if "frame" in query else None
-    if "base_frame" not in query:
-        return given
-    if is_upload_id(query["robot"]):
-        raise InvalidRequest(
-            "base_frame: available for robots of the catalogue only; give the frame by its numbers "
-            "(frame)",
-            field="base_frame",
-        )
-    return frame_in_base(catalogue_robot(query["robot"]), query["base_frame"], given)
-
-
-def _numbers(query: Mapping[str, str], name: str) -> list[float]:
-    return [_finite(word, name) for word in query[name].split(",")]
-
-
-def _number(query: Mapping[str, str], name: str) -> float:
-    return _finite(query[name], name)
-
-
-def _finite(word: str, name: str) -> float:
-    try:
-        value = float(word)
-    except ValueError:
-        value = math.nan
-    if not math.isfinite(value):
-        raise InvalidRequest(
-            f"{name}: {word[:200]!r} is not a finite number", field=name, allowed="finite numbers"
-        )
-    return value

@@ -13,7 +13,7 @@ from ikplan.errors import InvalidRequest
 from ikplan_api.http.disconnect import ClientGone
 from ikplan_api.http.problems import Refusal
 
-__all__ = ["media_type_of", "read_body", "read_json_body"]
+__all__ = ["media_type_of", "read_body", "read_json_body", "too_long"]
 
 _JSON = "application/json"
 
@@ -61,13 +61,13 @@ async def read_body(request: Request, accepted: Sequence[str], limit: int) -> by
         )
     announced = request.headers.get("content-length", "")
     if announced.isdecimal() and int(announced[:20]) > limit:
-        raise _too_long(limit)
+        raise too_long(limit)
     body = bytearray()
     try:
         async for chunk in request.stream():
             body += chunk
             if len(body) > limit:
-                raise _too_long(limit)
+                raise too_long(limit)
     except ClientDisconnect as error:
         raise ClientGone from error
     return bytes(body)
@@ -109,7 +109,8 @@ def _refuse_encodings(request: Request) -> None:
         )
 
 
-def _too_long(limit: int) -> Refusal:
+def too_long(limit: int) -> Refusal:
+    """Return the refusal of a request that is longer than a limit [bytes]."""
     return Refusal(
         InvalidRequest(
             f"the request is longer than {limit} bytes",

@@ -13,13 +13,22 @@ from pydantic.json_schema import models_json_schema
 
 from ikplan import errors
 from ikplan.documents.plan_request import FkRequest, IkRequest, PlanRequest
+from ikplan.documents.scene import SceneUpload
 from ikplan.documents.timing_request import TimingRequest
 from ikplan.robots import RobotUpload
 from ikplan_api.http.problems import PROBLEM
 from ikplan_api.http.representations import plan_contents
-from ikplan_api.http.schemas import PROBLEMS, BatchLine, Problem, SceneUpload
+from ikplan_api.http.schemas import PROBLEMS, BatchLine, Problem
 
-__all__ = ["install", "operation_id", "plan_answers", "problems", "request_body", "upload_body"]
+__all__ = [
+    "WORKER_ERRORS",
+    "install",
+    "operation_id",
+    "plan_answers",
+    "problems",
+    "request_body",
+    "upload_body",
+]
 
 _REF = "#/components/schemas/{model}"
 _REQUESTS: tuple[type[BaseModel], ...] = (
@@ -64,6 +73,15 @@ def upload_body(
         for name in query
     ]
     return made
+
+
+WORKER_ERRORS = (
+    errors.BudgetExceeded,
+    errors.MemoryExceeded,
+    errors.WorkerLost,
+    errors.ServiceUnavailable,
+)
+"""Errors of whatever a worker does."""
 
 
 def problems(

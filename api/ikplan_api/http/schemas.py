@@ -8,7 +8,7 @@ from pydantic import BaseModel, ConfigDict, Field, create_model
 
 from ikplan import errors
 from ikplan.documents.plan_request import PlanRequest
-from ikplan.documents.scene import Scene
+from ikplan.documents.scene import SceneUpload
 from ikplan.ik.solver import Solver
 from ikplan.plans.plan import Plan
 from ikplan.robots import RobotInfo
@@ -19,7 +19,6 @@ __all__ = [
     "PointsRead",
     "Problem",
     "RobotList",
-    "SceneUpload",
     "SolverList",
     "State",
     "StoredScene",
@@ -37,14 +36,6 @@ class SolverList(BaseModel):
     """Every inverse-kinematics solver."""
 
     solvers: list[Solver]
-
-
-class SceneUpload(Scene):
-    """A scene, and what it is called."""
-
-    name: str | None = Field(
-        None, min_length=1, max_length=200, description="What the scene is called, for people."
-    )
 
 
 class StoredScene(SceneUpload):

@@ -7,6 +7,7 @@ from collections.abc import AsyncIterator
 from typing import Any
 
 from ikplan.documents.status import PlanStatus
+from ikplan_api.jobs.job_attempts import JobAttempts
 from ikplan_api.store.plan_store import Job
 from ikplan_api.workers.tasks import TaskResult
 
@@ -18,23 +19,32 @@ class PlanInProgress:
 
     Args:
         job: The job.
+        attempts: Its attempts.
 
     Attributes:
         task: The running task; set by the code that starts it.
         waiters: Number of clients that wait for the result.
-        accepted: Whether it continues without waiting clients.
         problem: The problem document, once it failed.
     """
 
     task: asyncio.Task[TaskResult]
 
-    def __init__(self, job: Job) -> None:
+    def __init__(self, job: Job, attempts: JobAttempts) -> None:
         self.job = job
+        self.attempts = attempts
         self.waiters = 0
-        self.accepted = False
         self.problem: dict[str, Any] | None = None
         self._status = PlanStatus(id=job.plan_id, state="queued")
         self._changed = asyncio.Event()
+
+    @property
+    def accepted(self) -> bool:
+        """Whether it continues without waiting clients."""
+        return self.attempts.accepted
+
+    @accepted.setter
+    def accepted(self, value: bool) -> None:
+        self.attempts.accepted = value
 
     @property
     def status(self) -> PlanStatus:

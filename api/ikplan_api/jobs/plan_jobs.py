@@ -17,10 +17,10 @@ from ikplan.errors import (
     IkplanError,
     PlanNotFound,
     ServiceUnavailable,
-    WorkerLost,
 )
 from ikplan.pipeline.identity import UNKNOWN, KnownRequest
 from ikplan_api.http.problems import http_problem
+from ikplan_api.jobs.job_attempts import JobAttempts, given_up
 from ikplan_api.jobs.plan_in_progress import PlanInProgress
 from ikplan_api.jobs.request_identity import identify
 from ikplan_api.store.plan_store import Job, PlanStore, StoreFault
@@ -32,9 +32,6 @@ __all__ = ["PlanJobs"]
 
 _MAX_SEEN = 4096
 """Number of recent requests that are recognised."""
-
-_ATTEMPTS = 2
-"""Attempts of an accepted job whose worker dies."""
 _MAX_STORING = 8
 """Plans that may be returned before they are stored."""
 
@@ -63,7 +60,10 @@ class PlanJobs:
     async def resume(self) -> None:
         """Start the jobs that were accepted before a restart, in their order."""
         for job in await self._store.pending():
-            if job.plan_id not in self._in_progress:
+            if (verdict := given_up(job)) is not None:
+                _log.error("job %s: %s", job.plan_id, verdict)
+                await self._store_failure(job.plan_id, json_ready(verdict.to_problem()))
+            elif job.plan_id not in self._in_progress:
                 self._start(job, wait_if_full=True).accepted = True
 
     async def identify(
@@ -155,6 +155,7 @@ class PlanJobs:
             # Another request may have started it meanwhile.
             in_progress = self._in_progress.get(job.plan_id) or self._start(job, wait_if_full=True)
             in_progress.accepted = True
+            in_progress.attempts.save()
         return in_progress.status
 
     def park_queued(self) -> None:
@@ -201,7 +202,7 @@ class PlanJobs:
             self._cancel_if_abandoned(in_progress)
 
     def _start(self, job: Job, *, wait_if_full: bool) -> PlanInProgress:
-        in_progress = PlanInProgress(job)
+        in_progress = PlanInProgress(job, JobAttempts(job, self._store))
         self._in_progress[job.plan_id] = in_progress
         in_progress.task = asyncio.create_task(self._run(in_progress, wait_if_full))
         in_progress.task.add_done_callback(lambda _: self._ended(in_progress))
@@ -231,48 +232,42 @@ class PlanJobs:
     async def _run(self, in_progress: PlanInProgress, wait_if_full: bool) -> TaskResult:
         job = in_progress.job
         try:
-            result = await self._attempt(in_progress, wait_if_full)
+            result = await self._plan(in_progress, wait_if_full)
             await self._start_storing(job.plan_id, result.document)
             return result
         except IkplanError as error:
             in_progress.problem = json_ready(error.to_problem())
             # A job that found no worker, as during a shutdown, stays accepted and runs later.
             if in_progress.accepted and not isinstance(error, ServiceUnavailable):
-                await self._store_failure(in_progress)
+                await self._store_failure(job.plan_id, in_progress.problem)
             raise
         except Exception:
             _log.exception("plan %s failed", job.plan_id)
             in_progress.problem = http_problem(500, "unexpected error in the service")
             if in_progress.accepted:
-                await self._store_failure(in_progress)
+                await self._store_failure(job.plan_id, in_progress.problem)
             raise
 
-    async def _attempt(self, in_progress: PlanInProgress, wait_if_full: bool) -> TaskResult:
-        """Plan once, and an accepted job once more if its worker died.
+    async def _plan(self, in_progress: PlanInProgress, wait_if_full: bool) -> TaskResult:
+        """Plan, in more than one attempt if a worker ends.
 
         Raises:
-            IkplanError: The verdict; of a job that ended both workers, WorkerLost.
+            IkplanError: The verdict.
         """
-        job, attempt = in_progress.job, 1
-        while True:
-            try:
-                return await self._planner.run(
-                    job.kind,
-                    job.document,
-                    robot=job.robot,
-                    known=job.known,
-                    limit_s=job.budget_s,
-                    progress=in_progress.progress,
-                    wait_if_full=wait_if_full or attempt > 1,
-                )
-            except WorkerLost as error:
-                if not in_progress.accepted:
-                    raise
-                if attempt == _ATTEMPTS:
-                    detail = f"{error.detail}; the job was tried {attempt} times"
-                    raise WorkerLost(detail, exit_code=error.exit_code) from error
-                _log.warning("job %s: attempt %d of %d failed", job.plan_id, attempt, _ATTEMPTS)
-                attempt += 1
+        job, attempts = in_progress.job, in_progress.attempts
+        try:
+            return await self._planner.run(
+                job.kind,
+                job.document,
+                robot=job.robot,
+                known=job.known,
+                limit_s=job.budget_s,
+                progress=in_progress.progress,
+                wait_if_full=wait_if_full,
+                attempts=attempts,
+            )
+        finally:
+            await attempts.saved()
 
     async def _start_storing(self, plan_id: str, document: bytes) -> None:
         """Store a plan in the background; wait only if the store falls behind."""
@@ -295,8 +290,6 @@ class PlanJobs:
         finally:
             del self._storing[plan_id]
 
-    async def _store_failure(self, in_progress: PlanInProgress) -> None:
+    async def _store_failure(self, plan_id: str, problem: dict[str, Any]) -> None:
         with contextlib.suppress(StoreFault):
-            await self._store.fail(
-                in_progress.job.plan_id, json.dumps(in_progress.problem).encode()
-            )
+            await self._store.fail(plan_id, json.dumps(problem).encode())

@@ -10,7 +10,7 @@ from fastapi import APIRouter, Request, Response
 from ikplan import errors
 from ikplan_api.handlers.point_files import CSV, csv_body, read_points_request
 from ikplan_api.http.body import read_body
-from ikplan_api.http.openapi import problems
+from ikplan_api.http.openapi import WORKER_ERRORS, problems
 from ikplan_api.http.schemas import PointsRead
 
 __all__ = ["router"]
@@ -27,7 +27,7 @@ def _described() -> dict[str, Any]:
     "/points",
     summary="Read a file of points",
     response_model=PointsRead,
-    responses=problems(errors.InvalidRequest, errors.RobotNotFound),
+    responses=problems(errors.InvalidRequest, errors.RobotNotFound, *WORKER_ERRORS),
     openapi_extra=_described(),
 )
 async def read_points(request: Request) -> Response:

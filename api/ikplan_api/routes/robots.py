@@ -10,8 +10,8 @@ from fastapi import APIRouter, Request, Response
 
 from ikplan import errors
 from ikplan.robots import RobotInfo, RobotUpload, catalogue_robot, is_upload_id
-from ikplan.scene.describe import info_with_bodies
-from ikplan_api.http.openapi import problems, upload_body
+from ikplan_api.http.disconnect import while_connected
+from ikplan_api.http.openapi import WORKER_ERRORS, problems, upload_body
 from ikplan_api.http.problems import Refusal
 from ikplan_api.http.schemas import RobotList, SolverList
 from ikplan_api.robots.robot_builder import RobotBuilder
@@ -19,6 +19,7 @@ from ikplan_api.robots.uploads import QUERY, XML, read_upload, stored_robot
 from ikplan_api.store.document_store import DocumentStore, StoredDocument
 from ikplan_api.store.plan_store import StoreFault
 from ikplan_api.workers import tasks
+from ikplan_api.workers.planner import Planner
 
 __all__ = ["router"]
 
@@ -27,6 +28,8 @@ router = APIRouter(prefix="/v1", tags=["robots and solvers"])
 _log = logging.getLogger("ikplan.service")
 
 _JSON = "application/json"
+_SHORT = 32 * 1024
+"""Longest upload that this process checks, within some milliseconds [bytes]."""
 _URDF = (
     '<robot name="two"><link name="base"/><link name="arm"/><link name="tool"/>'
     '<joint name="shoulder" type="revolute"><parent link="base"/><child link="arm"/>'
@@ -57,7 +60,7 @@ async def list_robots(request: Request) -> Response:
     status_code=201,
     responses={
         200: {"model": RobotInfo, "description": "The robot is already stored"},
-        **problems(errors.InvalidRequest, errors.InvalidRobot, errors.ServiceUnavailable),
+        **problems(errors.InvalidRequest, errors.InvalidRobot, *WORKER_ERRORS),
     },
     openapi_extra=upload_body(RobotUpload, _EXAMPLE, XML, QUERY),
 )
@@ -69,8 +72,12 @@ async def upload_robot(request: Request) -> Response:
     """
     upload = await read_upload(request)
     # Checked here first; only valid uploads reach Pinocchio, in a process of its own.
-    await asyncio.to_thread(upload.describe)
     name, document = upload.content_id(), upload.canonical()
+    if len(document) <= _SHORT:
+        await asyncio.to_thread(upload.describe)
+    else:
+        planner: Planner = request.app.state.planner
+        await while_connected(request, planner.run("check-upload", document))
     builder: RobotBuilder = request.app.state.robot_builder
     store: DocumentStore = request.app.state.robots
     known = await store.get(name)
@@ -98,14 +105,18 @@ async def upload_robot(request: Request) -> Response:
     "/robots/{name}",
     summary="Describe a robot",
     response_model=RobotInfo,
-    responses=problems(errors.RobotNotFound),
+    responses=problems(errors.RobotNotFound, *WORKER_ERRORS),
 )
 async def get_robot(request: Request, name: str) -> Response:
     """Return one robot with its joints, limits, home, frames, sources and the shapes of links."""
     if is_upload_id(name):
         return Response((await stored_robot(request, name)).info, media_type=_JSON)
-    info = await asyncio.to_thread(lambda: info_with_bodies(catalogue_robot(name)))
-    return Response(info.model_dump_json(), media_type=_JSON)
+    described: dict[str, bytes] = request.app.state.described
+    if name not in described:
+        planner: Planner = request.app.state.planner
+        work = planner.run("describe-robot", name.encode(), wait_if_full=True)
+        described[name] = (await while_connected(request, work)).document
+    return Response(described[name], media_type=_JSON)
 
 
 @router.delete(

@@ -8,8 +8,9 @@ from typing import Any
 from fastapi import APIRouter, Request, Response
 
 from ikplan import errors
-from ikplan_api.http.openapi import problems, request_body
-from ikplan_api.http.schemas import SceneUpload, StoredScene
+from ikplan.documents.scene import SceneUpload
+from ikplan_api.http.openapi import WORKER_ERRORS, problems, request_body
+from ikplan_api.http.schemas import StoredScene
 from ikplan_api.scenes.uploads import read_scene_upload, stored_scene
 from ikplan_api.store.document_store import DocumentStore
 from ikplan_api.store.plan_store import StoreFault
@@ -40,7 +41,7 @@ _NOT_STORED: dict[int | str, dict[str, Any]] = {
     status_code=201,
     responses={
         200: {"model": StoredScene, "description": "The scene is already stored"},
-        **problems(errors.InvalidRequest, errors.ServiceUnavailable),
+        **problems(errors.InvalidRequest, *WORKER_ERRORS),
     },
     openapi_extra=request_body(SceneUpload, _EXAMPLE),
 )

@@ -4,21 +4,19 @@ from __future__ import annotations
 
 import asyncio
 import hashlib
+from pathlib import Path
 
 from fastapi import APIRouter, HTTPException, Request, Response
 from starlette_compress import add_compress_type
 
 from ikplan import errors
-from ikplan.robots import (
-    RobotUpload,
-    RobotVisual,
-    catalogue_visual,
-    is_upload_id,
-    robot_visual,
-)
+from ikplan.robots import RobotVisual, catalogue_visual, is_upload_id
+from ikplan_api.http.disconnect import while_connected
 from ikplan_api.http.files import file_response
-from ikplan_api.http.openapi import problems
+from ikplan_api.http.openapi import WORKER_ERRORS, problems
 from ikplan_api.robots.uploads import stored_robot
+from ikplan_api.workers.headed import split_head
+from ikplan_api.workers.planner import Planner
 
 __all__ = ["router"]
 
@@ -36,7 +34,7 @@ for _media_type in _MEDIA.values():
     summary="Get the visual geometry of a robot",
     response_class=Response,
     responses={
-        **problems(errors.RobotNotFound, errors.InvalidRobot),
+        **problems(errors.RobotNotFound, errors.InvalidRobot, *WORKER_ERRORS),
         200: {"description": "A URDF", "content": _URDF},
     },
 )
@@ -70,9 +68,7 @@ async def _visual(request: Request, name: str) -> RobotVisual:
     if not is_upload_id(name):
         return await asyncio.to_thread(catalogue_visual, name, prefix.__add__)
     document = (await stored_robot(request, name)).document
-
-    def draw() -> RobotVisual:
-        upload = RobotUpload.stored(document)
-        return robot_visual(upload.robot(), upload.urdf.encode(), prefix.__add__)
-
-    return await asyncio.to_thread(draw)
+    planner: Planner = request.app.state.planner
+    work = planner.run("draw-robot", prefix.encode(), robot=document)
+    meshes, urdf = split_head((await while_connected(request, work)).document)
+    return RobotVisual(urdf.decode(), {path: Path(file) for path, file in meshes.items()}, ())

@@ -8,15 +8,15 @@ import re
 
 from fastapi import Request
 
-from ikplan.documents import parse_json
-from ikplan.documents.base import content_hash
-from ikplan.documents.scene import Scene
 from ikplan.errors import InvalidRequest
-from ikplan.scene.resolve import resolve_scene
 from ikplan_api.http.body import read_json_body
+from ikplan_api.http.disconnect import while_connected
 from ikplan_api.http.problems import Refusal
-from ikplan_api.http.schemas import SceneUpload
 from ikplan_api.store.document_store import DocumentStore, StoredDocument
+from ikplan_api.workers.headed import split_head
+from ikplan_api.workers.planner import Planner
+from ikplan_api.workers.scene_file import read_scene_file
+from ikplan_api.workers.tasks import SHORT
 
 __all__ = ["read_scene_upload", "stored_scene", "with_stored_scene"]
 
@@ -30,20 +30,17 @@ async def read_scene_upload(request: Request) -> tuple[str, StoredDocument]:
     Raises:
         InvalidRequest: A field is invalid, or a mesh is given by a file.
         Refusal: 413, too long; 415, not JSON.
+        ServiceUnavailable: The queue is full, and the scene is long.
     """
-    return await asyncio.to_thread(_read, await read_json_body(request))
-
-
-def _read(body: bytes) -> tuple[str, StoredDocument]:
-    upload = parse_json(SceneUpload, body)
-    scene = Scene.model_construct(
-        **{name: getattr(upload, name) for name in Scene.model_fields if name != "name"}
-    )
-    resolve_scene(scene, None, field="")  # a file is refused
-    scene_id = f"scene-{content_hash(scene)}"
-    document = scene.model_dump_json().encode()
-    head = json.dumps({"id": scene_id, "name": upload.name}).encode()
-    return scene_id, StoredDocument(document, head[:-1] + b"," + document[1:])
+    body = await read_json_body(request)
+    if len(body) <= SHORT:
+        message = await asyncio.to_thread(read_scene_file, body)
+    else:
+        planner: Planner = request.app.state.planner
+        message = (await while_connected(request, planner.run("read-scene", body))).document
+    head, document = split_head(message)
+    info = json.dumps(head).encode()[:-1] + b"," + document[1:]
+    return head["id"], StoredDocument(document, info)
 
 
 async def stored_scene(request: Request, scene_id: str) -> StoredDocument:

@@ -23,6 +23,7 @@ class Job(NamedTuple):
         robot: The uploaded robot that the document names; None: a robot of the catalogue.
         budget_s: Its time budget [s].
         known: What is known of the request already; not stored.
+        attempts: How often a worker began it.
     """
 
     plan_id: str
@@ -31,6 +32,7 @@ class Job(NamedTuple):
     robot: bytes | None
     budget_s: float
     known: KnownRequest = UNKNOWN
+    attempts: int = 0
 
 
 class PlanStore(Protocol):
@@ -58,6 +60,13 @@ class PlanStore(Protocol):
 
     async def accept(self, job: Job) -> None:
         """Store a job until it finishes, fails or is deleted.
+
+        Raises:
+            StoreFault: The write fails.
+        """
+
+    async def count_attempts(self, plan_id: str, attempts: int) -> None:
+        """Store how often a worker began an unfinished job.
 
         Raises:
             StoreFault: The write fails.

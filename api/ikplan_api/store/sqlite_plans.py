@@ -18,6 +18,7 @@ from ikplan.errors import InvalidRequest
 from ikplan_api.store.inspection import DamagedStore, NewerStore, inspect, set_aside
 from ikplan_api.store.lock_holder import lock_holder
 from ikplan_api.store.plan_store import Job, StoreFault
+from ikplan_api.store.sqlite_schema import ADDED, OPEN, SCHEMA, VERSION
 
 __all__ = ["IN_MEMORY", "SqlitePlanStore"]
 
@@ -27,53 +28,6 @@ IN_MEMORY = ":memory:"
 _log = logging.getLogger("ikplan.service")
 
 _SETTING = "IKPLAN_STORE_PATH"
-_VERSION = 1
-_OPEN = """
-PRAGMA locking_mode = EXCLUSIVE;
-PRAGMA journal_mode = WAL;
-PRAGMA synchronous = NORMAL;
-"""
-# Documents have a table of their own: SQLite rewrites a whole row on every change, and each use
-# of a plan changes its row.
-_SCHEMA = f"""
-BEGIN IMMEDIATE;
-DROP TABLE IF EXISTS plans;
-CREATE TABLE plans (
-    id TEXT PRIMARY KEY, bytes INTEGER NOT NULL, made REAL NOT NULL, used REAL NOT NULL
-);
-CREATE INDEX plans_by_use ON plans (used, id, bytes);
-CREATE TABLE documents (id TEXT PRIMARY KEY, document BLOB NOT NULL);
-CREATE TABLE IF NOT EXISTS jobs (
-    place INTEGER PRIMARY KEY AUTOINCREMENT, id TEXT NOT NULL UNIQUE, kind TEXT NOT NULL,
-    budget_s REAL NOT NULL, accepted REAL NOT NULL, problem BLOB, robot BLOB,
-    document BLOB NOT NULL
-);
-CREATE TABLE IF NOT EXISTS robots (
-    name TEXT PRIMARY KEY, bytes INTEGER NOT NULL, used REAL NOT NULL, document BLOB NOT NULL,
-    info BLOB NOT NULL
-);
-CREATE VIEW kept AS SELECT id, made, document FROM plans JOIN documents USING (id);
-CREATE TRIGGER keep INSTEAD OF INSERT ON kept BEGIN
-    INSERT INTO documents VALUES (NEW.id, NEW.document)
-        ON CONFLICT (id) DO UPDATE SET document = excluded.document;
-    INSERT INTO plans VALUES (NEW.id, length(NEW.document), NEW.made, NEW.made)
-        ON CONFLICT (id) DO UPDATE SET
-            bytes = excluded.bytes, made = excluded.made, used = excluded.used;
-    DELETE FROM jobs WHERE id = NEW.id;
-END;
-CREATE TRIGGER forget AFTER DELETE ON plans BEGIN
-    DELETE FROM documents WHERE id = OLD.id;
-END;
-PRAGMA user_version = {_VERSION};
-COMMIT;
-"""
-# Newer than the first version of the file: an older service leaves it alone.
-_SCENES = """
-CREATE TABLE IF NOT EXISTS scenes (
-    name TEXT PRIMARY KEY, bytes INTEGER NOT NULL, used REAL NOT NULL, document BLOB NOT NULL,
-    info BLOB NOT NULL
-);
-"""
 _OLD_PLANS = "DELETE FROM plans WHERE made < ?"
 _OLD_FAILURES = "DELETE FROM jobs WHERE problem IS NOT NULL AND accepted < ?"
 _SURPLUS = """
@@ -137,12 +91,12 @@ class SqlitePlanStore:
             return
         try:
             try:
-                inspect(self._path, _VERSION)
+                inspect(self._path, VERSION)
             except DamagedStore:
                 if not self._replace_damaged:
                     raise
                 set_aside(self._path)
-                inspect(self._path, _VERSION)
+                inspect(self._path, VERSION)
         except DamagedStore as error:
             raise self._unusable(
                 f"is damaged ({error}); set IKPLAN_STORE_DAMAGED=set-aside to rename it and start "
@@ -176,12 +130,12 @@ class SqlitePlanStore:
         await asyncio.to_thread(self.check)
         self._connection = await aiosqlite.connect(self._path, isolation_level=None, timeout=1.0)
         try:
-            await self._connection.executescript(_OPEN)
+            await self._connection.executescript(OPEN)
             (version,) = await self.row("PRAGMA user_version", ())
-            if version < _VERSION:
+            if version < VERSION:
                 # Plans of an older version are planned again on request.
-                await self._connection.executescript(_SCHEMA)
-            await self._connection.executescript(_SCENES)
+                await self._connection.executescript(SCHEMA)
+            await self._connection.executescript(ADDED)
             await self._learn_ids()
         except BaseException:
             await self.close()
@@ -297,6 +251,14 @@ class SqlitePlanStore:
             (job.plan_id, job.kind, job.document, job.robot, job.budget_s, time.time()),
         )
 
+    async def count_attempts(self, plan_id: str, attempts: int) -> None:
+        """Store how often a worker began an unfinished job."""
+        await self.change(
+            "INSERT OR REPLACE INTO attempts SELECT id, ? FROM jobs "
+            "WHERE id = ? AND problem IS NULL",
+            (attempts, plan_id),
+        )
+
     async def fail(self, plan_id: str, problem: bytes) -> None:
         """Store the problem document of a failed job."""
         async with self.writing() as connection:
@@ -321,8 +283,8 @@ class SqlitePlanStore:
     async def pending(self) -> list[Job]:
         """Return the unfinished jobs in the order of their acceptance."""
         query = (
-            "SELECT id, kind, document, robot, budget_s FROM jobs "
-            "WHERE problem IS NULL ORDER BY place"
+            "SELECT id, kind, document, robot, budget_s, coalesce(begun, 0) FROM jobs "
+            "LEFT JOIN attempts USING (id) WHERE problem IS NULL ORDER BY place"
         )
         async with self._open_connection().execute(query) as cursor:
-            return [Job(*row) async for row in cursor]
+            return [Job(*row)._replace(attempts=begun) async for *row, begun in cursor]

@@ -13,6 +13,7 @@ from ikplan.pipeline.identity import UNKNOWN, KnownRequest
 from ikplan.planning import Progress
 from ikplan_api.telemetry.load import Load
 from ikplan_api.telemetry.metrics import Metrics
+from ikplan_api.workers.attempts import Attempts
 from ikplan_api.workers.planner import Planner
 from ikplan_api.workers.process_planner import LIMIT_S
 from ikplan_api.workers.tasks import TaskResult
@@ -55,6 +56,7 @@ class InstrumentedPlanner:
         limit_s: float = LIMIT_S,
         progress: Progress | None = None,
         wait_if_full: bool = False,
+        attempts: Attempts | None = None,
     ) -> TaskResult:
         """Run one task; see :meth:`ikplan_api.workers.planner.Planner.run`."""
         began, outcome = time.perf_counter(), "fault"
@@ -68,6 +70,7 @@ class InstrumentedPlanner:
                     limit_s=limit_s,
                     progress=progress,
                     wait_if_full=wait_if_full,
+                    attempts=attempts,
                 )
                 outcome = "done"
             except IkplanError as error:

@@ -7,6 +7,7 @@ from typing import Protocol
 from ikplan.pipeline.identity import UNKNOWN, KnownRequest
 from ikplan.planning import Progress
 from ikplan_api.telemetry.load import LoadSource
+from ikplan_api.workers.attempts import Attempts
 from ikplan_api.workers.tasks import TaskResult
 
 __all__ = ["Planner"]
@@ -32,6 +33,7 @@ class Planner(LoadSource, Protocol):
         limit_s: float = ...,
         progress: Progress | None = None,
         wait_if_full: bool = False,
+        attempts: Attempts | None = None,
     ) -> TaskResult:
         """Run one task of :data:`ikplan_api.workers.tasks.TASKS`; cancellation stops it.
 
@@ -43,13 +45,14 @@ class Planner(LoadSource, Protocol):
             limit_s: Time limit from the start of the task [s].
             progress: Receives the progress of the task.
             wait_if_full: If the queue is full, wait instead of raising.
+            attempts: Counts the attempts; None: there are none before.
 
         Raises:
             IkplanError: The verdict on the request.
             BudgetExceeded: The task took longer than ``limit_s``.
             MemoryExceeded: The task needed more memory than a worker may allocate.
-            WorkerLost: The worker process ended during the task.
-            ServiceUnavailable: The queue is full.
+            WorkerLost: Each of the attempts crashed its worker process.
+            ServiceUnavailable: The queue is full, or worker processes were ended from outside.
         """
 
     async def warm_up(self) -> None:

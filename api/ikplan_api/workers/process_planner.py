@@ -17,6 +17,7 @@ from ikplan.planning import Progress
 from ikplan.workers.process import TaskNotStarted
 from ikplan_api.telemetry.load import Load
 from ikplan_api.workers import tasks
+from ikplan_api.workers.attempts import Attempts
 from ikplan_api.workers.tasks import TaskInput, TaskResult
 from ikplan_api.workers.worker_slot import (
     TaskTimeout,
@@ -37,14 +38,16 @@ _STOPPING_RETRY_S = 5.0
 """Time after which a service that stops may have been replaced [s]."""
 _SHARE = 0.1
 """Share of the latest task in the mean duration of tasks."""
-_ATTEMPTS = 3
+_STARTS = 3
+"""Workers that may end before they start a task."""
 
 
 class ProcessPlanner:
     """Runs tasks in warm worker processes behind a bounded queue.
 
     A task that takes too long, needs too much memory, crashes or is cancelled ends its worker,
-    which is replaced; other tasks are not affected.
+    which is replaced; other tasks are not affected. A task whose worker ends otherwise is tried
+    once more, after those that wait.
 
     Args:
         workers: Number of worker processes.
@@ -111,6 +114,7 @@ class ProcessPlanner:
         limit_s: float = LIMIT_S,
         progress: Progress | None = None,
         wait_if_full: bool = False,
+        attempts: Attempts | None = None,
     ) -> TaskResult:
         """Run one task; see :meth:`ikplan_api.workers.planner.Planner.run`."""
         if not wait_if_full:
@@ -123,7 +127,10 @@ class ProcessPlanner:
             # What is parsed travels in the place of the document.
             task = TaskInput(document if known.request is None else b"", robot, known)
             wait_s = math.inf if wait_if_full else self._max_wait_s
-            return await self._run_on_worker(kind, task, limit_s, _TaskProgress(progress), wait_s)
+            latest, counted = _TaskProgress(progress), attempts or Attempts()
+            return await counted.run(
+                lambda: self._run_on_worker(kind, task, limit_s, latest, wait_s, counted)
+            )
         finally:
             self._pending -= 1
 
@@ -160,8 +167,9 @@ class ProcessPlanner:
         limit_s: float,
         task_progress: _TaskProgress,
         wait_s: float,
+        attempts: Attempts,
     ) -> TaskResult:
-        for _ in range(_ATTEMPTS):
+        for _ in range(_STARTS):
             slot = await self._free_slot(wait_s)
             if slot is None:
                 self._idle.put_nowait(None)  # for the next waiting task
@@ -170,10 +178,15 @@ class ProcessPlanner:
             self._progress_of[number] = task_progress
             self._running += 1
             began = time.monotonic()
+            attempts.begin()
             try:
                 return await slot.run(number, kind, task, limit_s + self._grace_s)
             except TaskNotStarted:
+                attempts.withdraw()
                 continue
+            except asyncio.CancelledError:
+                attempts.withdraw()
+                raise
             except TaskTimeout as error:
                 raise BudgetExceeded(
                     f"the budget of {limit_s:g} s ran out in the stage {task_progress.stage!r} and "

@@ -24,8 +24,12 @@ from ikplan.planning import Progress
 from ikplan.plans.export import FORMATS
 from ikplan.plans.export.formats import Format
 from ikplan.plans.plan import Plan
-from ikplan.robots import Robot, RobotUpload, catalogue_robot, robot_names
+from ikplan.robots import Robot, RobotUpload, catalogue_robot, robot_names, robot_visual
+from ikplan.scene.describe import info_with_bodies
 from ikplan_api.telemetry.plan_figures import PlanFigures, figures_of
+from ikplan_api.workers.headed import headed, split_head
+from ikplan_api.workers.point_file import read_point_file
+from ikplan_api.workers.scene_file import read_scene_file
 
 __all__ = [
     "SHORT",
@@ -210,6 +214,42 @@ def _export(form: Format, task: TaskInput) -> TaskResult:
     return TaskResult(form.encode(Plan.load(task.document)))
 
 
+def _read_points(task: TaskInput) -> TaskResult:
+    """Read a file of points, with the options of its request as its head."""
+    task.begin("reading")
+    query, body = split_head(task.document)
+    return TaskResult(read_point_file(body, query, task.robot_named(query["robot"])))
+
+
+def _read_scene(task: TaskInput) -> TaskResult:
+    """Read a scene to be stored."""
+    task.begin("reading")
+    return TaskResult(read_scene_file(task.document))
+
+
+def _check_upload(task: TaskInput) -> TaskResult:
+    """Check an uploaded robot without Pinocchio."""
+    task.begin("reading")
+    RobotUpload.stored(task.document).describe()
+    return TaskResult(b"")
+
+
+def _describe_robot(task: TaskInput) -> TaskResult:
+    """Describe a robot of the catalogue with the shapes of its links."""
+    task.begin("reading")
+    described = info_with_bodies(task.robot_named(task.document.decode()))
+    return TaskResult(described.model_dump_json().encode())
+
+
+def _draw_robot(task: TaskInput) -> TaskResult:
+    """Draw an uploaded robot; the document is the address below which its meshes are."""
+    task.begin("reading")
+    assert task.robot is not None
+    source = RobotUpload.stored(task.robot).urdf.encode()
+    drawn = robot_visual(_uploaded(task.robot), source, task.document.decode().__add__)
+    return TaskResult(headed({k: str(v) for k, v in drawn.meshes.items()}, drawn.urdf.encode()))
+
+
 TASKS: dict[str, Callable[[TaskInput], TaskResult]] = {
     "plan": make_plan,
     "time": make_timing,
@@ -217,6 +257,11 @@ TASKS: dict[str, Callable[[TaskInput], TaskResult]] = {
     "fk": answer_fk,
     "identify-plan": functools.partial(_identify, "plan"),
     "identify-time": functools.partial(_identify, "time"),
+    "read-points": _read_points,
+    "read-scene": _read_scene,
+    "check-upload": _check_upload,
+    "describe-robot": _describe_robot,
+    "draw-robot": _draw_robot,
     **{f"export-{form.name}": functools.partial(_export, form) for form in FORMATS},
 }
 

@@ -21,6 +21,7 @@ from ikplan.planning.ladder.joint_length import joint_path_length
 from ikplan.planning.ladder.path_shortening import shorten_sequence
 from ikplan.planning.tracking.densify import densify
 from ikplan.planning.tracking.dodge import dodged_sequence
+from ikplan.planning.tracking.flood import flooded_sequences
 from ikplan.planning.tracking.global_redundancy import resolve_redundancy_globally
 from ikplan.planning.tracking.reference_path import (
     ReferencePath,
@@ -117,23 +118,27 @@ class PathTracker(TrackedArm):
             InvalidRequest: The path takes more points than there may be.
             BudgetExceeded: The time budget ran out.
         """
-        for step, share in _GLOBAL_STEPS if self.redundant(reference) else ():
-            spacing = max(step, share * reference.length)
-            for sequences in self._global_sequences(reference, starts, costs, spacing):
+        if self.redundant(reference):
+            for sequences in self._global_sequences(reference, starts, costs):
                 if sequences:
                     with contextlib.suppress(TrackingFailed):
                         return self._densify_first(reference, sequences[:_TRIED])
         raise TrackingFailed(0.0, starts[0].copy())
 
     def _global_sequences(
-        self, reference: ReferencePath, starts: Array, costs: Array, spacing: float
+        self, reference: ReferencePath, starts: Array, costs: Array
     ) -> Iterator[list[JointSequence]]:
         """Yield sequences chosen over all points; where there are obstacles, around them first."""
+        for step, share in _GLOBAL_STEPS:
+            spacing = max(step, share * reference.length)
+            if self.contact is not None:
+                s = initial_points(reference, spacing)
+                q = dodged_sequence(self, reference, starts, costs, s)
+                yield [] if q is None else [(sequence_length(q), s, q)]
+            yield self._resolve_globally(reference, starts, costs, spacing)
         if self.contact is not None:
-            s = initial_points(reference, spacing)
-            q = dodged_sequence(self, reference, starts, costs, s)
-            yield [] if q is None else [(sequence_length(q), s, q)]
-        yield self._resolve_globally(reference, starts, costs, spacing)
+            for s, q in flooded_sequences(self, reference, starts):
+                yield [(sequence_length(q), s, q)]
 
     def _densify_first(
         self,

@@ -103,6 +103,7 @@ def window_cases(robot: Robot, count: int, seed: int = 0) -> list[dict[str, Any]
                         "robot": robot.name,
                         "scene": scene,
                         "start": q.tolist(),
+                        "budget_s": 300.0,
                         "path": {
                             "waypoints": [pose_document(_TOOL, end)],
                             "interpolation": "line",

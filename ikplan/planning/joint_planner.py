@@ -23,6 +23,7 @@ from ikplan.path import (
 from ikplan.planning.joint_route import (
     JointPathProblem,
     JointRoute,
+    RouteJointStep,
     RouteMove,
     RouteSegment,
     RouteWaypoint,
@@ -120,6 +121,7 @@ class _JointPathPlanner:
         self.waypoints: list[RouteWaypoint] = []
         self.segments: list[RouteSegment] = []
         self.moves: list[RouteMove] = []
+        self.joint_steps: list[RouteJointStep] = []
         self.move_planner = MovePlanner(problem)
         self.sharp = False
         self.slight = False
@@ -139,14 +141,9 @@ class _JointPathPlanner:
     def route(self) -> JointRoute:
         """The route planned so far."""
         waypoints = sorted(self.waypoints, key=lambda w: w.row)
+        q, parts = np.ascontiguousarray(self.q), (self.segments, self.moves)
         return JointRoute(
-            np.ascontiguousarray(self.q),
-            self.rest,
-            waypoints,
-            self.segments,
-            self.moves,
-            self.sharp,
-            self.slight,
+            q, self.rest, waypoints, *parts, self.sharp, self.slight, self.joint_steps
         )
 
     @property
@@ -344,7 +341,9 @@ class _JointPathPlanner:
         self.waypoints.append(RouteWaypoint(waypoint.row, len(self.q) - 1, target))
 
     def _end_segment(self, waypoint: JointWaypoint) -> None:
-        """End a joint segment at the next configuration; from a free start nothing leads to it."""
-        if waypoint.field and self.q:
-            end = len(self.q)
-            self.segments.append(RouteSegment(waypoint.field, end - 1, end))
+        """End a joint step at the next configuration; from a free start nothing leads to it."""
+        end = len(self.q)
+        if end > 0:
+            self.joint_steps.append(RouteJointStep(end - 1, end, _segment_to(waypoint)))
+            if waypoint.field:
+                self.segments.append(RouteSegment(waypoint.field, end - 1, end))

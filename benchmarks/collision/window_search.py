@@ -89,7 +89,7 @@ class _Flood:
         on = np.ones(m, dtype=np.bool_)
         return Targets(R, np.ascontiguousarray(p), on, np.full(m, 0.3), self.freedom)
 
-    def onto(self, s: Array, q: Array) -> tuple[Array, Array]:
+    def onto(self, s: Array, q: Array) -> tuple[Array, NDArray[np.bool_]]:
         """Configurations brought onto the line, and which got there."""
         q = np.ascontiguousarray(np.clip(q, self.arm.lower, self.arm.upper))
         left, _ = project_onto_targets(

@@ -21,12 +21,12 @@ from ikplan.scene.model import collision_model
 
 @pytest.mark.parametrize("free_start", [False, True])
 def test_lines_beside_boxes_are_planned_where_a_dense_search_finds_a_way(free_start: bool) -> None:
-    """A refusal names the pair, or the singularity that ends the branch that gets farthest."""
+    """What is followed in contact only is refused with the pair."""
     study = line_study(load_robot("ur5"), 8, free_start=free_start)
     assert study.free > 0
     assert study.lost == []
     assert study.held > 0
-    assert all("Disconnected" in line and "singular" in line for line in study.unnamed)
+    assert study.unnamed == []
     assert study.named > 0
 
 

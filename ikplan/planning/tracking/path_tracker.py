@@ -16,7 +16,6 @@ from typing import Self
 import numpy as np
 
 from ikplan.arrays import Array
-from ikplan.collision.check import Contact
 from ikplan.planning.ladder.joint_length import joint_path_length
 from ikplan.planning.ladder.path_shortening import shorten_sequence
 from ikplan.planning.tracking.densify import densify
@@ -31,7 +30,7 @@ from ikplan.planning.tracking.reference_path import (
 from ikplan.planning.tracking.start_copies import StartCopies, turning_joints, without_limits
 from ikplan.planning.tracking.track_from import track_from
 from ikplan.planning.tracking.tracked_arm import EXACT, TrackedArm
-from ikplan.planning.tracking.tracked_path import TrackedPath, TrackingFailed
+from ikplan.planning.tracking.tracked_path import TrackedPath, TrackingFailed, in_contact
 from ikplan.planning.tracking.tracking_kernels import first_discontinuity
 from ikplan.planning.within.track_within import SpanList
 
@@ -155,7 +154,7 @@ class PathTracker(TrackedArm):
                 broken.append(failure)
                 continue
             if contact := self.first_contact(reference, s, q):
-                broken.append(_in_contact(contact, s))
+                broken.append(in_contact(contact, s))
                 continue
             waypoint = nearest_points(s, reference.waypoint_s)
             return TrackedPath(s, q, rest, waypoint, length)
@@ -184,7 +183,7 @@ class PathTracker(TrackedArm):
                 farthest = farthest_failure(farthest, failure)
                 continue
             if contact := self.first_contact(reference, s, q):
-                farthest = farthest_failure(farthest, _in_contact(contact, s))
+                farthest = farthest_failure(farthest, in_contact(contact, s))
                 continue
             before = float(cost) if copies is None else copies.cost(q[0])
             sequences.append((before + sequence_length(q), s, q))
@@ -266,14 +265,6 @@ class PathTracker(TrackedArm):
         )
         self.clock.count(spent)
         return np.vstack([q[:1], shorter])
-
-
-def _in_contact(contact: Contact, s: Array) -> TrackingFailed:
-    """The failure of a path that is tracked up to a contact."""
-    at = float(s[contact.step])
-    if contact.step + 1 < len(s):
-        at += contact.share * float(s[contact.step + 1] - s[contact.step])
-    return TrackingFailed(at, contact.q.copy(), contact=contact)
 
 
 def farthest_failure(a: TrackingFailed | None, b: TrackingFailed | None) -> TrackingFailed | None:

@@ -16,7 +16,7 @@ from ikplan.arrays import Array, Indices
 from ikplan.collision.check import ContactCheck
 from ikplan.joint_path import JointPath
 from ikplan.limits import JointLimits
-from ikplan.planning.joint_route import JointRoute
+from ikplan.planning.joint_route import JointRoute, RouteJointStep
 
 __all__ = ["clear_joint_path"]
 
@@ -53,8 +53,8 @@ def clear_joint_path(
 def _before_touching(route: JointRoute, path: JointPath, contact: ContactCheck) -> list[int]:
     """Configurations after which the spline touches and the straight motion does not."""
     found: list[int] = []
-    for step in route.joint_steps:
-        knots = path.knot_of_waypoint[step.first : step.last + 1]
+    for run in _runs(route, contact):
+        knots = path.knot_of_waypoint[run.first : run.last + 1]
         a, b = int(knots[0]), int(knots[-1])
         if a == b:
             continue
@@ -62,14 +62,27 @@ def _before_touching(route: JointRoute, path: JointPath, contact: ContactCheck) 
             path.s_knots[a : b + 1],
             path.q_knots[a : b + 1],
             (path.tangents_start[a:b], path.tangents_end[a:b]),
-            step.segment,
+            run.segment,
             0.0,
         )
         for piece in np.flatnonzero(touches):
-            before = step.first + int(np.flatnonzero(knots == a + piece)[-1])
-            if contact.first_contact(route.q[before : before + 2], step.segment) is None:
+            before = run.first + int(np.flatnonzero(knots == a + piece)[-1])
+            if contact.first_contact(route.q[before : before + 2], run.segment) is None:
                 found.append(before)
     return found
+
+
+def _runs(route: JointRoute, contact: ContactCheck) -> list[RouteJointStep]:
+    """Joint steps, joined where one follows another and the same bodies are there."""
+    runs: list[RouteJointStep] = []
+    for step in route.joint_steps:
+        last = runs[-1] if runs else None
+        same = last is not None and (not contact.changes_by_segment or last.segment == step.segment)
+        if last is not None and same and last.last == step.first:
+            runs[-1] = replace(last, last=step.last)
+        else:
+            runs.append(step)
+    return runs
 
 
 def _with_middles(route: JointRoute, before: Sequence[int]) -> JointRoute:

@@ -106,7 +106,7 @@ class ClearanceProof:
 
     def _active(self, absent: tuple[int, ...]) -> tuple[Ints, Ints]:
         """Pairs of pieces, and rows of the model's pairs, without those of absent bodies."""
-        both = ~np.isin(self._bodies, absent).any(axis=1)
+        both = np.logical_not(np.asarray(np.isin(self._bodies, absent).any(axis=1)))
         return np.flatnonzero(both[self.pairs.pair]), np.flatnonzero(both)
 
     def _violation(self, curve: JointCurve, whole: Findings) -> ClearanceViolation:

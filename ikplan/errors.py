@@ -342,7 +342,8 @@ class InCollision(NoPlan):
             happens between waypoints.
         time: When in the finished motion [s]; None: there is no timed motion yet.
         pair: Names of the two bodies.
-        depth: How far the gap falls short of the clearance asked for [m].
+        depth: How far the gap falls short of the clearance asked for; of bodies in each other, how
+            deep they are and the clearance [m].
         q: Joint values at which it happens, shape (dof,) [rad or m].
         proven: Whether contact is proven there; false: no way around was found.
         reason: Why no way around was found: how many candidates failed for which pair.

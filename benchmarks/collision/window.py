@@ -10,13 +10,16 @@ from numpy.typing import NDArray
 
 import ikplan
 from benchmarks.collision.oracle import Oracle
+from benchmarks.collision.window_search import flood_line
 from benchmarks.planning.measure import pose_document
 from ikplan.documents import parse
+from ikplan.documents.plan_request import PlanRequest
 from ikplan.documents.scene import Scene
 from ikplan.errors import IkplanError
 from ikplan.ik.solve import NoSolution, PoseSolver
 from ikplan.kinematics.arm import arm_of
 from ikplan.kinematics.target import pose_target
+from ikplan.planning.task_freedom import freedom_of
 from ikplan.robots import Robot
 from ikplan.scene.model import collision_model
 
@@ -45,6 +48,7 @@ class WindowStudy:
         open_planned: Those of them that are planned.
         least: Least distance proven of each plan of the held ones [m].
         refused: Verdicts of the others, in words.
+        lost: Those of them that a dense search over the self-motion passes.
     """
 
     held: int = 0
@@ -53,6 +57,7 @@ class WindowStudy:
     open_planned: int = 0
     least: list[float] = field(default_factory=list)
     refused: list[str] = field(default_factory=list)
+    lost: list[str] = field(default_factory=list)
 
 
 def window_scene(middle: Array, size: Array) -> dict[str, Any]:
@@ -98,6 +103,7 @@ def window_cases(robot: Robot, count: int, seed: int = 0) -> list[dict[str, Any]
                         "robot": robot.name,
                         "scene": scene,
                         "start": q.tolist(),
+                        "budget_s": 300.0,
                         "path": {
                             "waypoints": [pose_document(_TOOL, end)],
                             "interpolation": "line",
@@ -120,6 +126,15 @@ def _holds(robot: Robot, request: dict[str, Any]) -> bool | None:
     return all(oracle.distances(q).min() > 0.0 for q in plan.q)
 
 
+def _passed(robot: Robot, request: dict[str, Any]) -> bool:
+    """Whether a dense search over the self-motion along the line gets through a window."""
+    document = parse(PlanRequest, request)
+    oracle = Oracle(robot, collision_model(robot, parse(Scene, request["scene"])))
+    end = np.array(request["path"]["waypoints"][0]["position"])
+    start = np.array(request["start"])
+    return flood_line(robot, oracle, start, end, freedom_of(document.path)).passed
+
+
 def window_study(robot: Robot, count: int, seed: int = 0) -> WindowStudy:
     """Plan lines through windows.
 
@@ -138,7 +153,10 @@ def window_study(robot: Robot, count: int, seed: int = 0) -> WindowStudy:
         try:
             plan = ikplan.plan(request, robot=robot)
         except IkplanError as error:
-            study.refused.append(f"window {k}, {'open' if free else 'held'}: {error}")
+            refused = f"window {k}, {'open' if free else 'held'}: {error}"
+            study.refused.append(refused)
+            if _passed(robot, request):
+                study.lost.append(refused)
             continue
         clearance = plan.certificate.clearance
         assert clearance is not None

@@ -72,8 +72,8 @@ class ContactCheck(Protocol):
     def first_contact(self, q: Array, segment: int | None = None) -> Contact | None:
         """Return where straight joint motions from row to row first meet a body, or None."""
 
-    def shortfall(self, q: Array, segment: int | None = None) -> tuple[float, tuple[str, str]]:
-        """Return by how much the smallest gap falls short of the clearance [m], and its pair."""
+    def shortfall(self, q: Array, pair: tuple[str, str], segment: int | None = None) -> float:
+        """Return by how much the gap of two bodies falls short of the clearance, or more [m]."""
 
     def contacts_on_curve(
         self, s: Array, q: Array, m: tuple[Array, Array], segment: int | None, extra: float

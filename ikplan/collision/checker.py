@@ -11,6 +11,7 @@ from ikplan.arrays import Array, Flags, Indices
 from ikplan.collision.bodies import flat_bodies
 from ikplan.collision.check import Contact, ContactArrays
 from ikplan.collision.contact import contacts, gaps
+from ikplan.collision.depth import overlap_depth
 from ikplan.collision.motion import curve_contacts, motion_contact
 from ikplan.collision.scratch import new_scratch
 from ikplan.kinematics.arm import arm_of
@@ -18,6 +19,9 @@ from ikplan.robots import Robot
 from ikplan.scene.body import CollisionModel
 
 __all__ = ["CollisionChecker"]
+
+_OVERLAPS = 1e-9
+"""Distance of hulls up to which they overlap [m]."""
 
 
 class CollisionChecker:
@@ -161,13 +165,38 @@ class CollisionChecker:
             return float("inf"), ("", "")
         return max(float(found[row]), 0.0), self._names(row)
 
-    def shortfall(self, q: Array, segment: int | None = None) -> tuple[float, tuple[str, str]]:
-        """Return by how much the smallest gap falls short of the clearance [m], and its pair.
+    def shortfall(self, q: Array, pair: tuple[str, str], segment: int | None = None) -> float:
+        """Return by how much the gap of two bodies falls short of the clearance [m].
 
-        Of bodies in each other, the depth is not part of it.
+        Of bodies in each other it is the clearance and the depth: the length of the shortest shift
+        that takes their pieces apart, of those two that are deepest in each other.
+
+        Args:
+            q: Joint values, shape (dof,) [rad or m].
+            pair: Names of the bodies.
+            segment: The segment the configuration belongs to.
         """
-        gap, pair = self.least_gap(q, segment)
-        return max(self.model.clearance - gap, 0.0), pair
+        found = np.empty(len(self._all))
+        q = np.ascontiguousarray(q, dtype=np.float64)
+        gaps(self._chain, self._bodies, self.active(segment), q, np.inf, self._scratch, found)
+        rows = [
+            k for k in np.flatnonzero(np.isfinite(found)) if set(self._names(int(k))) == set(pair)
+        ]
+        least = min((self._signed_gap(int(k), float(found[k])) for k in rows), default=np.inf)
+        return max(self.model.clearance - least, 0.0)
+
+    def _signed_gap(self, row: int, gap: float) -> float:
+        """The gap of two pieces at the configuration looked at last, less than 0 in overlap [m]."""
+        b, (i, j) = self._bodies, self._bodies.pairs[row]
+        reach = float(b.radius[i] + b.radius[j])
+        if gap > -reach + _OVERLAPS:
+            return gap
+        placed = []
+        for piece in (i, j):
+            carrier = b.carrier[piece]
+            own = b.points[b.first[piece] : b.first[piece + 1]]
+            placed.append(own @ self._scratch.R[carrier].T + self._scratch.p[carrier])
+        return -reach - overlap_depth(*placed)
 
     def commonest(self, q: Array, segment: int | None = None) -> list[tuple[tuple[str, str], int]]:
         """Return the pairs that hold configurations in contact and how many, most first."""

@@ -12,6 +12,7 @@ from ikplan.limits.motion_limits import LimitedSegment, MotionLimits
 from ikplan.path import Rounding
 from ikplan.pipeline.timing_stage import Timing, time_motion
 from ikplan.planning import JointPathProblem, JointRoute, plan_joint_path
+from ikplan.planning.joint_steps import clear_joint_path
 from ikplan.planning.tracking.tracked_path import TrackingFailed
 
 __all__ = ["MotionStages"]
@@ -44,8 +45,7 @@ class MotionStages:
                 routes.append(plan_joint_path(other))
             except (Unreachable, Disconnected, InCollision, TrackingFailed):
                 continue
-        limits = problem.limits
-        return [(r, JointPath.through(r.q, limits, rest_at=r.rest)) for r in routes]
+        return [clear_joint_path(r, problem.limits, problem.contact) for r in routes]
 
     def fastest(
         self, problem: JointPathProblem, laid: Sequence[tuple[JointRoute, JointPath]]

@@ -157,6 +157,19 @@ def _poses(method: str) -> list[dict[str, Any]]:
     return requests
 
 
+def _blocked_line(robot: Robot) -> dict[str, Any]:
+    """A line at whose end is a ball: every way around it is looked for."""
+    goal = robot.home.copy()
+    goal[0] += 1.0
+    pose = pin.SE3ToXYZQUAT(robot.fk(goal)).tolist()
+    waypoint = {"position": pose[:3], "quaternion_xyzw": pose[3:]}
+    return {
+        "start": robot.home.tolist(),
+        "path": {"waypoints": [waypoint], "interpolation": "line"},
+        "scene": _scenes(pose[:3])[1],
+    }
+
+
 def _paths(method: str) -> list[dict[str, Any]]:
     """What is asked for of a path; of the first, under several limits."""
     robot = catalogue_robot(_ROBOT)
@@ -178,6 +191,7 @@ def _paths(method: str) -> list[dict[str, Any]]:
         {**asked, "path": {**asked["path"], "interpolation": "line"}},
         {**asked, "path": {**asked["path"], "interpolation": "line"}, "start": "free"},
         {**asked, "path": {"waypoints": [point]}, "scene": _scenes(point["position"])[1]},
+        {**asked, **_blocked_line(robot)},
         {**asked, "path": {**asked["path"], "interpolation": "spline"}},
         {**asked, "path": {"waypoints": [far]}},
     ]

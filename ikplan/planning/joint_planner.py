@@ -23,6 +23,7 @@ from ikplan.path import (
 from ikplan.planning.joint_route import (
     JointPathProblem,
     JointRoute,
+    RouteJointStep,
     RouteMove,
     RouteSegment,
     RouteWaypoint,
@@ -30,7 +31,14 @@ from ikplan.planning.joint_route import (
 from ikplan.planning.moves.move_planner import MovePlanner
 from ikplan.planning.segment_number import segment_number
 from ikplan.planning.task_freedom import counts_orientation, freedom_of
-from ikplan.planning.tool_leg import OpenPose, check_box, path_tracker, reached, track_tool_path
+from ikplan.planning.tool_leg import (
+    OpenPose,
+    StartingWays,
+    check_box,
+    path_tracker,
+    reached,
+    track_tool_path,
+)
 from ikplan.planning.tracking.reference_path import points_around
 from ikplan.planning.tracking.start_copies import StartCopies
 from ikplan.planning.tracking.tracked_path import TrackedPath, TrackingFailed
@@ -104,10 +112,6 @@ def _waypoint_count(leg: Leg) -> int:
     return len(leg.waypoints) if isinstance(leg, JointLeg) else len(leg.path.waypoints)
 
 
-_SAME_BRANCH = 1e-6
-"""Configurations nearer to each other than this are one branch [rad or m]."""
-
-
 class _JointPathPlanner:
     """Plans one leg after the other."""
 
@@ -120,6 +124,7 @@ class _JointPathPlanner:
         self.waypoints: list[RouteWaypoint] = []
         self.segments: list[RouteSegment] = []
         self.moves: list[RouteMove] = []
+        self.joint_steps: list[RouteJointStep] = []
         self.move_planner = MovePlanner(problem)
         self.sharp = False
         self.slight = False
@@ -139,14 +144,9 @@ class _JointPathPlanner:
     def route(self) -> JointRoute:
         """The route planned so far."""
         waypoints = sorted(self.waypoints, key=lambda w: w.row)
+        q, parts = np.ascontiguousarray(self.q), (self.segments, self.moves)
         return JointRoute(
-            np.ascontiguousarray(self.q),
-            self.rest,
-            waypoints,
-            self.segments,
-            self.moves,
-            self.sharp,
-            self.slight,
+            q, self.rest, waypoints, *parts, self.sharp, self.slight, self.joint_steps
         )
 
     @property
@@ -217,9 +217,7 @@ class _JointPathPlanner:
             starts, copies = self._reached(branches(problem, turns=True), waypoint), None
         away = np.linalg.norm(starts - self._last_q, axis=1)
         costs = away if self.q else np.zeros(len(starts))
-        self.opened = OpenPose(
-            waypoint, self._target(pose), starts, costs, copies=copies, problem=problem
-        )
+        self.opened = OpenPose(waypoint, self._target(pose), starts, costs, problem, copies=copies)
 
     def move_leg(self, leg: MoveLeg, after: Leg | None) -> None:
         """Plan a move around obstacles; its branch is left to a tool path that begins there."""
@@ -228,7 +226,7 @@ class _JointPathPlanner:
         last = leg.targets[0]
         if isinstance(after, ToolLeg) and last.q is None and self.problem.options.refine:
             costs = np.linalg.norm(goals.q - self._last_q, axis=1)
-            self.opened = OpenPose(last, goals.targets[0], goals.q, costs, leg)
+            self.opened = OpenPose(last, goals.targets[0], goals.q, costs, problems[0], leg)
             return
         if not self.q:  # from a free start nothing leads to it
             k = int(np.argmin(np.linalg.norm(goals.q - self._last_q, axis=1)))
@@ -263,30 +261,29 @@ class _JointPathPlanner:
         """
         path = leg.path
         check_box(self.freedom, path)
-        starts, costs, copies = self._starts(path)
+        ways = self._starts(path)
         while True:
-            tracked = track_tool_path(self.problem, self.tracker, path, starts, costs, copies)
+            tracked = track_tool_path(self.problem, self.tracker, path, ways)
             opened = self.opened
             if opened is None or not self.q:
                 break
             try:
                 if opened.move is None:
-                    if copies is not None:  # the copy that was taken may be beyond a body
+                    if ways.copies is not None:  # the copy that was taken may be beyond a body
                         self._reached(tracked.q[:1], opened.waypoint)
                     break
                 self._move(opened.move, tracked.q[:1])
                 break
             except InCollision:
-                if opened.problem is not None:
+                if opened.move is None:
                     every = branches(opened.problem, turns=True)
-                    starts, copies = self._reached(every, opened.waypoint), None
+                    starts = self._reached(every, opened.waypoint)
                     costs = np.linalg.norm(starts - self._last_q, axis=1)
+                    ways = StartingWays(starts, costs, None, opened.problem)
                     continue
-                left = np.abs(starts - tracked.q[0]).max(axis=1) > _SAME_BRANCH
-                left[int(np.argmin(np.abs(starts - tracked.q[0]).max(axis=1)))] = False
-                if not left.any():
+                ways = ways.without(tracked.q[0])
+                if len(ways.starts) == 0:
                     raise
-                starts, costs = np.ascontiguousarray(starts[left]), costs[left]
         self._append(path, self.tracker.straighten(path, tracked) if last else tracked)
         self.sharp |= path.sharp
         self.slight |= path.slight
@@ -300,20 +297,20 @@ class _JointPathPlanner:
     def _copies(self) -> StartCopies:
         return StartCopies(self._last_q, counted=bool(self.q))
 
-    def _starts(self, path: ToolPath) -> tuple[Array, Array, StartCopies | None]:
-        """Configurations that the tool path may begin at, the motion to each, and their copies."""
-        if self.opened is not None:
-            return self.opened.starts, self.opened.costs, self.opened.copies
+    def _starts(self, path: ToolPath) -> StartingWays:
+        """How the tool path may begin."""
+        opened = self.opened
+        if opened is not None:
+            return StartingWays(opened.starts, opened.costs, opened.copies, opened.problem)
         if self.q:
-            return self.q[-1][None], np.zeros(1), None
+            return StartingWays(self.q[-1][None], np.zeros(1), None, None)
         R, p = path.pose(0.0)
         # What begins without an orientation may begin at a waypoint with one.
         rotations = [w.R for w in path.waypoints if w.s == 0.0 and w.R is not None]
         pose = Pose(R if path.oriented(0.0) else (rotations[0] if rotations else None), p)
-        starts = branches(
-            self._waypoint_problem([JointWaypoint(0, "the begin of the path", pose=pose)])
-        )
-        return starts, np.zeros(len(starts)), self._copies()
+        begin = self._waypoint_problem([JointWaypoint(0, "the begin of the path", pose=pose)])
+        starts = branches(begin)
+        return StartingWays(starts, np.zeros(len(starts)), self._copies(), begin)
 
     def _append(self, path: ToolPath, tracked: TrackedPath) -> None:
         """Add the points of a tracked path; the motion rests where it begins and ends."""
@@ -344,7 +341,9 @@ class _JointPathPlanner:
         self.waypoints.append(RouteWaypoint(waypoint.row, len(self.q) - 1, target))
 
     def _end_segment(self, waypoint: JointWaypoint) -> None:
-        """End a joint segment at the next configuration; from a free start nothing leads to it."""
-        if waypoint.field and self.q:
-            end = len(self.q)
-            self.segments.append(RouteSegment(waypoint.field, end - 1, end))
+        """End a joint step at the next configuration; from a free start nothing leads to it."""
+        end = len(self.q)
+        if end > 0:
+            self.joint_steps.append(RouteJointStep(end - 1, end, _segment_to(waypoint)))
+            if waypoint.field:
+                self.segments.append(RouteSegment(waypoint.field, end - 1, end))

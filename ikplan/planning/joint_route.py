@@ -16,7 +16,14 @@ from ikplan.path import Rounding
 from ikplan.robots import Robot
 from ikplan.time_budget import TimeBudget
 
-__all__ = ["JointPathProblem", "JointRoute", "RouteMove", "RouteSegment", "RouteWaypoint"]
+__all__ = [
+    "JointPathProblem",
+    "JointRoute",
+    "RouteJointStep",
+    "RouteMove",
+    "RouteSegment",
+    "RouteWaypoint",
+]
 
 
 @dataclass(frozen=True)
@@ -87,6 +94,21 @@ class RouteSegment:
 
 
 @dataclass(frozen=True)
+class RouteJointStep:
+    """The configurations between which the joints move straight to a waypoint, as planned.
+
+    Attributes:
+        first: Index of the configuration at which the step begins.
+        last: Index of the waypoint's.
+        segment: Number of the segment of the request; None: not known.
+    """
+
+    first: int
+    last: int
+    segment: int | None
+
+
+@dataclass(frozen=True)
 class RouteMove:
     """The configurations between which one move leads.
 
@@ -113,6 +135,7 @@ class JointRoute:
         moves: The moves around obstacles, in order.
         sharp: Whether sharp corners are rounded within the tolerance.
         slight: Whether others are, of a path of few pieces.
+        joint_steps: The steps of joint legs, in order.
     """
 
     q: Array
@@ -122,3 +145,4 @@ class JointRoute:
     moves: list[RouteMove] = field(default_factory=list)
     sharp: bool = False
     slight: bool = False
+    joint_steps: list[RouteJointStep] = field(default_factory=list)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import contextlib
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -17,13 +17,17 @@ from ikplan.planning.segment_number import segment_number
 from ikplan.planning.task_freedom import counts_orientation, freedom_of
 from ikplan.planning.tracking.path_tracker import PathTracker
 from ikplan.planning.tracking.start_copies import StartCopies
-from ikplan.planning.tracking.tracked_path import TrackedPath, TrackingFailed
+from ikplan.planning.tracking.tracked_path import TrackedPath, TrackingFailed, in_contact
 from ikplan.planning.tracking.tracking_failure import explain_tracking_failure
+from ikplan.planning.waypoints.ik_branches import branches
 from ikplan.planning.waypoints.in_collision import motion_in_collision
 from ikplan.planning.waypoints.waypoint_problem import WaypointProblem
 from ikplan.planning.within.tolerant_tracker import TolerantTracker
 
-__all__ = ["OpenPose", "check_box", "path_tracker", "reached", "track_tool_path"]
+__all__ = ["OpenPose", "StartingWays", "check_box", "path_tracker", "reached", "track_tool_path"]
+
+_SAME_BRANCH = 1e-6
+"""Configurations nearer to each other than this are one branch [rad or m]."""
 
 
 @dataclass(frozen=True)
@@ -35,18 +39,43 @@ class OpenPose:
         target: Its target.
         starts: Its solutions, shape (c, dof) [rad or m].
         costs: Joint motion to each, shape (c,).
+        problem: The problem of the pose.
         move: The move that ends there; None: a joint leg.
         copies: Which full turns of them may be taken instead; None: they are among the starts.
-        problem: The problem of the pose, at the end of a joint leg.
     """
 
     waypoint: JointWaypoint
     target: Target
     starts: Array
     costs: Array
+    problem: WaypointProblem
     move: MoveLeg | None = None
     copies: StartCopies | None = None
-    problem: WaypointProblem | None = None
+
+
+@dataclass(frozen=True)
+class StartingWays:
+    """How a tool path may begin.
+
+    Attributes:
+        starts: Configurations at its begin, shape (c, dof), c >= 1 [rad or m].
+        costs: Joint motion already spent to get to each, shape (c,).
+        copies: Which full turns of them may be taken instead; None: none.
+        problem: The problem that they solve; None: where the motion before ends.
+    """
+
+    starts: Array
+    costs: Array
+    copies: StartCopies | None
+    problem: WaypointProblem | None
+
+    def without(self, q: Array) -> StartingWays:
+        """Return the ways that do not begin in the branch nearest to a configuration."""
+        away = np.abs(self.starts - q).max(axis=1)
+        left = away > _SAME_BRANCH
+        left[int(np.argmin(away))] = False
+        starts = np.ascontiguousarray(self.starts[left])
+        return replace(self, starts=starts, costs=self.costs[left])
 
 
 def path_tracker(problem: JointPathProblem) -> TolerantTracker:
@@ -63,12 +92,7 @@ def path_tracker(problem: JointPathProblem) -> TolerantTracker:
 
 
 def track_tool_path(
-    problem: JointPathProblem,
-    tracker: TolerantTracker,
-    path: ToolPath,
-    starts: Array,
-    costs: Array,
-    copies: StartCopies | None,
+    problem: JointPathProblem, tracker: TolerantTracker, path: ToolPath, ways: StartingWays
 ) -> TrackedPath:
     """Track a tool path exactly, else on a sequence chosen as a whole, else within the tolerance.
 
@@ -76,9 +100,7 @@ def track_tool_path(
         problem: The path of the request.
         tracker: Tracks it.
         path: The tool path.
-        starts: Configurations that it may begin at, shape (c, dof), c >= 1 [rad or m].
-        costs: Joint motion already spent to get to each, shape (c,).
-        copies: Which full turns of them may be taken instead; None: none.
+        ways: How it may begin.
 
     Raises:
         Unreachable: Part of the path has no solution.
@@ -87,6 +109,7 @@ def track_tool_path(
         TrackingFailed: One of these, where the problem asks for no explanation.
         BudgetExceeded: The time budget ran out.
     """
+    starts, costs, copies = ways.starts, ways.costs, ways.copies
     try:
         return tracker.track(path, starts, costs, copies)
     except TrackingFailed as error:
@@ -104,7 +127,32 @@ def track_tool_path(
             return tracker.track_within(path, starts, costs, copies)
     if verdict is None:
         verdict = _verdict(problem, tracker, path, failure)
+    if isinstance(verdict, Disconnected):
+        verdict = _held_by_contact(problem, tracker, path, ways) or verdict
     raise verdict from failure
+
+
+def _held_by_contact(
+    problem: JointPathProblem, tracker: TolerantTracker, path: ToolPath, ways: StartingWays
+) -> InCollision | None:
+    """The contact without which the path would be tracked from a start; None: there is none.
+
+    Starts in contact are not tracked from, and those left may end at a singularity.
+    """
+    contact = problem.contact
+    if contact is None or ways.problem is None:
+        return None
+    unchecked = replace(tracker, contact=None)
+    every = branches(replace(ways.problem, contact=None))
+    costs = np.linalg.norm(every - ways.problem.q_start, axis=1)
+    try:
+        tracked = unchecked.track(path, every, costs, ways.copies)
+    except TrackingFailed:
+        return None
+    met = tracker.first_contact(path, tracked.s, tracked.q)
+    if met is None:
+        return None
+    return _in_contact(contact, path, in_contact(met, tracked.s))
 
 
 def _verdict(
@@ -113,12 +161,18 @@ def _verdict(
     """Why a tool path cannot be tracked to its end."""
     if failure.contact is None or problem.contact is None:
         return explain_tracking_failure(problem.robot, problem.solver, tracker, path, failure)
+    return _in_contact(problem.contact, path, failure)
+
+
+def _in_contact(contact: ContactCheck, path: ToolPath, failure: TrackingFailed) -> InCollision:
+    """The verdict on a tool path that was tracked up to a contact."""
+    assert failure.contact is not None
     after = next((w.row for w in path.waypoints if w.s >= failure.s), path.waypoints[-1].row)
     where = f"{failure.s * 1e3:.1f} mm of {path.length * 1e3:.1f} mm along the path"
     part = next((x for x in path.segments if x.begin <= failure.s <= x.end), None)
     segment = None if part is None else segment_number(part.field)
     subject = f"the path to waypoint {after}, {where}"
-    return motion_in_collision(problem.contact, failure.contact, after, subject, segment)
+    return motion_in_collision(contact, failure.contact, after, subject, segment)
 
 
 def check_box(freedom: Freedom, path: ToolPath) -> None:

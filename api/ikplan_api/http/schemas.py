@@ -147,7 +147,10 @@ _DATA: dict[type[errors.IkplanError], dict[str, Any]] = {
         "pair": (_Names, Field(description="Names of the two bodies.")),
         "depth": (
             float | None,
-            Field(description="How far the gap falls short of the clearance asked for [m]."),
+            Field(
+                description="How far the gap falls short of the clearance asked for; of bodies in "
+                "each other, how deep they are and the clearance [m]."
+            ),
         ),
         "q": (list[float | None], Field(description="Joint values there [rad or m].")),
         "proven": (bool, Field(description="Contact is proven; false: no way around was found.")),

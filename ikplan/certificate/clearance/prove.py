@@ -82,12 +82,16 @@ class ClearanceProof:
         direction, space = np.zeros((len(self.pairs.group), 3)), scratch()
         report = Report(self.model, self.pieces, self.pairs, self._obstacle, curve, tolerance)
         parts: list[Findings] = []
-        known: dict[tuple[bool, ...], tuple[Ints, Ints]] = {}
+        known: dict[tuple[int, ...], tuple[Ints, Ints]] = {}
+        passing = [
+            k for k, body in enumerate(self.model.bodies)
+            if body.first_segment is not None or body.last_segment is not None
+        ]  # fmt: skip
         for window in windows:
-            there = tuple([is_there(body, window) for body in self.model.bodies])
-            if there not in known:
-                known[there] = self._active(there)
-            active, rows = known[there]
+            absent = tuple([k for k in passing if not is_there(self.model.bodies[k], window)])
+            if absent not in known:
+                known[absent] = self._active(absent)
+            active, rows = known[absent]
             out = findings()
             begin, end = curve.window(window.begin, window.end)
             if len(active):
@@ -100,9 +104,9 @@ class ClearanceProof:
         violation = None if document.proven else self._violation(curve, whole)
         return ClearanceResult(document, violation, int(whole.counts[0]), int(whole.counts[1]))
 
-    def _active(self, there: tuple[bool, ...]) -> tuple[Ints, Ints]:
-        """Pairs of pieces, and rows of the model's pairs, of the bodies that are there."""
-        both = np.asarray(np.asarray(there, dtype=np.bool_)[self._bodies].all(axis=1))
+    def _active(self, absent: tuple[int, ...]) -> tuple[Ints, Ints]:
+        """Pairs of pieces, and rows of the model's pairs, without those of absent bodies."""
+        both = np.logical_not(np.asarray(np.isin(self._bodies, absent).any(axis=1)))
         return np.flatnonzero(both[self.pairs.pair]), np.flatnonzero(both)
 
     def _violation(self, curve: JointCurve, whole: Findings) -> ClearanceViolation:

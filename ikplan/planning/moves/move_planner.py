@@ -182,7 +182,7 @@ class MovePlanner:
         nearest = goals[np.argmin(np.linalg.norm(goals - q_start, axis=1))]
         met = contact.first_contact(np.vstack([q_start, nearest]), segment)
         assert met is not None  # a straight way is found at once
-        depth, _ = contact.shortfall(met.q, segment)
+        depth = contact.shortfall(met.q, met.pair, segment)
         a, b = met.pair
         effort = self._problem.options.effort or DEFAULT_EFFORT
         return InCollision(

@@ -16,11 +16,11 @@ from typing import Self
 import numpy as np
 
 from ikplan.arrays import Array
-from ikplan.collision.check import Contact
 from ikplan.planning.ladder.joint_length import joint_path_length
 from ikplan.planning.ladder.path_shortening import shorten_sequence
 from ikplan.planning.tracking.densify import densify
 from ikplan.planning.tracking.dodge import dodged_sequence
+from ikplan.planning.tracking.flood import flooded_sequences
 from ikplan.planning.tracking.global_redundancy import resolve_redundancy_globally
 from ikplan.planning.tracking.reference_path import (
     ReferencePath,
@@ -30,7 +30,7 @@ from ikplan.planning.tracking.reference_path import (
 from ikplan.planning.tracking.start_copies import StartCopies, turning_joints, without_limits
 from ikplan.planning.tracking.track_from import track_from
 from ikplan.planning.tracking.tracked_arm import EXACT, TrackedArm
-from ikplan.planning.tracking.tracked_path import TrackedPath, TrackingFailed
+from ikplan.planning.tracking.tracked_path import TrackedPath, TrackingFailed, in_contact
 from ikplan.planning.tracking.tracking_kernels import first_discontinuity
 from ikplan.planning.within.track_within import SpanList
 
@@ -117,23 +117,27 @@ class PathTracker(TrackedArm):
             InvalidRequest: The path takes more points than there may be.
             BudgetExceeded: The time budget ran out.
         """
-        for step, share in _GLOBAL_STEPS if self.redundant(reference) else ():
-            spacing = max(step, share * reference.length)
-            for sequences in self._global_sequences(reference, starts, costs, spacing):
+        if self.redundant(reference):
+            for sequences in self._global_sequences(reference, starts, costs):
                 if sequences:
                     with contextlib.suppress(TrackingFailed):
                         return self._densify_first(reference, sequences[:_TRIED])
         raise TrackingFailed(0.0, starts[0].copy())
 
     def _global_sequences(
-        self, reference: ReferencePath, starts: Array, costs: Array, spacing: float
+        self, reference: ReferencePath, starts: Array, costs: Array
     ) -> Iterator[list[JointSequence]]:
         """Yield sequences chosen over all points; where there are obstacles, around them first."""
+        for step, share in _GLOBAL_STEPS:
+            spacing = max(step, share * reference.length)
+            if self.contact is not None:
+                s = initial_points(reference, spacing)
+                q = dodged_sequence(self, reference, starts, costs, s)
+                yield [] if q is None else [(sequence_length(q), s, q)]
+            yield self._resolve_globally(reference, starts, costs, spacing)
         if self.contact is not None:
-            s = initial_points(reference, spacing)
-            q = dodged_sequence(self, reference, starts, costs, s)
-            yield [] if q is None else [(sequence_length(q), s, q)]
-        yield self._resolve_globally(reference, starts, costs, spacing)
+            for s, q in flooded_sequences(self, reference, starts):
+                yield [(sequence_length(q), s, q)]
 
     def _densify_first(
         self,
@@ -150,7 +154,7 @@ class PathTracker(TrackedArm):
                 broken.append(failure)
                 continue
             if contact := self.first_contact(reference, s, q):
-                broken.append(_in_contact(contact, s))
+                broken.append(in_contact(contact, s))
                 continue
             waypoint = nearest_points(s, reference.waypoint_s)
             return TrackedPath(s, q, rest, waypoint, length)
@@ -179,7 +183,7 @@ class PathTracker(TrackedArm):
                 farthest = farthest_failure(farthest, failure)
                 continue
             if contact := self.first_contact(reference, s, q):
-                farthest = farthest_failure(farthest, _in_contact(contact, s))
+                farthest = farthest_failure(farthest, in_contact(contact, s))
                 continue
             before = float(cost) if copies is None else copies.cost(q[0])
             sequences.append((before + sequence_length(q), s, q))
@@ -261,14 +265,6 @@ class PathTracker(TrackedArm):
         )
         self.clock.count(spent)
         return np.vstack([q[:1], shorter])
-
-
-def _in_contact(contact: Contact, s: Array) -> TrackingFailed:
-    """The failure of a path that is tracked up to a contact."""
-    at = float(s[contact.step])
-    if contact.step + 1 < len(s):
-        at += contact.share * float(s[contact.step + 1] - s[contact.step])
-    return TrackingFailed(at, contact.q.copy(), contact=contact)
 
 
 def farthest_failure(a: TrackingFailed | None, b: TrackingFailed | None) -> TrackingFailed | None:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from ikplan.arrays import Array, Indices
 from ikplan.collision.check import Contact
 
-__all__ = ["TrackedPath", "TrackingFailed"]
+__all__ = ["TrackedPath", "TrackingFailed", "in_contact"]
 
 
 @dataclass(frozen=True)
@@ -52,3 +52,11 @@ class TrackingFailed(Exception):
         self.q = q
         self.beyond = beyond
         self.contact = contact
+
+
+def in_contact(contact: Contact, s: Array) -> TrackingFailed:
+    """Return the failure of a path that is tracked up to a contact."""
+    at = float(s[contact.step])
+    if contact.step + 1 < len(s):
+        at += contact.share * float(s[contact.step + 1] - s[contact.step])
+    return TrackingFailed(at, contact.q.copy(), contact=contact)

@@ -44,8 +44,8 @@ def in_collision(
     """
     pairs = contact.pairs_in_contact(q, segment)
     first = next((k for k, pair in enumerate(pairs) if pair is not None), 0)
-    depth, _ = contact.shortfall(q[first], segment)
     pair = pairs[first] or ("", "")
+    depth = contact.shortfall(q[first], pair, segment)
     many = "" if len(q) == 1 else f"all {len(q)} configurations found for it are in contact: "
     what = f"{pair[0]} and {pair[1]} touch" if len(q) == 1 else count_pairs(pairs)
     return InCollision(
@@ -71,7 +71,7 @@ def motion_in_collision(
         subject: The motion in words.
         segment: Number of its segment.
     """
-    depth, _ = contact.shortfall(found.q, segment)
+    depth = contact.shortfall(found.q, found.pair, segment)
     a, b = found.pair
     return InCollision(
         f"{subject}: no way clear of contact was found; the one that gets farthest meets "

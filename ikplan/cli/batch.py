@@ -16,7 +16,7 @@ from ikplan.cli.terminal.exit_codes import NO_PLAN
 from ikplan.cli.terminal.output import say
 from ikplan.cli.terminal.progress import progress_bar
 from ikplan.cli.terminal.telling import tell_start
-from ikplan.documents import load_json
+from ikplan.documents import MAX_PLAN_S, load_json
 from ikplan.documents.json_text import json_ready
 from ikplan.errors import IkplanError, InvalidRequest
 
@@ -86,7 +86,7 @@ def _for_robot(line: bytes, named: dict[str, Any]) -> bytes:
 def _by_service(url: str, lines: Iterable[bytes]) -> Answers:
     from ikplan.client import Client
 
-    with Client(url, timeout=3600.0) as client:
+    with Client(url, timeout=MAX_PLAN_S) as client:
         for outcome in client.batch(lines):
             if isinstance(outcome, IkplanError):
                 yield outcome

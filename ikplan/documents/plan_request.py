@@ -11,7 +11,15 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Discriminator, Field, PlainValidator, Tag, field_validator, model_validator
 
-from ikplan.documents import Document, Floats, IfGiven, Vec3, content_hash
+from ikplan.documents import (
+    BUDGET_COUNTS,
+    MAX_BUDGET_S,
+    Document,
+    Floats,
+    IfGiven,
+    Vec3,
+    content_hash,
+)
 from ikplan.documents.limits import LimitOptions, SamplingOptions
 from ikplan.documents.path import PathRequest
 from ikplan.documents.poses import Frame, Quaternion, Tolerance, Waypoint, unit_quaternion
@@ -158,7 +166,9 @@ class PlanRequest(Document):
     ik: IkOptions = Field(default_factory=IkOptions)
     limits: LimitOptions = Field(default_factory=LimitOptions)
     sampling: SamplingOptions = Field(default_factory=SamplingOptions)
-    budget_s: float = Field(10.0, gt=0, le=3600, description="Time budget of the planner [s].")
+    budget_s: float = Field(
+        10.0, gt=0, le=MAX_BUDGET_S, description=f"Time budget of the planner [s]: {BUDGET_COUNTS}."
+    )
 
     def content_hash(self, *context: str) -> str:
         """Return the plan's id: a hash of this request in canonical form and its context.
@@ -215,7 +225,9 @@ class IkRequest(Document):
     )
     ik: IkOptions = Field(default_factory=IkOptions)
     tolerance: Tolerance = Field(default_factory=lambda: Tolerance(position=1e-6, orientation=1e-6))
-    budget_s: float = Field(10.0, gt=0, le=3600, description="Time budget of the solver [s].")
+    budget_s: float = Field(
+        10.0, gt=0, le=MAX_BUDGET_S, description=f"Time budget of the solver [s]: {BUDGET_COUNTS}."
+    )
 
     _check = field_validator("quaternion_xyzw")(unit_quaternion)
 

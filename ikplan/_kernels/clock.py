@@ -5,7 +5,7 @@ from __future__ import annotations
 import contextlib
 import threading
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 
 from ikplan.processor_time import thread_clock
 
@@ -35,10 +35,10 @@ class KernelTime:
             if self._depth == 0:
                 self._total += now - self._since
 
-    def seconds(self, now: float) -> float:
-        """Return the time until now [s], with what is being compiled."""
+    def seconds(self, clock: Callable[[], float]) -> float:
+        """Return the time so far [s], with what is being compiled now by a clock [s]."""
         with self._lock:
-            return self._total + (now - self._since if self._depth else 0.0)
+            return self._total + (clock() - self._since if self._depth else 0.0)
 
 
 _process = KernelTime()
@@ -68,4 +68,4 @@ def counting() -> Iterator[None]:
 
 def kernel_seconds() -> float:
     """Return the wall time of the process so far [s], with what is being compiled now."""
-    return _process.seconds(time.perf_counter())
+    return _process.seconds(time.perf_counter)

@@ -23,6 +23,7 @@ from ikplan import (
     WorkerLost,
 )
 from ikplan.planning import Progress
+from ikplan.processor_time import WALL_FACTOR
 from ikplan_api.app import create_app
 from ikplan_api.settings import Settings
 from ikplan_api.telemetry.load import Load
@@ -181,12 +182,33 @@ def test_a_plan_that_overruns_its_budget_is_stopped_with_its_worker():
         with pytest.raises(BudgetExceeded) as caught:
             await planner.run("plan", LONG, limit_s=0.2)
         assert (caught.value.stage, caught.value.budget_s) == ("ik", 0.2)
+        assert "of processor time" in caught.value.detail
         assert not alive(pid)
         took = time.monotonic() - begin
         await planner.run("plan", QUICK)
         return took
 
+    # On a busy machine half a second of processor time takes 1.1 s and the grace at most.
     assert 0.5 < use(wait, grace_s=0.3) < 5.0
+
+
+def test_a_plan_that_waits_for_a_processor_is_stopped_when_its_wall_time_runs_out():
+    async def halt(planner: ProcessPlanner) -> None:
+        (pid,) = planner.pids
+        begun = Begun()
+        halted = asyncio.create_task(
+            planner.run("plan", LONG, limit_s=0.5, progress=begun.progress)
+        )
+        await begun.wait()
+        os.kill(pid, signal.SIGSTOP)
+        await asyncio.sleep(WALL_FACTOR * 0.5 + 0.5)
+        os.kill(pid, signal.SIGCONT)
+        with pytest.raises(BudgetExceeded, match="4 times as much wall time") as caught:
+            await halted
+        assert caught.value.budget_s == 0.5
+        assert not alive(pid)
+
+    use(halt, grace_s=0.5)
 
 
 def test_a_plan_without_enough_memory_is_told_so_and_the_next_has_it_again():

@@ -28,7 +28,7 @@ class Time:
     def perf_counter(self) -> float:
         return self.now
 
-    def clock_gettime(self, clock: int) -> float:
+    def clock_gettime(self, _: int) -> float:
         return self.worked
 
     def passes(self, seconds: float, worked: float | None = None) -> None:

@@ -23,7 +23,7 @@ class Time:
         self.now += self.a_look
         return self.now
 
-    def processor(self, clock: int) -> float:
+    def processor(self, _: int) -> float:
         return self.now - self.idle
 
 

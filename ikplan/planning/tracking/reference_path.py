@@ -49,6 +49,9 @@ class ReferencePath(Protocol):
     def poses(self, s: Array) -> tuple[Array, Array]:
         """Rotations, shape (m, 3, 3), and positions, shape (m, 3) [m], at path positions."""
 
+    def positions(self, s: Array) -> Array:
+        """Positions, shape (m, 3) [m], at path positions."""
+
     def orientation_mask(self, s: Array) -> Flags:
         """Where an orientation is asked for, shape (m,)."""
 
@@ -124,9 +127,9 @@ def nearest_positions(
     """
     h = np.minimum(1e-4 * reference.length, 0.05 * (high - low))
     ahead, behind = np.minimum(near + h, reference.length), np.maximum(near - h, 0.0)
-    tangent = (reference.poses(ahead)[1] - reference.poses(behind)[1]) / (ahead - behind)[:, None]
+    tangent = (reference.positions(ahead) - reference.positions(behind)) / (ahead - behind)[:, None]
     speed = np.linalg.norm(tangent, axis=1)
-    along = np.einsum("ij,ij->i", p - reference.poses(near)[1], tangent)
+    along = np.einsum("ij,ij->i", p - reference.positions(near), tangent)
     step = np.where(speed > 1e-6, along / np.maximum(speed**2, 1e-12), 0.0)
     return np.clip(near + step, low, high)
 

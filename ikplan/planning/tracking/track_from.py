@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ikplan.arrays import Array
+from ikplan.planning.ladder.ik_candidates import Targets
 from ikplan.planning.tracking.reference_path import ReferencePath, initial_points, turn_between
 from ikplan.planning.tracking.tracked_arm import MAX_POINTS, TrackedArm
 from ikplan.planning.tracking.tracking_kernels import NO_EXTRA_OFFSET, track_points
@@ -96,6 +97,18 @@ def track_from(
             reached += over
             continue
         halves = 0.5 * (s[reached : reached + 2] + s[reached + 1 : reached + 3])
-        s = np.sort(np.concatenate([s, halves]))
+        places = [reached + 1, reached + 2]
+        s = np.insert(s, places, halves)
         q = np.vstack([q[: reached + 1], np.empty((len(s) - reached - 1, q.shape[1]))])
-        targets = tracked.targets_at(reference, s)
+        targets = _inserted(targets, places, tracked.targets_at(reference, halves))
+
+
+def _inserted(targets: Targets, places: list[int], further: Targets) -> Targets:
+    """Insert further targets before places."""
+    return Targets(
+        np.insert(targets.R, places, further.R, axis=0),
+        np.insert(targets.p, places, further.p, axis=0),
+        np.insert(targets.oriented, places, further.oriented),
+        np.insert(targets.weight, places, further.weight),
+        targets.freedom,
+    )

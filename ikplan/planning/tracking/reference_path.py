@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 from collections.abc import Sequence
 from typing import Protocol
 
@@ -71,11 +70,15 @@ def initial_points(reference: ReferencePath, step: float, begin: float = 0.0) ->
             kept.append(s_required)
     if reference.length > 0.0:
         kept.append(reference.length)
-    parts = [np.full(1, begin)]
-    for a, b in itertools.pairwise(kept):
-        steps = 2 * max(2, int(np.ceil((b - a) / (2.0 * step))))
-        parts.append(np.linspace(a, b, steps + 1)[1:])
-    return np.concatenate(parts)
+    ends = np.array(kept)
+    gaps = np.diff(ends)
+    steps = 2 * np.maximum(2, np.ceil(gaps / (2.0 * step)).astype(np.int64))
+    # Even steps between each two; the points required are exact.
+    part = np.repeat(np.arange(len(gaps)), steps)
+    count = np.arange(len(part)) - np.repeat(np.cumsum(steps) - steps, steps) + 1
+    points = count * (gaps / steps)[part] + ends[:-1][part]
+    points[np.cumsum(steps) - 1] = ends[1:]
+    return np.append(begin, points)
 
 
 def rest_points(reference: ReferencePath, s: Array) -> list[int]:

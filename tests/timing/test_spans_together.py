@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import itertools
+
 import numpy as np
 import pytest
 from numpy.testing import assert_array_equal
@@ -59,6 +61,6 @@ def test_the_same_grid_gives_the_same_speeds_by_toppra() -> None:
         found = problem.solve(ToppraEngine())
         assert_array_equal(rows.x_max[problem.rests], 0.0)
         ours = problem.compiled_solution
-        for a, b in zip(ends[:-1], ends[1:], strict=True):
+        for a, b in itertools.pairwise(ends):
             most = ours[a : b + 1].max()
             np.testing.assert_allclose(found[a : b + 1], ours[a : b + 1], atol=1e-6 * most)

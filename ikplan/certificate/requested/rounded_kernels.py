@@ -16,8 +16,8 @@ Quaternion = tuple[float, float, float, float]
 
 TURN = 15
 """Numbers of a turn: whether there is one, quaternion and rate at the begin, and at the end."""
-_X, _W = np.polynomial.legendre.leggauss(8)
-_X, _W = tuple(0.5 * (_X + 1.0)), tuple(0.5 * _W)
+_GAUSS = np.polynomial.legendre.leggauss(8)
+_X, _W = tuple(0.5 * (_GAUSS[0] + 1.0)), tuple(0.5 * _GAUSS[1])
 """Gauss points and weights on [0, 1]."""
 _EXACT, _POINT, _LEVELS = 1e-10, 1e-12, 40
 """As for other curves: error allowed in a length, what counts as a point, most halvings."""
@@ -100,7 +100,7 @@ def _parameter(a: RoundedStack, r: int, s: float) -> float:
         t = ahead if below <= ahead <= above else 0.5 * (below + above)
         if abs(miss) <= 1e-13 * (1.0 + a.s[end]):
             break
-    return t
+    return float(t)
 
 
 @leaf_kernel

@@ -63,17 +63,17 @@ def _horner(coefficients: Array, x: float) -> float:
     value = coefficients[len(coefficients) - 1]
     for k in range(len(coefficients) - 2, -1, -1):
         value = value * x + coefficients[k]
-    return value
+    return float(value)
 
 
 @leaf_kernel
 def parameter_at(a: CurveStack, node: int, end: int, s: float) -> float:
     """Return the parameter at an arc length on the interval after a node: Newton's method."""
     if s >= a.s[end]:
-        return a.t[end]
+        return float(a.t[end])
     since = s - a.s[node]
     if since == 0.0:
-        return a.t[node]
+        return float(a.t[node])
     half, length = 0.5 * (a.t[node + 1] - a.t[node]), a.s[node + 1] - a.s[node]
     arcs, speeds = a.arcs[node], a.speeds[node]
     x = min(max(2.0 * since / length - 1.0, -1.0), 1.0)
@@ -82,7 +82,7 @@ def parameter_at(a: CurveStack, node: int, end: int, s: float) -> float:
         x = min(max(x - step, -1.0), 1.0)
         if abs(step) < 1e-15:
             break
-    return a.t[node] + half * (x + 1.0)
+    return float(a.t[node] + half * (x + 1.0))
 
 
 @leaf_kernel

@@ -82,10 +82,10 @@ def retiming(count: int) -> tuple[Array, JointLimits]:
     rates = np.array([1.0, 2.0, 1.5, 2.5, 3.0, 2.0, 1.0])
     q = 0.8 * np.sin(2.0 * math.pi * rates * s + np.arange(7))
     limits = JointLimits(
-        lower=[-3.0] * 7,
-        upper=[3.0] * 7,
-        velocity=[2.0] * 7,
-        acceleration=[10.0] * 7,
+        lower=np.full(7, -3.0),
+        upper=np.full(7, 3.0),
+        velocity=np.full(7, 2.0),
+        acceleration=np.full(7, 10.0),
         joint_names=tuple(f"joint{k}" for k in range(1, 8)),
     )
     return np.asarray(q), limits

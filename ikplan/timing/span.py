@@ -141,9 +141,10 @@ def _problems(
 def _weight(profile: LimitProfile, first: int, last: int) -> Array:
     """How much each joint counts between two knots: by its least acceleration limit."""
     piece = slice(first, last)
-    return 1.0 / np.minimum(
+    least = np.minimum(
         profile.acceleration[piece].min(axis=0), -profile.acceleration_lower[piece].max(axis=0)
     )
+    return np.asarray(1.0 / least)
 
 
 def time_together(

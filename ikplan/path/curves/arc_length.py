@@ -15,7 +15,7 @@ __all__ = ["ArcLength", "stack_curves"]
 
 
 _X, _WEIGHTS = np.polynomial.legendre.leggauss(8)
-_TO_POWERS = np.linalg.inv(np.vander(_X, increasing=True))
+_TO_POWERS: Array = np.asarray(np.linalg.inv(np.vander(_X, increasing=True)), dtype=np.float64)
 """From values at the Gauss points of [-1, 1] to the coefficients of the polynomial through them."""
 _CHECKS = np.array([-1.0, -0.52, 0.07, 0.61, 1.0])
 """Where that polynomial is held to the speed: between Gauss points and at the ends."""

@@ -27,6 +27,9 @@ _MARGIN = 2e-9
 _COARSE_INTERVALS = 100
 # Of each of many short spans, most of which only speed up and slow down.
 _FEW_INTERVALS = 32
+# What the grid of spans that are timed together may cost, as a share of what the first one does:
+# where that is much, a twentieth is already less than a span's own grid costs.
+_SHARE_OF_LOSS = 0.05
 _COARSE_ROUNDS = 8
 _VERIFY = 4.0
 _MAX_INTERVALS = 40_000
@@ -176,7 +179,9 @@ def time_together(
     grid = curvature_grid(path, knots, _weight(profile, knots[0], knots[-1]), _FEW_INTERVALS)
     rests = path.s_knots[list(knots[1:-1])]
     coarse = SpanProblem.build(path, grid, profile, constraints, fine=False, rests=rests)
-    problem = _refined(coarse, tolerance, check)
+    x = coarse.kept(coarse.compiled_solution, 1.0)
+    lost = float(coarse.loss(x).sum() / coarse.times(x).sum())
+    problem = _refined(coarse, max(tolerance, _SHARE_OF_LOSS * lost), check)
     if constraints:
         problem = _divided(problem.on(problem.grid), steady, check)
     return _within_limits(problem, CompiledEngine())

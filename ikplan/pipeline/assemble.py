@@ -54,6 +54,7 @@ def assemble_plan(
     segment_times: Sequence[tuple[float, float]] | None = None,
     joint_waypoints: Array | None = None,
     tolerance: PathNearness | None = None,
+    order: tuple[int, ...] | None = None,
     hints: Sequence[str] = (),
     plan_id: str,
 ) -> Plan:
@@ -71,9 +72,11 @@ def assemble_plan(
         segments: Parts of a joint path with limits of their own.
         moves: Reports of the moves around obstacles.
         model: Bodies that must not touch; None: nothing is checked.
-        segment_times: When each segment begins and ends [s], for attached bodies.
+        segment_times: When each segment begins and ends, in the order passed [s], for attached
+            bodies.
         joint_waypoints: Joint values that a timing asks for, shape (n, dof); None: a path is.
         tolerance: How far from the polyline through them the motion may be; None: not asked.
+        order: Numbers of the parts of the path in the order passed; None: as it is written.
         hints: What takes time and need not, in words.
         plan_id: The id of the plan.
 
@@ -100,10 +103,11 @@ def assemble_plan(
                 stop_time=timing.timed.stop_times,
                 joint_waypoints=joint_waypoints,
                 joint_tolerance=tolerance,
+                order=order,
             )
         )
         if model is not None:
-            clearance = prove_motion(robot, model, timing, segment_times)
+            clearance = prove_motion(robot, model, timing, segment_times, order)
             certificate = certificate.model_copy(update={"clearance": clearance})
     return Plan(
         id=plan_id,

@@ -14,6 +14,7 @@ from ikplan.documents.timing_request import TimingRequest
 from ikplan.errors import InCollision
 from ikplan.robots import Robot
 from ikplan.scene.body import CollisionModel
+from ikplan.scene.carried import counted_in_order
 from ikplan.scene.model import collision_model
 from ikplan.scene.resolve import resolve_geometry, resolve_scene
 
@@ -88,6 +89,7 @@ def prove_motion(
     model: CollisionModel,
     timing: Timing,
     segment_times: Sequence[tuple[float, float]] | None = None,
+    order: Sequence[int] | None = None,
 ) -> Clearance:
     """Prove that a finished motion keeps the bodies of a model apart.
 
@@ -95,9 +97,12 @@ def prove_motion(
         robot: The robot.
         model: The bodies and the clearance.
         timing: The timed motion, as it is handed out.
-        segment_times: When each segment begins and ends [s]; None: every body is there throughout.
+        segment_times: When each segment begins and ends, in the order passed [s]; None: every body
+            is there throughout.
+        order: Numbers of the segments in that order; None: as they are written.
 
     Raises:
+        CertificateViolated: What is carried over several segments is carried apart from them.
         InCollision: Bodies come nearer than allowed, or it cannot be told that they do not.
     """
     # Poses are checked too, without a proof.
@@ -108,13 +113,17 @@ def prove_motion(
     else:
         samples = timing.samples
         curve = JointCurve.of_samples(samples.time, samples.q, samples.dq)
-    proof = prove_clearance(robot, model, curve, segment_times=segment_times)
-    violation = proof.violation
+    counted = model if order is None else counted_in_order(model, order)
+    proof = prove_clearance(robot, counted, curve, segment_times=segment_times)
+    violation, clearance = proof.violation, proof.clearance
+    if order is not None and clearance.segments:
+        by_number = sorted(zip(order, clearance.segments, strict=True), key=lambda row: row[0])
+        clearance = clearance.model_copy(update={"segments": [s for _, s in by_number]})
     if len(model.pairs) == 0:
         # Nothing is known of a robot without bodies.
-        return proof.clearance.model_copy(update={"proven": not model.unchecked})
+        return clearance.model_copy(update={"proven": not model.unchecked})
     if violation is None:
-        return proof.clearance
+        return clearance
     a, b = violation.pair
     depth = max(model.clearance - violation.gap, 0.0) + violation.depth
     if violation.undecided:

@@ -19,6 +19,7 @@ from ikplan.path import (
     ToolLeg,
     ToolPath,
     legs_of,
+    passed_rows,
 )
 from ikplan.planning.joint_route import (
     JointPathProblem,
@@ -29,7 +30,7 @@ from ikplan.planning.joint_route import (
 )
 from ikplan.planning.moves.move_planner import MovePlanner
 from ikplan.planning.segment_number import segment_number
-from ikplan.planning.task_freedom import counts_orientation, freedom_of
+from ikplan.planning.task_freedom import freedom_of, target_of
 from ikplan.planning.tool_leg import OpenPose, check_box, path_tracker, reached, track_tool_path
 from ikplan.planning.tracking.reference_path import points_around
 from ikplan.planning.tracking.start_copies import StartCopies
@@ -39,7 +40,18 @@ from ikplan.planning.waypoints.in_collision import in_collision
 from ikplan.planning.waypoints.select import select_configurations
 from ikplan.planning.waypoints.waypoint_problem import WaypointProblem
 
-__all__ = ["plan_joint_path"]
+__all__ = ["plan_joint_path", "tool_pose"]
+
+
+def tool_pose(problem: JointPathProblem, q: Array) -> tuple[Array, Array]:
+    """Return rotation, shape (3, 3), and position, shape (3,) [m], of the tool in the base.
+
+    Args:
+        problem: The path.
+        q: Joint values, shape (dof,) [rad or m].
+    """
+    T = problem.robot.fk(q)
+    return T.rotation.copy(), T.translation.copy()
 
 
 def plan_joint_path(problem: JointPathProblem) -> JointRoute:
@@ -65,9 +77,8 @@ def plan_joint_path(problem: JointPathProblem) -> JointRoute:
     start = None
     if not problem.start_free:
         planner.check_start_free()
-        T = problem.robot.fk(problem.q_start)
-        start = Pose(T.rotation.copy(), T.translation.copy())
-    legs = legs_of(problem.path, start, planner.fk, problem.rounding)
+        start = Pose(*tool_pose(problem, problem.q_start))
+    legs = legs_of(problem.path, start, planner.fk, problem.rounding, problem.order)
     try:
         return _planned(planner, legs)
     except (Unreachable, Disconnected, InCollision, TrackingFailed):
@@ -76,7 +87,7 @@ def plan_joint_path(problem: JointPathProblem) -> JointRoute:
     # The path itself may be passed where its rounded corners are not, and is what was asked for.
     problem = replace(problem, rounding="none")
     planner = _JointPathPlanner(problem)
-    return _planned(planner, legs_of(problem.path, start, planner.fk, "none"))
+    return _planned(planner, legs_of(problem.path, start, planner.fk, "none", problem.order))
 
 
 def _planned(planner: _JointPathPlanner, legs: list[Leg]) -> JointRoute:
@@ -132,13 +143,15 @@ class _JointPathPlanner:
             raise in_collision(contact, q[None], -1, "the start", 0, proven=True)
 
     def fk(self, q: Array) -> tuple[Array, Array]:
-        """Rotation, shape (3, 3), and position, shape (3,) [m], of the tool in the base."""
-        T = self.problem.robot.fk(q)
-        return T.rotation.copy(), T.translation.copy()
+        """Rotation and position of the tool in the base."""
+        return tool_pose(self.problem, q)
 
     def route(self) -> JointRoute:
         """The route planned so far."""
-        waypoints = sorted(self.waypoints, key=lambda w: w.row)
+        order = self.problem.order
+        rows = None if order is None else passed_rows(self.problem.path, order)
+        passed = {row: position for position, row in enumerate(rows or ())}
+        waypoints = sorted(self.waypoints, key=lambda w: passed.get(w.row, w.row))
         return JointRoute(
             np.ascontiguousarray(self.q),
             self.rest,
@@ -154,8 +167,7 @@ class _JointPathPlanner:
         return self.q[-1] if self.q else self.problem.q_start
 
     def _target(self, pose: Pose) -> Target:
-        R = pose.R if counts_orientation(self.problem.path) else None
-        return pose_target(pose.p, R, freedom=self.freedom)
+        return target_of(self.problem.path, pose)
 
     def joint_leg(self, leg: JointLeg, after: Leg | None) -> None:
         """Plan a joint leg; its last pose is left to a tool path that begins there."""
@@ -211,8 +223,12 @@ class _JointPathPlanner:
             begin = replace(waypoint, pose=Pose(after.pose(0.0)[0], pose.p))
         problem = self._waypoint_problem([begin])
         copies: StartCopies | None = self._copies()
+        chosen = self.problem.ends.get(waypoint.name)
         try:
-            starts = self._reached(branches(problem), waypoint)
+            if chosen is None:
+                starts = self._reached(branches(problem), waypoint)
+            else:
+                starts, copies = self._reached(chosen[0][None], waypoint), None
         except InCollision:
             starts, copies = self._reached(branches(problem, turns=True), waypoint), None
         away = np.linalg.norm(starts - self._last_q, axis=1)

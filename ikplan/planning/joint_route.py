@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
+import numpy as np
+
 from ikplan.arrays import Array
 from ikplan.collision.check import ContactCheck
 from ikplan.documents.plan_request import IkOptions, PathRequest
@@ -38,6 +40,10 @@ class JointPathProblem:
         move_margins: Gap that the rounded corners of a move keep on top of that of the check, by
             the name of the move [m]; absent: none.
         rounding: Which corners are rounded within the tolerance, if the path asks for it.
+        order: Numbers of the waypoints or segments in the order in which they are passed; None:
+            as the path is written.
+        ends: Configurations at which moves, and joint motions before a tool path, end, by name:
+            chosen already, with the target that each meets.
     """
 
     robot: Robot
@@ -52,6 +58,8 @@ class JointPathProblem:
     contact: ContactCheck | None = None
     move_margins: Mapping[str, float] = field(default_factory=dict)
     rounding: Rounding = "all"
+    order: tuple[int, ...] | None = None
+    ends: Mapping[str, tuple[Array, Target]] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -108,7 +116,7 @@ class JointRoute:
     Attributes:
         q: Configurations, shape (k, dof) [rad or m]; the first is where the motion begins.
         rest: Indices of those where the motion stops.
-        waypoints: The waypoints of the request, in order.
+        waypoints: The waypoints of the request, in the order passed.
         segments: The segments of the request, in order.
         moves: The moves around obstacles, in order.
         sharp: Whether sharp corners are rounded within the tolerance.
@@ -122,3 +130,8 @@ class JointRoute:
     moves: list[RouteMove] = field(default_factory=list)
     sharp: bool = False
     slight: bool = False
+
+    @property
+    def length(self) -> float:
+        """Joint distance along its chords [rad or m]."""
+        return float(np.linalg.norm(np.diff(self.q, axis=0), axis=1).sum())

@@ -79,6 +79,9 @@ class MovePlanner:
             InCollision: No target is free: of the first one in contact.
             Unreachable: No target is reachable: of the first.
         """
+        if leg.name in self._problem.ends:
+            q, target = self._problem.ends[leg.name]
+            return MoveGoals(q[None].copy(), [target])
         rows: list[Array] = []
         targets: list[Target] = []
         refused: InCollision | Unreachable | None = None

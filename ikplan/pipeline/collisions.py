@@ -14,7 +14,6 @@ from ikplan.documents.timing_request import TimingRequest
 from ikplan.errors import InCollision
 from ikplan.robots import Robot
 from ikplan.scene.body import CollisionModel
-from ikplan.scene.carried import counted_in_order
 from ikplan.scene.model import collision_model
 from ikplan.scene.resolve import resolve_geometry, resolve_scene
 
@@ -107,6 +106,7 @@ def prove_motion(
     """
     # Poses are checked too, without a proof.
     from ikplan.certificate.clearance import JointCurve, prove_clearance
+    from ikplan.certificate.clearance.in_order import counted_in_order
 
     if timing.motion is not None:
         curve = JointCurve.of_motion(timing.motion)

@@ -55,7 +55,7 @@ class Ways:
         q_to = stage.entries[b]
         q_from = self.q_start if i == START else self.stages[i].exits[a]
         if q_from is None:
-            return q_to[None]
+            return np.asarray(q_to[None])
         straight = np.vstack([q_from, q_to])
         if contact is None:
             return straight

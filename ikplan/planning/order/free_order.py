@@ -6,6 +6,8 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from functools import partial
 
+import numpy as np
+
 from ikplan.arrays import Array
 from ikplan.documents.scene import AttachedBody
 from ikplan.documents.segment import JointSegment, MoveSegment
@@ -98,4 +100,4 @@ def _end_of_begin(problem: JointPathProblem) -> Array:
         len(segments),
     )
     path = problem.path.model_copy(update={"segments": segments[:count]})
-    return plan_joint_path(replace(problem, path=path)).q[-1].copy()
+    return np.array(plan_joint_path(replace(problem, path=path)).q[-1])

@@ -9,12 +9,14 @@ from numpy.typing import NDArray
 
 from ikplan._version import __version__
 from ikplan.certificate import Claim, RequestedSegment, certify
+from ikplan.certificate.regions import has_regions, prove_regions
+from ikplan.certificate.requested import read_motion
 from ikplan.documents.path import PathRequest
 from ikplan.documents.plan_request import PlanRequest
 from ikplan.documents.timing_request import PathNearness, TimingRequest
 from ikplan.documents.trajectory import MoveReport, Stats, WaypointResults
 from ikplan.limits.motion_limits import MotionLimits
-from ikplan.pipeline.collisions import prove_motion
+from ikplan.pipeline.collisions import handed_out, prove_motion
 from ikplan.pipeline.hints import stop_hints
 from ikplan.pipeline.timing_stage import Timing
 from ikplan.plans.plan import Plan
@@ -83,6 +85,7 @@ def assemble_plan(
     Raises:
         BudgetExceeded: The time budget ran out.
         InCollision: Bodies come nearer than allowed.
+        RegionLeft: The tool leaves the region of a move.
         CertificateViolated: The trajectory broke a promise: a bug.
     """
     samples = timing.samples
@@ -106,6 +109,11 @@ def assemble_plan(
                 order=order,
             )
         )
+        if path is not None and has_regions(path):
+            motion = read_motion(robot, path, q_start, order)
+            curve = handed_out(timing)
+            regions = prove_regions(robot, path, motion, waypoints.time, curve)
+            certificate = certificate.model_copy(update={"regions": regions})
         if model is not None:
             clearance = prove_motion(robot, model, timing, segment_times, order)
             certificate = certificate.model_copy(update={"clearance": clearance})

@@ -18,9 +18,10 @@ from ikplan.scene.model import collision_model
 from ikplan.scene.resolve import resolve_geometry, resolve_scene
 
 if TYPE_CHECKING:
+    from ikplan.certificate.clearance import JointCurve
     from ikplan.pipeline.timing_stage import Timing
 
-__all__ = ["prove_motion", "requested_model", "with_meshes"]
+__all__ = ["handed_out", "prove_motion", "requested_model", "with_meshes"]
 
 R = TypeVar("R", PlanRequest, TimingRequest, IkRequest)
 
@@ -83,6 +84,16 @@ def _has_mesh(parts: Sequence[Obstacle | AttachedBody | ToolGeometry]) -> bool:
     return any(isinstance(part.shape, MeshShape) for part in parts)
 
 
+def handed_out(timing: Timing) -> JointCurve:
+    """Return a timed motion as it is handed out: its polynomials, or cubics between samples."""
+    from ikplan.certificate.clearance import JointCurve
+
+    if timing.motion is not None:
+        return JointCurve.of_motion(timing.motion)
+    samples = timing.samples
+    return JointCurve.of_samples(samples.time, samples.q, samples.dq)
+
+
 def prove_motion(
     robot: Robot,
     model: CollisionModel,
@@ -105,14 +116,10 @@ def prove_motion(
         InCollision: Bodies come nearer than allowed, or it cannot be told that they do not.
     """
     # Poses are checked too, without a proof.
-    from ikplan.certificate.clearance import JointCurve, prove_clearance
+    from ikplan.certificate.clearance import prove_clearance
     from ikplan.certificate.clearance.in_order import counted_in_order
 
-    if timing.motion is not None:
-        curve = JointCurve.of_motion(timing.motion)
-    else:
-        samples = timing.samples
-        curve = JointCurve.of_samples(samples.time, samples.q, samples.dq)
+    curve = handed_out(timing)
     counted = model if order is None else counted_in_order(model, order)
     proof = prove_clearance(robot, counted, curve, segment_times=segment_times)
     violation, clearance = proof.violation, proof.clearance

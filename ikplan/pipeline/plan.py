@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ikplan.certificate.regions import RegionLeft
 from ikplan.collision.checker import CollisionChecker
 from ikplan.documents import parse
 from ikplan.documents.plan_request import PlanRequest, Scene
@@ -198,8 +199,8 @@ def _certified(
     motion: TimedRoute,
     model: CollisionModel | None,
     known_id: str,
-) -> Plan | tuple[str, InCollision]:
-    """Certify a timed route; where the proof fails on a move, its name and the violation.
+) -> Plan | tuple[str, InCollision | Disconnected]:
+    """Certify a timed route; where a proof fails on a move, its name and the verdict.
 
     Raises:
         InCollision: The proof fails elsewhere.
@@ -225,6 +226,15 @@ def _certified(
             segment_times=_segment_times(route, times, problem.order),
             order=problem.order,
             plan_id=known_id,
+        )
+    except RegionLeft as left:
+        return left.field, Disconnected(
+            f"{left.field}: at {left.time:.3f} s of the finished motion the tool leaves the region "
+            "it is to stay in, or it cannot be told that it does not; no other way was found",
+            waypoints=[],
+            jump=0.0,
+            reason="the tool leaves the region of the move",
+            q=left.q.tolist(),
         )
     except InCollision as violation:
         for move in route.moves:

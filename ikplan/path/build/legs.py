@@ -15,6 +15,7 @@ from ikplan.documents.segment import (
     JointSegment,
     JointTarget,
     LineSegment,
+    MoveRegion,
     MoveSegment,
     MoveTarget,
     SplineSegment,
@@ -65,10 +66,12 @@ class MoveLeg:
     Attributes:
         targets: Where it may go to, at least one.
         name: Where the request asks for it.
+        within: Where the tool stays on the way; None: anywhere.
     """
 
     targets: tuple[JointWaypoint, ...]
     name: str
+    within: MoveRegion | None = None
 
 
 @dataclass(frozen=True)
@@ -239,16 +242,18 @@ class _Walk:
                 self._any_target(target, row, f"{field}.any[{k}]", field)
                 for k, target in enumerate(segment.any or ())
             ]
-        self._move_to(targets, field)
+        self._move_to(targets, field, segment.within)
 
     def _any_target(self, target: MoveTarget, row: int, name: str, field: str) -> JointWaypoint:
         if isinstance(target, JointTarget):
             return JointWaypoint(row, f"{name}.q", np.array(target.q), None, field)
         return JointWaypoint(row, name, None, self._frame.pose(target), field)
 
-    def _move_to(self, targets: list[JointWaypoint], name: str) -> None:
+    def _move_to(
+        self, targets: list[JointWaypoint], name: str, within: MoveRegion | None = None
+    ) -> None:
         self._close()
-        self.legs.append(MoveLeg(tuple(targets), name))
+        self.legs.append(MoveLeg(tuple(targets), name, within))
         self._name = name
         self._end_at(targets[0])
         self._undecided = name if len(targets) > 1 else ""

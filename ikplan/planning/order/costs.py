@@ -5,8 +5,11 @@ from __future__ import annotations
 import numpy as np
 
 from ikplan.arrays import Array
+from ikplan.path import MoveLeg
 from ikplan.planning.joint_route import JointPathProblem
-from ikplan.planning.moves.way import find_way
+from ikplan.planning.moves.move_planner import MovePlanner
+from ikplan.planning.moves.region.way import inside
+from ikplan.planning.moves.search import way_of
 from ikplan.planning.order.measure import Measure
 from ikplan.planning.order.stages import Stage
 
@@ -16,8 +19,6 @@ START = -1
 """Stands for the begin of the motion among the stages."""
 BLOCKED = 1e4
 """Cost that stands for no motion found: more than that of any."""
-_WATCHED = 10**9
-"""Longer than any search that no thread need watch: a search of moves is always watched."""
 
 Pass = tuple[int, int, int, int]
 """A stage and its branch, and the stage and the branch that come next."""
@@ -36,6 +37,7 @@ class Ways:
         self, problem: JointPathProblem, stages: list[Stage], q_start: Array | None
     ) -> None:
         self.problem, self.stages, self.q_start = problem, stages, q_start
+        self._planner = MovePlanner(problem)
         self._found: dict[Pass, Array | None] = {}
 
     def way(self, between: Pass) -> Array | None:
@@ -57,25 +59,16 @@ class Ways:
         if q_from is None:
             return np.asarray(q_to[None])
         straight = np.vstack([q_from, q_to])
-        if contact is None:
+        region = self._planner.region(stage.leg) if isinstance(stage.leg, MoveLeg) else None
+        if contact is None and region is None:
             return straight
-        if not stage.moves:
+        if not stage.moves and contact is not None:
             return straight if contact.first_contact(straight, stage.part) is None else None
-        if not contact.free(q_from[None], stage.part)[0]:
+        if contact is not None and not contact.free(q_from[None], stage.part)[0]:
             return None
-        cut = np.zeros(1, dtype=np.bool_)
-        robot, options = self.problem.robot, self.problem.options
-        limits = (robot.lower, robot.upper)
-        with self.problem.clock.cutting(cut, _WATCHED):
-            way, _ = find_way(
-                contact.arrays(stage.part),
-                limits,
-                q_from,
-                q_to[None],
-                options.effort,
-                options.seed,
-                cut,
-            )
+        if region is not None and not inside(region, q_from[None])[0]:
+            return None
+        way, _ = way_of(self.problem, q_from, q_to[None], stage.part, region)
         return None if way is None else way.q
 
 

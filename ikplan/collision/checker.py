@@ -59,6 +59,25 @@ class CollisionChecker:
         other._margin = self._margin + extra
         return other
 
+    def touching(self, q: Array, segment: int | None = None) -> Indices:
+        """Return the rows of the model's pairs that are nearer than allowed, in their order.
+
+        Args:
+            q: Joint values, shape (dof,) [rad or m].
+            segment: The segment it belongs to.
+        """
+        found = np.empty(len(self._all))
+        q = np.ascontiguousarray(q, dtype=np.float64)
+        gaps(self._chain, self._bodies, self.active(segment), q, np.inf, self._scratch, found)
+        near = found <= self.model.clearance + self._margin
+        return np.unique(self._bodies.pair_of[near])
+
+    def ignoring(self, rows: Indices) -> CollisionChecker:
+        """Return the same check without some rows of the model's pairs."""
+        other = copy.copy(self)
+        other._all = self._all & ~np.isin(self._bodies.pair_of, rows)
+        return other
+
     def active(self, segment: int | None) -> Flags:
         """Return which pairs of pieces count in a segment, shape (m,); None: all of them."""
         if segment is None or not self._windowed:
@@ -72,7 +91,7 @@ class CollisionChecker:
         )
         pairs = np.asarray(self.model.pairs).reshape(-1, 2)
         together = there[pairs[:, 0]] & there[pairs[:, 1]]
-        return np.asarray(together[self._bodies.pair_of])
+        return np.asarray(together[self._bodies.pair_of] & self._all)
 
     def pairs_in_contact(
         self, q: Array, segment: int | None = None

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from ikplan._version import __version__
 from ikplan.certificate import Claim, RequestedSegment, certify
+from ikplan.certificate.clearance.leaving import Leaving
 from ikplan.certificate.regions import has_regions, prove_regions
 from ikplan.certificate.requested import read_motion
 from ikplan.documents.path import PathRequest
@@ -57,6 +58,7 @@ def assemble_plan(
     joint_waypoints: Array | None = None,
     tolerance: PathNearness | None = None,
     order: tuple[int, ...] | None = None,
+    leaving: Leaving | None = None,
     hints: Sequence[str] = (),
     plan_id: str,
 ) -> Plan:
@@ -79,6 +81,7 @@ def assemble_plan(
         joint_waypoints: Joint values that a timing asks for, shape (n, dof); None: a path is.
         tolerance: How far from the polyline through them the motion may be; None: not asked.
         order: Numbers of the parts of the path in the order passed; None: as it is written.
+        leaving: Pairs that touch at the start, which is left, and until when they may.
         hints: What takes time and need not, in words.
         plan_id: The id of the plan.
 
@@ -115,7 +118,7 @@ def assemble_plan(
             regions = prove_regions(robot, path, motion, waypoints.time, curve)
             certificate = certificate.model_copy(update={"regions": regions})
         if model is not None:
-            clearance = prove_motion(robot, model, timing, segment_times, order)
+            clearance = prove_motion(robot, model, timing, segment_times, order, leaving)
             certificate = certificate.model_copy(update={"clearance": clearance})
     return Plan(
         id=plan_id,

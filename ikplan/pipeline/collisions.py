@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
-from ikplan.documents.clearance import Clearance
+from ikplan.documents.clearance import Clearance, LeftContact
 from ikplan.documents.plan_request import IkRequest, PlanRequest
 from ikplan.documents.scene import AttachedBody, Obstacle, Scene, ToolFrame, ToolGeometry
 from ikplan.documents.shape import MeshShape
@@ -19,6 +19,7 @@ from ikplan.scene.resolve import resolve_geometry, resolve_scene
 
 if TYPE_CHECKING:
     from ikplan.certificate.clearance import JointCurve
+    from ikplan.certificate.clearance.leaving import Leaving
     from ikplan.pipeline.timing_stage import Timing
 
 __all__ = ["handed_out", "prove_motion", "requested_model", "with_meshes"]
@@ -100,6 +101,7 @@ def prove_motion(
     timing: Timing,
     segment_times: Sequence[tuple[float, float]] | None = None,
     order: Sequence[int] | None = None,
+    leaving: Leaving | None = None,
 ) -> Clearance:
     """Prove that a finished motion keeps the bodies of a model apart.
 
@@ -110,6 +112,7 @@ def prove_motion(
         segment_times: When each segment begins and ends, in the order passed [s]; None: every body
             is there throughout.
         order: Numbers of the segments in that order; None: as they are written.
+        leaving: Pairs that touch at the start, and until when they may; None: none.
 
     Raises:
         CertificateViolated: What is carried over several segments is carried apart from them.
@@ -118,11 +121,16 @@ def prove_motion(
     # Poses are checked too, without a proof.
     from ikplan.certificate.clearance import prove_clearance
     from ikplan.certificate.clearance.in_order import counted_in_order
+    from ikplan.certificate.clearance.leaving import with_leaving
 
     curve = handed_out(timing)
     counted = model if order is None else counted_in_order(model, order)
+    if leaving is not None:
+        counted, segment_times = with_leaving(counted, leaving, segment_times, curve.duration)
     proof = prove_clearance(robot, counted, curve, segment_times=segment_times)
     violation, clearance = proof.violation, proof.clearance
+    if leaving is not None:
+        clearance = _left(clearance, model, leaving)
     if order is not None and clearance.segments:
         by_number = sorted(zip(order, clearance.segments, strict=True), key=lambda row: row[0])
         clearance = clearance.model_copy(update={"segments": [s for _, s in by_number]})
@@ -151,3 +159,10 @@ def prove_motion(
         proven=not violation.undecided,
         reason=f"{a} and {b}",
     )
+
+
+def _left(clearance: Clearance, model: CollisionModel, leaving: Leaving) -> Clearance:
+    """A clearance that says what is left; the leaving is none of the request's segments."""
+    names = [[model.bodies[k].name for k in model.pairs[row]] for row in leaving.rows]
+    left = LeftContact(pairs=names, until=leaving.until)
+    return clearance.model_copy(update={"left": left, "segments": clearance.segments[1:]})

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ikplan.certificate.clearance.leaving import Leaving
 from ikplan.certificate.regions import RegionLeft
 from ikplan.collision.checker import CollisionChecker
 from ikplan.documents import parse
@@ -35,6 +36,7 @@ from ikplan.planning import (
     Progress,
     find_repairs,
 )
+from ikplan.planning.moves.leave import leaving_contact
 from ikplan.planning.repair_kinds import merged_document
 from ikplan.planning.segment_number import segment_number
 from ikplan.planning.tracking.tracked_path import TrackingFailed
@@ -135,6 +137,8 @@ def make_plan(
         contact=contact,
     )
     try:
+        if isinstance(request.scene, Scene) and request.scene.leave_contact:
+            problem = leaving_contact(problem, contact)
         stages = MotionStages(request, limits, limits_of)
         if request.path.order == "given":
             return _corrected(stages, problem, stages.timed(problem), model, known_id)
@@ -219,12 +223,13 @@ def _certified(
             _waypoint_results(robot, route, waypoint_q, times, problem.start_free),
             timing,
             problem.clock,
-            q_start=None if problem.start_free else problem.q_start,
+            q_start=None if problem.start_free else _begin(problem),
             path=request.path,
             moves=[move.report for move in route.moves],
             model=model,
             segment_times=_segment_times(route, times, problem.order),
             order=problem.order,
+            leaving=_leaving(problem, motion),
             plan_id=known_id,
         )
     except RegionLeft as left:
@@ -242,6 +247,20 @@ def _certified(
             if violation.time is not None and begin <= violation.time <= end:
                 return move.report.field, violation
         raise
+
+
+def _begin(problem: JointPathProblem) -> NDArray[np.float64]:
+    return problem.q_start if problem.left_from is None else problem.left_from
+
+
+def _leaving(problem: JointPathProblem, motion: TimedRoute) -> Leaving | None:
+    """What the motion leaves at the start; it has to be left by the next sample after it rests."""
+    if problem.left_from is None or problem.left is None:
+        return None
+    rests = float(motion.timing.timed.times[1])
+    samples = motion.timing.samples.time
+    until = float(samples[min(int(np.searchsorted(samples, rests)), len(samples) - 1)])
+    return Leaving(tuple(int(row) for row in problem.left), until)
 
 
 def _survives(

@@ -19,7 +19,6 @@ from ikplan.path import (
     ToolLeg,
     ToolPath,
     legs_of,
-    passed_rows,
 )
 from ikplan.planning.joint_route import (
     JointPathProblem,
@@ -29,9 +28,10 @@ from ikplan.planning.joint_route import (
     RouteWaypoint,
 )
 from ikplan.planning.moves.move_planner import MovePlanner
-from ikplan.planning.segment_number import segment_number
+from ikplan.planning.segment_number import segment_number, segment_to
 from ikplan.planning.task_freedom import freedom_of, target_of
 from ikplan.planning.tool_leg import OpenPose, check_box, path_tracker, reached, track_tool_path
+from ikplan.planning.tool_pose import tool_pose
 from ikplan.planning.tracking.reference_path import points_around
 from ikplan.planning.tracking.start_copies import StartCopies
 from ikplan.planning.tracking.tracked_path import TrackedPath, TrackingFailed
@@ -40,18 +40,7 @@ from ikplan.planning.waypoints.in_collision import in_collision
 from ikplan.planning.waypoints.select import select_configurations
 from ikplan.planning.waypoints.waypoint_problem import WaypointProblem
 
-__all__ = ["plan_joint_path", "tool_pose"]
-
-
-def tool_pose(problem: JointPathProblem, q: Array) -> tuple[Array, Array]:
-    """Return rotation, shape (3, 3), and position, shape (3,) [m], of the tool in the base.
-
-    Args:
-        problem: The path.
-        q: Joint values, shape (dof,) [rad or m].
-    """
-    T = problem.robot.fk(q)
-    return T.rotation.copy(), T.translation.copy()
+__all__ = ["plan_joint_path"]
 
 
 def plan_joint_path(problem: JointPathProblem) -> JointRoute:
@@ -104,11 +93,6 @@ def _planned(planner: _JointPathPlanner, legs: list[Leg]) -> JointRoute:
     return planner.route()
 
 
-def _segment_to(waypoint: JointWaypoint) -> int | None:
-    """Number of the segment that ends at a waypoint; None: not known."""
-    return segment_number(waypoint.field or waypoint.name)
-
-
 def _waypoint_count(leg: Leg) -> int:
     if isinstance(leg, MoveLeg):
         return 1
@@ -128,6 +112,8 @@ class _JointPathPlanner:
         self.tracker = path_tracker(problem)
         self.q: list[Array] = [] if problem.start_free else [problem.q_start]
         self.rest: list[int] = []
+        if problem.left_from is not None:
+            self.q, self.rest = [problem.left_from, problem.q_start], [1]
         self.waypoints: list[RouteWaypoint] = []
         self.segments: list[RouteSegment] = []
         self.moves: list[RouteMove] = []
@@ -148,9 +134,7 @@ class _JointPathPlanner:
 
     def route(self) -> JointRoute:
         """The route planned so far."""
-        order = self.problem.order
-        rows = None if order is None else passed_rows(self.problem.path, order)
-        passed = {row: position for position, row in enumerate(rows or ())}
+        passed = self.problem.places
         waypoints = sorted(self.waypoints, key=lambda w: passed.get(w.row, w.row))
         return JointRoute(
             np.ascontiguousarray(self.q),
@@ -204,7 +188,7 @@ class _JointPathPlanner:
             run[0].row,
             problem.explain,
             problem.contact,
-            tuple(_segment_to(waypoint) for waypoint in run),
+            tuple(segment_to(waypoint) for waypoint in run),
         )
 
     def _select(self, run: list[JointWaypoint]) -> None:
@@ -270,7 +254,7 @@ class _JointPathPlanner:
         contact = self.problem.contact
         if contact is None or not self.q:
             return starts
-        return reached(contact, self._last_q, starts, waypoint, _segment_to(waypoint))
+        return reached(contact, self._last_q, starts, waypoint, segment_to(waypoint))
 
     def tool_leg(self, leg: ToolLeg, *, last: bool) -> None:
         """Track a tool path; where a motion leads to it, from a branch that it gets to.
@@ -309,7 +293,7 @@ class _JointPathPlanner:
 
     def _check_free(self, q: Array, waypoint: JointWaypoint) -> None:
         """Refuse joint values that are asked for and in contact."""
-        contact, segment = self.problem.contact, _segment_to(waypoint)
+        contact, segment = self.problem.contact, segment_to(waypoint)
         if contact is not None and not contact.free(q[None], segment)[0]:
             raise in_collision(contact, q[None], waypoint.row, waypoint.name, segment, proven=True)
 

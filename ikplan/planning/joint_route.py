@@ -7,14 +7,14 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from ikplan.arrays import Array
+from ikplan.arrays import Array, Indices
 from ikplan.collision.check import ContactCheck
 from ikplan.documents.plan_request import IkOptions, PathRequest
 from ikplan.documents.trajectory import MoveReport
 from ikplan.ik.solve import PoseSolver
 from ikplan.kinematics.target import Target
 from ikplan.limits import JointLimits
-from ikplan.path import Rounding
+from ikplan.path import Rounding, passed_rows
 from ikplan.robots import Robot
 from ikplan.time_budget import TimeBudget
 
@@ -44,6 +44,9 @@ class JointPathProblem:
             as the path is written.
         ends: Configurations at which moves, and joint motions before a tool path, end, by name:
             chosen already, with the target that each meets.
+        left_from: Configuration in contact from which a straight motion to ``q_start`` comes
+            first, shape (dof,) [rad or m]; None: the motion begins at ``q_start``.
+        left: Rows of the model's pairs that touch there; None: none do.
     """
 
     robot: Robot
@@ -60,6 +63,14 @@ class JointPathProblem:
     rounding: Rounding = "all"
     order: tuple[int, ...] | None = None
     ends: Mapping[str, tuple[Array, Target]] = field(default_factory=dict)
+    left_from: Array | None = None
+    left: Indices | None = None
+
+    @property
+    def places(self) -> dict[int, int]:
+        """Where each row of the waypoints is passed, where the path is not passed as written."""
+        rows = [] if self.order is None else passed_rows(self.path, self.order)
+        return {row: place for place, row in enumerate(rows)}
 
 
 @dataclass(frozen=True)

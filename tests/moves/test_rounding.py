@@ -74,10 +74,8 @@ def test_a_larger_gap_cuts_corners_less() -> None:
     )
     assert way is not None
     limits = JointLimits.from_robot(robot)
-    lengths = [
-        round_way(way.q, limits, piece_check(None, checker, None), extra).length
-        for extra in (0.0, 0.02, 1.0)
-    ]
+    check = piece_check(None, checker, None)
+    lengths = [round_way(way.q, limits, check, extra).length for extra in (0.0, 0.02, 1.0)]
     assert lengths[0] <= lengths[1] + 1e-9 <= lengths[2] + 2e-9
     # No gap of a metre: the motion stops at every corner of the way itself.
     stopping = round_way(way.q, limits, check, 1.0)

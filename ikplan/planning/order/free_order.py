@@ -13,13 +13,15 @@ from ikplan.documents.scene import AttachedBody
 from ikplan.documents.segment import JointSegment, MoveSegment
 from ikplan.kinematics.target import Target
 from ikplan.path import JointLeg, Leg, MoveLeg, Pose, ToolLeg, legs_of
-from ikplan.planning.joint_planner import plan_joint_path, tool_pose
+from ikplan.planning.joint_planner import plan_joint_path
 from ikplan.planning.joint_route import JointPathProblem
 from ikplan.planning.order.choose import Cluster, choose_order
 from ikplan.planning.order.costs import Costs, Ways
 from ikplan.planning.order.measure import JointMotion, LeastTime
-from ikplan.planning.order.stages import part_of, stages_of
+from ikplan.planning.order.stages import stages_of
 from ikplan.planning.order.tasks import tasks_of
+from ikplan.planning.segment_number import segment_to
+from ikplan.planning.tool_pose import tool_pose
 
 __all__ = ["orders_of"]
 
@@ -82,9 +84,9 @@ def _after_begin(legs: Sequence[Leg]) -> list[Leg]:
     for leg in legs:
         if not found and isinstance(leg, ToolLeg):
             continue
-        if not found and isinstance(leg, MoveLeg) and part_of(leg.targets[0]) is None:
+        if not found and isinstance(leg, MoveLeg) and segment_to(leg.targets[0]) is None:
             continue
-        if not found and isinstance(leg, JointLeg) and part_of(leg.waypoints[0]) is None:
+        if not found and isinstance(leg, JointLeg) and segment_to(leg.waypoints[0]) is None:
             if len(leg.waypoints) == 1:
                 continue
             leg = JointLeg(leg.waypoints[1:])

@@ -11,13 +11,13 @@ from ikplan.kinematics.target import Target
 from ikplan.path import JointLeg, JointWaypoint, Leg, MoveLeg, ToolLeg, ToolPath
 from ikplan.planning.joint_route import JointPathProblem
 from ikplan.planning.moves.move_planner import MoveGoals, MovePlanner
-from ikplan.planning.segment_number import segment_number
+from ikplan.planning.segment_number import segment_to
 from ikplan.planning.task_freedom import freedom_of, target_of
 from ikplan.planning.tool_leg import path_tracker, track_tool_path
 from ikplan.planning.waypoints.waypoint_problem import WaypointProblem
 from ikplan.planning.within.tolerant_tracker import TolerantTracker
 
-__all__ = ["Stage", "part_of", "stages_of"]
+__all__ = ["Stage", "stages_of"]
 
 _BRANCHES = 8
 """Configurations of a waypoint that the choice is between, nearest to the start first."""
@@ -57,11 +57,6 @@ class Stage:
     def name(self) -> str:
         """Where the request asks for its waypoint, or its move."""
         return self.leg.name
-
-
-def part_of(waypoint: JointWaypoint) -> int | None:
-    """Return the number of the segment or waypoint that a motion ends; None: that to the begin."""
-    return segment_number(waypoint.field or waypoint.name)
 
 
 def stages_of(problem: JointPathProblem, legs: list[Leg], q_from: Array) -> list[Stage]:
@@ -110,7 +105,7 @@ class _Finder:
             entries = np.array([q[0] for q in tracked])
             targets = [goals.targets[0]] * len(entries)
         waypoint = move.targets[0]
-        part = part_of(waypoint)
+        part = segment_to(waypoint)
         assert part is not None  # of every motion but that to the begin, which is no stage
         return Stage(leg, part, entries, targets, tracked, path is not None)
 
@@ -127,7 +122,7 @@ class _Finder:
             waypoint.row,
             problem.explain,
             problem.contact,
-            (part_of(waypoint),),
+            (segment_to(waypoint),),
         )
 
     def _tracked(self, path: ToolPath, goals: MoveGoals) -> list[Array]:

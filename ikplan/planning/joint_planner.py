@@ -30,7 +30,7 @@ from ikplan.planning.joint_route import (
 from ikplan.planning.moves.move_planner import MovePlanner
 from ikplan.planning.segment_number import segment_number, segment_to
 from ikplan.planning.task_freedom import freedom_of, target_of
-from ikplan.planning.tool_leg import OpenPose, check_box, path_tracker, reached, track_tool_path
+from ikplan.planning.tool_leg import OpenPose, check_box, path_tracker, reached, track_after
 from ikplan.planning.tool_pose import tool_pose
 from ikplan.planning.tracking.reference_path import points_around
 from ikplan.planning.tracking.start_copies import StartCopies
@@ -228,7 +228,7 @@ class _JointPathPlanner:
         last = leg.targets[0]
         if isinstance(after, ToolLeg) and last.q is None and self.problem.options.refine:
             costs = np.linalg.norm(goals.q - self._last_q, axis=1)
-            self.opened = OpenPose(last, goals.targets[0], goals.q, costs, leg)
+            self.opened = OpenPose(last, goals.targets[0], goals.q, costs, leg, None, problems[0])
             return
         if not self.q:  # from a free start nothing leads to it
             k = int(np.argmin(np.linalg.norm(goals.q - self._last_q, axis=1)))
@@ -265,8 +265,8 @@ class _JointPathPlanner:
         check_box(self.freedom, path)
         starts, costs, copies = self._starts(path)
         while True:
-            tracked = track_tool_path(self.problem, self.tracker, path, starts, costs, copies)
             opened = self.opened
+            tracked = track_after(self.problem, self.tracker, path, starts, costs, copies, opened)
             if opened is None or not self.q:
                 break
             try:
@@ -277,7 +277,7 @@ class _JointPathPlanner:
                 self._move(opened.move, tracked.q[:1])
                 break
             except InCollision:
-                if opened.problem is not None:
+                if opened.move is None and opened.problem is not None:
                     every = branches(opened.problem, turns=True)
                     starts, copies = self._reached(every, opened.waypoint), None
                     costs = np.linalg.norm(starts - self._last_q, axis=1)

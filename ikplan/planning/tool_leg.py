@@ -9,7 +9,7 @@ import numpy as np
 
 from ikplan.arrays import Array
 from ikplan.collision.check import ContactCheck
-from ikplan.errors import Disconnected, InCollision, InvalidRequest, NoPlan
+from ikplan.errors import Disconnected, InCollision, InvalidRequest, NoPlan, Unreachable
 from ikplan.kinematics.target import Freedom, Target
 from ikplan.path import JointWaypoint, MoveLeg, ToolPath
 from ikplan.planning.joint_route import JointPathProblem
@@ -19,11 +19,12 @@ from ikplan.planning.tracking.path_tracker import PathTracker
 from ikplan.planning.tracking.start_copies import StartCopies
 from ikplan.planning.tracking.tracked_path import TrackedPath, TrackingFailed
 from ikplan.planning.tracking.tracking_failure import explain_tracking_failure
+from ikplan.planning.waypoints.ik_branches import branches
 from ikplan.planning.waypoints.in_collision import motion_in_collision
 from ikplan.planning.waypoints.waypoint_problem import WaypointProblem
 from ikplan.planning.within.tolerant_tracker import TolerantTracker
 
-__all__ = ["OpenPose", "check_box", "path_tracker", "reached", "track_tool_path"]
+__all__ = ["OpenPose", "check_box", "path_tracker", "reached", "track_after", "track_tool_path"]
 
 
 @dataclass(frozen=True)
@@ -37,7 +38,7 @@ class OpenPose:
         costs: Joint motion to each, shape (c,).
         move: The move that ends there; None: a joint leg.
         copies: Which full turns of them may be taken instead; None: they are among the starts.
-        problem: The problem of the pose, at the end of a joint leg.
+        problem: The problem of the pose; None: its configuration is given.
     """
 
     waypoint: JointWaypoint
@@ -105,6 +106,48 @@ def track_tool_path(
     if verdict is None:
         verdict = _verdict(problem, tracker, path, failure)
     raise verdict from failure
+
+
+def track_after(
+    problem: JointPathProblem,
+    tracker: TolerantTracker,
+    path: ToolPath,
+    starts: Array,
+    costs: Array,
+    copies: StartCopies | None,
+    opened: OpenPose | None,
+) -> TrackedPath:
+    """Track a tool path; after a move, from any full turn of its goals where these do not do.
+
+    Args:
+        problem: The path of the request.
+        tracker: Tracks it.
+        path: The tool path.
+        starts: As of :func:`track_tool_path`.
+        costs: As there.
+        copies: As there.
+        opened: The pose at which it begins, if its branch is open.
+
+    Raises:
+        Unreachable: As :func:`track_tool_path`, and so the others.
+        Disconnected: As there.
+        InCollision: As there.
+        TrackingFailed: As there.
+        BudgetExceeded: As there.
+    """
+    try:
+        return track_tool_path(problem, tracker, path, starts, costs, copies)
+    except (Unreachable, Disconnected, InCollision, TrackingFailed) as failure:
+        if opened is None or opened.move is None or opened.problem is None:
+            raise
+        # The goals are the nearest ones; a long path may need a turn that none of them has.
+        every, q_from = branches(opened.problem), opened.problem.q_start
+        away = np.linalg.norm(every - q_from, axis=1)
+        turned = StartCopies(q_from, counted=True)
+        try:
+            return track_tool_path(problem, tracker, path, every, away, turned)
+        except (Unreachable, Disconnected, InCollision, TrackingFailed):
+            raise failure from None
 
 
 def _verdict(

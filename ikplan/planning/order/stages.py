@@ -13,7 +13,7 @@ from ikplan.planning.joint_route import JointPathProblem
 from ikplan.planning.moves.move_planner import MoveGoals, MovePlanner
 from ikplan.planning.segment_number import segment_to
 from ikplan.planning.task_freedom import freedom_of, target_of
-from ikplan.planning.tool_leg import path_tracker, track_tool_path
+from ikplan.planning.tool_leg import OpenPose, path_tracker, track_after
 from ikplan.planning.waypoints.waypoint_problem import WaypointProblem
 from ikplan.planning.within.tolerant_tracker import TolerantTracker
 
@@ -101,7 +101,7 @@ class _Finder:
         entries, targets = goals.q[:_BRANCHES], goals.targets[:_BRANCHES]
         tracked = [q[None] for q in entries]
         if path is not None:
-            tracked = self._tracked(path, goals)
+            tracked = self._tracked(path, goals, leg, move.targets[0])
             entries = np.array([q[0] for q in tracked])
             targets = [goals.targets[0]] * len(entries)
         waypoint = move.targets[0]
@@ -125,11 +125,22 @@ class _Finder:
             (segment_to(waypoint),),
         )
 
-    def _tracked(self, path: ToolPath, goals: MoveGoals) -> list[Array]:
+    def _tracked(
+        self,
+        path: ToolPath,
+        goals: MoveGoals,
+        leg: JointWaypoint | MoveLeg,
+        waypoint: JointWaypoint,
+    ) -> list[Array]:
         """A tool path as it is tracked from its entries, shortest first, where it can be."""
         rough = self._tracker.rough_sequences(path, goals.q[:_BRANCHES])
         if not rough:
-            costs = np.linalg.norm(goals.q - self._q_from, axis=1)
-            one = track_tool_path(self._problem, self._tracker, path, goals.q, costs, None)
+            q = goals.q
+            costs = np.linalg.norm(q - self._q_from, axis=1)
+            opened = None
+            if isinstance(leg, MoveLeg) and waypoint.q is None:
+                target, to = goals.targets[0], self._problem_of(waypoint)
+                opened = OpenPose(waypoint, target, q, costs, leg, problem=to)
+            one = track_after(self._problem, self._tracker, path, q, costs, None, opened)
             return [one.q]
         return [q for _, _, q in rough]

@@ -20,6 +20,10 @@ from ikplan.scene.body import CollisionModel
 __all__ = ["CollisionChecker"]
 
 
+_DECIDED = 1e-6
+"""How much nearer than allowed two bodies are where that is no matter of rounding [m]."""
+
+
 class CollisionChecker:
     """Compiled checks of one arm against one model; one thread at a time.
 
@@ -71,6 +75,23 @@ class CollisionChecker:
         gaps(self._chain, self._bodies, self.active(segment), q, np.inf, self._scratch, found)
         near = found <= self.model.clearance + self._margin
         return np.unique(self._bodies.pair_of[near])
+
+    def tool_contact(self, q: Array, segment: int | None = None) -> tuple[str, str] | None:
+        """Return a pair in contact of which one moves with the tool and the other stands still.
+
+        Such a pair is in contact in every configuration that has the tool in the same place.
+
+        Args:
+            q: Joint values, shape (dof,) [rad or m].
+            segment: The segment it belongs to.
+        """
+        tip = len(self._chain.prismatic)
+        exact = self.wider(-self._margin - _DECIDED)
+        for row in exact.touching(q, segment):
+            a, b = (self.model.bodies[k] for k in np.asarray(self.model.pairs).reshape(-1, 2)[row])
+            if {a.carrier, b.carrier} == {0, tip}:
+                return a.name, b.name
+        return None
 
     def ignoring(self, rows: Indices) -> CollisionChecker:
         """Return the same check without some rows of the model's pairs."""

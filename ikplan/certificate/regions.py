@@ -144,7 +144,7 @@ def _part(controls: Array, begin: float, end: float) -> Array:
         c = controls
         for t in parameters:
             c = (1.0 - t) * c[:-1] + t * c[1:]
-        return c[0]
+        return np.asarray(c[0])
 
     return np.array([blossom([begin] * (3 - n) + [end] * n) for n in range(4)])
 

@@ -111,11 +111,11 @@ def test_no_way_within_the_effort_is_not_called_impossible() -> None:
         except InCollision as verdict:
             refused.append(verdict)
     assert refused
-    for verdict in refused:
-        assert not verdict.proven
-        assert not {"outer", "below", "above"}.isdisjoint(verdict.pair)
-        assert "does not prove" in str(verdict)
-        assert verdict.waypoint == 0
+    for refusal in refused:
+        assert not refusal.proven
+        assert not {"outer", "below", "above"}.isdisjoint(refusal.pair)
+        assert "does not prove" in str(refusal)
+        assert refusal.waypoint == 0
 
 
 def test_a_move_to_a_pose_may_end_in_any_configuration_that_meets_it() -> None:

@@ -6,7 +6,9 @@ import numpy as np
 
 from ikplan.arrays import Array
 from ikplan.collision.checker import CollisionChecker
+from ikplan.errors import InvalidRequest
 from ikplan.planning.joint_route import JointPathProblem
+from ikplan.planning.moves.ompl_engine import find_way_by_ompl
 from ikplan.planning.moves.region.tool_region import ToolRegion
 from ikplan.planning.moves.region.way import find_way_within
 from ikplan.planning.moves.way import Way, find_way
@@ -37,6 +39,7 @@ def way_of(
         region: Where the tool stays; None: anywhere.
 
     Raises:
+        InvalidRequest: The engine asked for is not installed, or knows no regions.
         BudgetExceeded: The time budget ran out.
     """
     cut = np.zeros(1, dtype=np.bool_)
@@ -45,7 +48,17 @@ def way_of(
     contact = problem.contact or CollisionChecker(problem.robot, _NOTHING)
     arrays = contact.arrays(segment)
     problem.clock.check()
+    engine = problem.options.move_engine
+    if engine != "ikplan" and region is not None:
+        raise InvalidRequest(
+            "ik.move_engine: only ikplan's own search keeps the tool within a region",
+            field="ik.move_engine",
+            allowed=["ikplan"],
+        )
     with problem.clock.cutting(cut, _WATCHED):
+        if engine != "ikplan":
+            planner = engine.removeprefix("ompl:")
+            return find_way_by_ompl(planner, arrays, limits, q_start, goals, effort, seed, cut)
         if region is None:
             return find_way(arrays, limits, q_start, goals, effort, seed, cut)
         return find_way_within(arrays, region, limits, q_start, goals, effort, seed, cut)

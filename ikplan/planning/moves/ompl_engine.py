@@ -122,7 +122,7 @@ def _planned(
     def values(state: Any) -> Array:
         return np.array([state[d] for d in range(dof)], dtype=np.float64)
 
-    class Proven(base.MotionValidator):  # type: ignore[misc]
+    class Proven(base.MotionValidator):  # type: ignore[misc, name-defined]
         def checkMotion(self, first: Any, second: Any, *_: Any) -> bool:
             return bool(is_free(space, values(first), values(second), arrays.scratch))
 

@@ -83,3 +83,9 @@ def test_a_tool_path_does_not_begin_in_contact() -> None:
     with pytest.raises(InvalidRequest) as caught:
         ikplan.plan(moving("ur5", [line], scene=scene))
     assert caught.value.field == "scene.leave_contact"
+
+
+def test_requests_that_do_not_ask_keep_the_ids_they_had() -> None:
+    path = {"waypoints": [{"position": [0.4, 0.1, 0.3]}]}
+    known = ikplan.PlanRequest.model_validate({"robot": "ur5", "path": path})
+    assert known.content_hash() == "7e1f20c0d668e3d99810957738651138"

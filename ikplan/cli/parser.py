@@ -186,6 +186,53 @@ def make_parser() -> argparse.ArgumentParser:
     add_talk(plan)
     plan.set_defaults(run=_command("planning", "plan"))
 
+    move = commands.add_parser(
+        "move",
+        help="move around obstacles to joint values or a tool pose",
+        description="A single move: ikplan plan has whole paths. Between its ends the tool goes "
+        "anywhere; the finished motion is proven to be free of contact.",
+    )
+    move.add_argument("robot", metavar="ROBOT", help="a name or a file")
+    move.add_argument(
+        "--start",
+        nargs="+",
+        type=float,
+        metavar="Q",
+        help="joint values at the start [rad or m]; absent: the robot's home",
+    )
+    move.add_argument(
+        "--goal",
+        action="append",
+        nargs="+",
+        type=float,
+        metavar="Q",
+        help="joint values to go to [rad or m]; given several times: to the one with the shortest "
+        "way found",
+    )
+    move.add_argument(
+        "--position",
+        nargs=3,
+        type=float,
+        metavar=("X", "Y", "Z"),
+        help="or the tool position to go to, in the base [m]",
+    )
+    move.add_argument(
+        "--quaternion",
+        nargs=4,
+        type=float,
+        metavar=("X", "Y", "Z", "W"),
+        help="with --position: tool orientation; absent: any",
+    )
+    add_scene(move)
+    move.add_argument("--effort", type=int, help="samples drawn at most in the search")
+    move.add_argument("--seed", type=int, help="seed of the search")
+    add_changes(move)
+    add_outputs(move)
+    add_robot_frames(move)
+    add_json(move)
+    add_talk(move)
+    move.set_defaults(run=_command("planning", "move"))
+
     many = commands.add_parser(
         "batch",
         help="make many plans: JSON lines in, JSON lines out",

@@ -82,9 +82,9 @@ def _not_given(document: Document) -> dict[str, Any]:
     found: dict[str, Any] = {}
     for name, field in type(document).model_fields.items():
         value = getattr(document, name)
-        if any(isinstance(mark, IfGiven) for mark in field.metadata):
-            if value == field.get_default(call_default_factory=True):
-                found[name] = True
+        marked = any(isinstance(mark, IfGiven) for mark in field.metadata)
+        if marked and value == field.get_default(call_default_factory=True):
+            found[name] = True
         elif isinstance(value, Document) and (inner := _not_given(value)):
             found[name] = inner
     return found

@@ -108,6 +108,15 @@ class IkOptions(Document):
         "decides what it finds.",
     )
 
+    move_engine: Annotated[
+        Literal["ikplan", "ompl:RRTConnect", "ompl:AORRTC", "ompl:BITstar"], IfGiven()
+    ] = Field(
+        "ikplan",
+        description="What searches for the way of a move: ikplan's own search, or a planner of "
+        "OMPL, which has to be installed; `effort` is then the number of its iterations at most, "
+        "all of which AORRTC and BIT* use for shorter ways.",
+    )
+
     @model_validator(mode="after")
     def _affordable(self) -> IkOptions:
         # A search runs to its end, whatever the time budget: seconds at most, not hours.

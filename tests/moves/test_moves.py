@@ -111,11 +111,11 @@ def test_no_way_within_the_effort_is_not_called_impossible() -> None:
         except InCollision as verdict:
             refused.append(verdict)
     assert refused
-    for verdict in refused:
-        assert not verdict.proven
-        assert not {"outer", "below", "above"}.isdisjoint(verdict.pair)
-        assert "does not prove" in str(verdict)
-        assert verdict.waypoint == 0
+    for refusal in refused:
+        assert not refusal.proven
+        assert not {"outer", "below", "above"}.isdisjoint(refusal.pair)
+        assert "does not prove" in str(refusal)
+        assert refusal.waypoint == 0
 
 
 def test_a_move_to_a_pose_may_end_in_any_configuration_that_meets_it() -> None:
@@ -226,3 +226,22 @@ def test_without_checks_a_move_is_straight() -> None:
 def test_a_move_has_one_target(segment: dict[str, Any], words: str) -> None:
     with pytest.raises(InvalidRequest, match=words):
         ikplan.plan(moving("ur5", [segment]))
+
+
+@pytest.mark.parametrize("turns", [1.7, -1.9])
+def test_an_arc_of_nearly_two_turns_after_a_move_begins_a_turn_earlier(turns: float) -> None:
+    robot = load_robot("ur5")
+    begin = pose(robot, turned(robot, np.copysign(0.3, turns)))
+    angle = turns * 2.0 * np.pi
+    arc = {
+        "type": "arc", "centre": [0.0, 0.0, begin["position"][2]], "angle": angle,
+        "orientation": "follow",
+    }  # fmt: skip
+    scene = {"obstacles": [box("far", [0, 0, 5], [1, 1, 1])]}
+    by_move = ikplan.plan(moving("ur5", [{"type": "move", "to": begin}, arc], scene=scene))
+    assert by_move.q[-1, 0] - by_move.waypoints.q[0][0] == pytest.approx(angle, abs=1e-3)
+    by_joint = ikplan.plan(moving("ur5", [{"type": "joint", "to": begin}, arc], scene=scene))
+    assert np.allclose(by_move.waypoints.q, by_joint.waypoints.q, atol=1e-3)
+    path = {"begin": begin, "segments": [arc], "approach": "move"}
+    approached = ikplan.plan({"robot": "ur5", "path": path, "scene": scene, "budget_s": 300.0})
+    assert np.allclose(approached.waypoints.q, by_move.waypoints.q, atol=1e-3)

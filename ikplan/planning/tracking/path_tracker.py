@@ -101,6 +101,21 @@ class PathTracker(TrackedArm):
             raise ValueError("no start was given")
         raise broken
 
+    def rough_sequences(self, reference: ReferencePath, starts: Array) -> list[JointSequence]:
+        """Return sequences, shortest first, that go along a tool path from some starts.
+
+        They are not dense yet, and keep clear of contact; a start may have none.
+
+        Args:
+            reference: The path.
+            starts: Configurations at the path's first pose, shape (c, dof) [rad or m].
+
+        Raises:
+            BudgetExceeded: The time budget ran out.
+        """
+        costs = np.zeros(len(starts))
+        return self._track_starts(reference, starts, costs, FIRST_STEPS[0], None)[0]
+
     def track_global(self, reference: ReferencePath, starts: Array, costs: Array) -> TrackedPath:
         """Track a tool path with a redundant arm on a sequence chosen over all points at once.
 

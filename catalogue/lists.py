@@ -6,6 +6,7 @@ import json
 from collections import defaultdict
 from pathlib import Path
 
+from catalogue.bodies.sources import SOURCES
 from catalogue.facts import Facts
 
 __all__ = ["listed"]
@@ -46,6 +47,15 @@ def _licences(facts: Facts) -> str:
                     "name": "libfranka",
                     "license": "Apache-2.0",
                     "where": "include/franka/rate_limiting.h",
+                }
+            )
+        if arm.name in SOURCES:
+            meshes = SOURCES[arm.name]
+            sources.append(
+                {
+                    "name": f"meshes of {meshes.package}",
+                    "license": meshes.licence,
+                    "where": meshes.where,
                 }
             )
         rows = [

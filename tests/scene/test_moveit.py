@@ -54,7 +54,6 @@ def test_what_a_planning_scene_has_and_is_not_read_is_refused(tmp_path: Path) ->
             ikplan.read_scene(tmp_path / "scene.yaml")
 
 
-
 NAMES = ["<octomap>", "panda_hand", "panda_link0", "panda_link4", "panda_link8", "shelf"]
 ALLOWED = {
     ("panda_hand", "panda_link4"),
@@ -149,7 +148,7 @@ def test_an_unknown_name_of_the_matrix_is_refused_with_the_valid_ones(
 ) -> None:
     rows = matrix(["panda_hnd", "box"], {("panda_hnd", "box")})
     scene = read(tmp_path, allowed_collision_matrix=rows)
-    with pytest.raises(InvalidRequest, match="panda_hnd.*did you mean panda_hand") as caught:
+    with pytest.raises(InvalidRequest, match=r"panda_hnd.*did you mean panda_hand") as caught:
         collision_model(panda, scene)
     assert {"panda_hand", "box", "shelf[0]"} <= set(caught.value.allowed)
 

@@ -30,6 +30,8 @@ LIMITS = {
     "kinova_j2s6s200": Limits(most=8),
     # Its hulls refuse next to nothing for nothing: fewer points are enough.
     "panda": Limits(points=128, tolerance=5e-4),
+    # The hollow of its base is round.
+    "ur3": Limits(most=10),
     # Its base and upper arm pass each other closely.
     "ur5": Limits(search=Search(grid=60_000, planes=16, corners=0.004, diagonals=True)),
 }

@@ -6,7 +6,7 @@ import json
 from collections import defaultdict
 from pathlib import Path
 
-from catalogue.bodies.sources import SOURCES
+from catalogue.bodies.sources import shape_source
 from catalogue.facts import Facts
 
 __all__ = ["listed"]
@@ -49,8 +49,7 @@ def _licences(facts: Facts) -> str:
                     "where": "include/franka/rate_limiting.h",
                 }
             )
-        if arm.name in SOURCES:
-            meshes = SOURCES[arm.name]
+        for meshes in shape_source(arm.name):
             sources.append(
                 {
                     "name": f"meshes of {meshes.package}",

@@ -1,8 +1,8 @@
 """Write the shapes of robots whose links have meshes: ``python -m catalogue.bodies ur5``.
 
 Each link gets the convex hull of each of its meshes; where that reaches more than 13 mm beyond the
-mesh, the mesh is split. Pieces are thinned to few points and
-enlarged by a radius that brings back inside what was left out.
+mesh, the mesh is split. Pieces are thinned to few points and enlarged by a radius that brings back
+inside what was left out.
 """
 
 from __future__ import annotations
@@ -23,19 +23,24 @@ from ikplan.scene.urdf_shapes import MeshGeometry
 
 Array = NDArray[np.float64]
 
+FINE = Search(grid=60_000, planes=16, corners=0.004, diagonals=True)
+EXACT = Limits(points=400)
 LIMITS = {
     # Their stands are wide and hollow.
     "baxter_left": Limits(most=16),
     "baxter_right": Limits(most=16),
-    "kinova_j2s6s200": Limits(most=8),
+    # The hollow of these bases is round.
+    "kinova_j2s6s200/j2s6s200_link_base": Limits(most=8),
+    "ur3/base_link": Limits(most=10),
     # Its hulls refuse next to nothing for nothing: fewer points are enough.
     "panda": Limits(points=128, tolerance=5e-4),
-    # The hollow of its base is round.
-    "ur3": Limits(most=10),
-    # Its base and upper arm pass each other closely.
-    "ur5": Limits(search=Search(grid=60_000, planes=16, corners=0.004, diagonals=True)),
+    # These links pass others closely.
+    "ur3/shoulder_link": EXACT,
+    "ur3/wrist_1_link": EXACT,
+    "ur3/wrist_2_link": EXACT,
+    "ur5": Limits(search=FINE),
 }
-"""Of robots that need others than the usual ones."""
+"""Of robots and links that need others than the usual ones."""
 DIGITS = 6
 ROUNDING = 2e-6
 """Added to each radius for the rounding of the points [m]."""
@@ -48,10 +53,9 @@ def main() -> None:
     parser.add_argument("--out", type=Path, default=Path(__file__).parents[2] / "robots")
     options = parser.parse_args()
     for name in options.robots:
-        limits = LIMITS.get(name, Limits())
         folder = options.out / name
         folder.mkdir(parents=True, exist_ok=True)
-        (folder / "collision.json").write_text(_text(_document(name, limits)))
+        (folder / "collision.json").write_text(_text(_document(name)))
 
 
 def _text(document: dict[str, Any]) -> str:
@@ -60,18 +64,21 @@ def _text(document: dict[str, Any]) -> str:
     return text.replace('{"points"', '\n{"points"').replace('"},"links"', '"},\n"links"') + "\n"
 
 
-def _document(name: str, limits: Limits) -> dict[str, Any]:
+def _document(name: str) -> dict[str, Any]:
     links: dict[str, list[MeshGeometry]] = {}
     for mesh in meshes_of(name):
         links.setdefault(mesh.link, []).append(mesh)
     print(name)
-    source = SOURCES[name]
+    source, usual = SOURCES[name], LIMITS.get(name, Limits())
     meshes = f"the meshes of {source.package}" + (f", of {source.of}" if source.of else "")
     return {
         "source": f"convex hulls of {meshes}",
         "licence": f"{source.licence}, as {source.where} says",
         "method": "python -m catalogue.bodies",
-        "links": {link: _link(link, found, limits, meshes) for link, found in links.items()},
+        "links": {
+            link: _link(link, found, LIMITS.get(f"{name}/{link}", usual), meshes)
+            for link, found in links.items()
+        },
     }
 
 

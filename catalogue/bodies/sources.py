@@ -13,7 +13,7 @@ from ikplan.robots import load_robot
 from ikplan.scene.meshes import read_mesh
 from ikplan.scene.urdf_shapes import MeshGeometry, link_meshes
 
-__all__ = ["SOURCES", "MeshSource", "meshes_of"]
+__all__ = ["SOURCES", "MeshSource", "meshes_of", "shape_source"]
 
 
 @dataclass(frozen=True)
@@ -69,7 +69,7 @@ SOURCES = {
     "doosan_h2017": MeshSource(
         _ROBOPLAN,
         "Apache-2.0 and BSD-3-Clause",
-        "README.md of doosan-robot2, where they are from",
+        "README.md of doosan-robot2",
         folder=f"{_MODELS}/reachback_robot_model/meshes/h2017",
         files={
             "base_link": ("H2017_0_0.stl",),
@@ -94,7 +94,7 @@ SOURCES = {
     "fr3": MeshSource(
         _ROBOPLAN,
         "Apache-2.0",
-        "package.xml of franka_description, where they are from",
+        "package.xml of franka_description",
         folder=f"{_MODELS}/franka_robot_model/meshes/collision",
         files={
             "fr3_link0": ("link0.stl",),
@@ -104,7 +104,7 @@ SOURCES = {
     "kinova_gen3_7": MeshSource(
         _ROBOPLAN,
         "BSD",
-        "kortex_description/package.xml of ros2_kortex, where they are from",
+        "kortex_description/package.xml of ros2_kortex",
         folder=f"{_MODELS}/kinova_robot_model/meshes/collision",
         files={
             "base_link": ("base_link.STL",),
@@ -156,6 +156,12 @@ SOURCES = {
     "xarm7": MeshSource(_DATA, "BSD-3-Clause", "xarm_description/README.md"),
     "z1": MeshSource(_DATA, "MPL-2.0", "z1_description/README.md"),
 }
+
+
+def shape_source(name: str) -> list[MeshSource]:
+    """The source of the shapes of a robot; none where they are not made."""
+    made = (Path(__file__).parents[2] / "robots" / name / "collision.json").is_file()
+    return [SOURCES[name]] if made and name in SOURCES else []
 
 
 def meshes_of(name: str) -> list[MeshGeometry]:

@@ -78,11 +78,7 @@ class RayExecutor:
 
 def _begin(ray_: Any, workers: int, address: str | None) -> None:
     """Join a cluster, or begin one of this machine alone."""
-    quiet: dict[str, Any] = {
-        "include_dashboard": False,
-        "log_to_driver": False,
-        "logging_level": "error",
-    }
+    quiet: dict[str, Any] = {"log_to_driver": False, "logging_level": "error"}
     # Actors find the same code as this process; threads of numeric libraries would only get into
     # each other's way.
     environment = {"PYTHONPATH": os.pathsep.join(path for path in sys.path if path)}

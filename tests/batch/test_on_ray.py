@@ -88,9 +88,9 @@ def test_a_driver_that_is_killed_leaves_no_actor_and_is_resumed_to_the_same_byte
 
 
 def test_the_cluster_listens_on_loopback_only():
-    import ray
-
     executor = RayExecutor(EchoWork(), 1)
+    import ray  # after the executor, which decides how it listens
+
     try:
         answers_of(executor, LINES[:1], 1)
         assert {node["NodeManagerAddress"] for node in ray.nodes()} == {"127.0.0.1"}

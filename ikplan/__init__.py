@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from ikplan.client import AsyncClient, AsyncPlanJob, Client, PlanJob
     from ikplan.documents.certificate import Certificate
     from ikplan.documents.plan_request import FkRequest, IkRequest, PlanRequest
-    from ikplan.documents.pose_results import FkResult, IkSolution
+    from ikplan.documents.pose_results import FkResult, IkBatchSolution, IkSolution
     from ikplan.documents.status import PlanStatus
     from ikplan.documents.timing_request import TimingRequest
     from ikplan.errors import (
@@ -40,6 +40,7 @@ if TYPE_CHECKING:
     )
     from ikplan.pipeline.move import move
     from ikplan.pipeline.plan import plan
+    from ikplan.pipeline.pose_batch.solve import solve_ik_batch
     from ikplan.pipeline.poses import solve_ik
     from ikplan.pipeline.retime import time_path, time_request
     from ikplan.plans.plan import Plan
@@ -60,6 +61,7 @@ else:
             "Disconnected": "errors",
             "FkRequest": "documents.plan_request",
             "FkResult": "documents.pose_results",
+            "IkBatchSolution": "documents.pose_results",
             "IkRequest": "documents.plan_request",
             "IkSolution": "documents.pose_results",
             "IkplanError": "errors",
@@ -90,6 +92,7 @@ else:
             "read_waypoints": "points",
             "robot_names": "robots",
             "solve_ik": "pipeline.poses",
+            "solve_ik_batch": "pipeline.pose_batch.solve",
             "time_path": "pipeline.retime",
             "time_request": "pipeline.retime",
         },
@@ -106,6 +109,7 @@ __all__ = [
     "Disconnected",
     "FkRequest",
     "FkResult",
+    "IkBatchSolution",
     "IkRequest",
     "IkSolution",
     "IkplanError",
@@ -137,6 +141,7 @@ __all__ = [
     "read_waypoints",
     "robot_names",
     "solve_ik",
+    "solve_ik_batch",
     "time_path",
     "time_request",
 ]

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from ikplan.batch.executor import Answers
 from ikplan.batch.outcome import OK, Outcome, failed
-from ikplan.documents import load_json
+from ikplan.documents import load_json, write_json
 from ikplan.errors import IkplanError, InvalidRequest
 
 if TYPE_CHECKING:
@@ -46,23 +46,51 @@ class RequestWork:
     def answer(self, lines: Sequence[bytes]) -> Answers:
         """Answer some lines; no line spoils another."""
         begun = time.perf_counter()
-        outcomes, faults = [], []
-        for line in lines:
+        outcomes: list[Outcome] = []
+        faults = []
+        if self.kind == "ik":
             try:
-                outcomes.append(self._outcome(line))
+                outcomes = self._poses(lines)
+            except Exception:  # of which line is found out below
+                outcomes = []
+        for line in lines[len(outcomes) :]:
+            try:
+                outcomes += self._poses([line]) if self.kind == "ik" else [self._outcome(line)]
             except Exception:  # told on stderr, and the other lines go on
                 faults.append(traceback.format_exc())
                 outcomes.append(failed(IkplanError(UNEXPECTED)))
         return Answers(outcomes, time.perf_counter() - begun, tuple(faults))
 
+    def _document(self, line: bytes) -> Any:
+        document = load_json(line)
+        if self.robot is not None and isinstance(document, dict):
+            document["robot"] = self.robot.name
+        return document
+
     def _outcome(self, line: bytes) -> Outcome:
         try:
-            document = load_json(line)
-            if self.robot is not None and isinstance(document, dict):
-                document["robot"] = self.robot.name
-            return Outcome(OK, KINDS[self.kind](self, document))
+            return Outcome(OK, _ANSWERS[self.kind](self, self._document(line)))
         except IkplanError as error:
             return failed(error)
+
+    def _poses(self, lines: Sequence[bytes]) -> list[Outcome]:
+        """Solve poses together."""
+        from ikplan.pipeline.pose_batch.request import solve_ik_requests
+
+        outcomes: dict[int, Outcome] = {}
+        documents: dict[int, Any] = {}
+        for k, line in enumerate(lines):
+            try:
+                documents[k] = self._document(line)
+            except IkplanError as error:
+                outcomes[k] = failed(error)
+        answers = solve_ik_requests([*documents.values()], robot=self.robot)
+        for k, answer in zip(documents, answers, strict=True):
+            if isinstance(answer, IkplanError):
+                outcomes[k] = failed(answer)
+            else:
+                outcomes[k] = Outcome(OK, write_json(answer))
+        return [outcomes[k] for k in range(len(lines))]
 
     def plan(self, document: Any) -> bytes:
         """Plan a request, see :func:`ikplan.plan`."""
@@ -81,12 +109,6 @@ class RequestWork:
         from ikplan.pipeline.move import move
 
         return self._written(move(**self._arguments(move, document)))
-
-    def ik(self, document: Any) -> bytes:
-        """Solve a pose, as ``POST /v1/ik`` does."""
-        from ikplan.pipeline.poses import solve_ik_request
-
-        return solve_ik_request(document, robot=self.robot).model_dump_json().encode()
 
     def _arguments(self, function: Callable[..., Any], document: Any) -> dict[str, Any]:
         """The fields of a document as arguments of a function.
@@ -117,10 +139,11 @@ class RequestWork:
         return made.model_dump_json().encode()
 
 
-KINDS: dict[str, Callable[[RequestWork, Any], bytes]] = {
+_ANSWERS: dict[str, Callable[[RequestWork, Any], bytes]] = {
     "plan": RequestWork.plan,
-    "ik": RequestWork.ik,
     "time": RequestWork.time,
     "move": RequestWork.move,
 }
-"""What a line of each kind is answered by."""
+"""What a line of each kind is answered by; poses are answered together."""
+KINDS = ("plan", "ik", "time", "move")
+"""The kinds of requests."""

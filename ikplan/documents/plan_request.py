@@ -215,6 +215,11 @@ class IkRequest(Document):
     )
     ik: IkOptions = Field(default_factory=IkOptions)
     tolerance: Tolerance = Field(default_factory=lambda: Tolerance(position=1e-6, orientation=1e-6))
+    verdict: bool = Field(
+        True,
+        description="Whether a pose without a solution is explained; false: a bare no, which "
+        "takes a fraction of the time. The method lm gives up after 100 restarts then.",
+    )
     budget_s: float = Field(10.0, gt=0, le=3600, description="Time budget of the solver [s].")
 
     _check = field_validator("quaternion_xyzw")(unit_quaternion)

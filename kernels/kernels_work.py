@@ -37,9 +37,8 @@ def compile_part(part: str) -> None:
     """Compile the kernels of every request, those of this process's part first."""
     number, count, names = json.loads(part)
     names = names or [solver.name for solver in solvers()]
-    works = [("time", None), ("ik-batch", None)] + [
-        (kind, name) for name in names for kind in ("ik", "plan")
-    ]
+    works = [("time", None), ("ik-batch", None)]
+    works += [(kind, name) for name in names for kind in ("ik", "plan")]
     for kind, name in _mine(works, number, count):
         if kind == "time":
             warm_up(time_request, "time", jerk=True)

@@ -11,8 +11,7 @@ from urllib.parse import quote
 from pydantic import BaseModel
 
 from ikplan.client.wire import Call, encode
-from ikplan.documents.ik_batch import IkBatchRequest
-from ikplan.documents.plan_request import FkRequest, IkRequest, PlanRequest
+from ikplan.documents.plan_request import FkRequest, IkBatchRequest, IkRequest, PlanRequest
 from ikplan.documents.pose_results import FkResult, IkBatchSolution, IkSolution
 from ikplan.documents.status import PlanStatus
 from ikplan.documents.timing_request import TimingRequest

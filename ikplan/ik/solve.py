@@ -38,6 +38,7 @@ __all__ = [
     "NoSolution",
     "PoseSolver",
     "Solved",
+    "refusal",
     "solve_pose",
     "target_as_data",
 ]

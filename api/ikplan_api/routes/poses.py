@@ -6,8 +6,7 @@ from fastapi import APIRouter, Request, Response
 
 from ikplan import errors
 from ikplan.documents import parse_json
-from ikplan.documents.ik_batch import IkBatchRequest
-from ikplan.documents.plan_request import FkRequest, IkRequest
+from ikplan.documents.plan_request import FkRequest, IkBatchRequest, IkRequest
 from ikplan.documents.pose_results import FkResult, IkBatchSolution, IkSolution
 from ikplan_api.http.body import read_body
 from ikplan_api.http.disconnect import while_connected

@@ -9,8 +9,7 @@ from typing import Any
 import numpy as np
 
 from ikplan.documents import parse
-from ikplan.documents.ik_batch import IkBatchRequest
-from ikplan.documents.plan_request import IkRequest
+from ikplan.documents.plan_request import IkBatchRequest, IkRequest
 from ikplan.documents.pose_results import IkBatchSolution, IkSolution
 from ikplan.documents.scene import ToolFrame
 from ikplan.errors import IkplanError

@@ -227,7 +227,7 @@ class IkRequest(Document):
     verdict: bool = Field(
         True,
         description="Whether a pose without a solution is explained; false: a bare no, which "
-        "takes a fraction of the time. The method lm gives up after 100 restarts then.",
+        "takes a fraction of the time. The method lm gives up after 200 restarts then.",
     )
     budget_s: float = Field(10.0, gt=0, le=3600, description="Time budget of the solver [s].")
 
@@ -283,7 +283,7 @@ class IkBatchRequest(Document):
     verdict: bool = Field(
         True,
         description="Whether poses without a solution are explained; false: a bare no, which "
-        "takes a fraction of the time. The method lm gives up after 100 restarts then.",
+        "takes a fraction of the time. The method lm gives up after 200 restarts then.",
     )
     budget_s: float = Field(10.0, gt=0, le=3600, description="Time budget of all poses [s].")
 

@@ -84,7 +84,7 @@ def solve_ik_batch(
         iterations: T; None: the planner's own; "paper": the paper's.
         params: Parameters of the method, by name.
         verdict: Explain poses without a solution, which takes 20 ms each, and may find one after
-            all; False: a bare no, after 100 restarts unless ``params`` says how many.
+            all; False: a bare no, after 200 restarts unless ``params`` says how many.
         tolerance_position: Distance that counts as solved [m].
         tolerance_orientation: Angle that counts as solved [rad].
         scene: What must not be touched, as in a request; mesh files are read relative to the

@@ -45,6 +45,7 @@ if TYPE_CHECKING:
     from ikplan.pipeline.retime import time_path, time_request
     from ikplan.plans.plan import Plan
     from ikplan.points import read_waypoints
+    from ikplan.reach.reach_map import ReachMap, reach_map
     from ikplan.robots import Robot, load_robot, robot_names
     from ikplan.scene.read_scene import read_scene
 else:
@@ -77,6 +78,7 @@ else:
             "PlanRequest": "documents.plan_request",
             "PlanStatus": "documents.status",
             "RateLimited": "errors",
+            "ReachMap": "reach.reach_map",
             "Robot": "robots",
             "RobotNotFound": "errors",
             "ServiceError": "errors",
@@ -88,6 +90,7 @@ else:
             "load_robot": "robots",
             "move": "pipeline.move",
             "plan": "pipeline.plan",
+            "reach_map": "reach.reach_map",
             "read_scene": "scene.read_scene",
             "read_waypoints": "points",
             "robot_names": "robots",
@@ -125,6 +128,7 @@ __all__ = [
     "PlanRequest",
     "PlanStatus",
     "RateLimited",
+    "ReachMap",
     "Robot",
     "RobotNotFound",
     "ServiceError",
@@ -137,6 +141,7 @@ __all__ = [
     "load_robot",
     "move",
     "plan",
+    "reach_map",
     "read_scene",
     "read_waypoints",
     "robot_names",

@@ -44,6 +44,7 @@ RANK = {
     "pipeline": 8,
     "client": 9,
     "workers": 9,
+    "reach": 9,
     "batch": 10,
     "cli": 11,
     "ikplan_api": 12,

@@ -21,6 +21,7 @@ from ikplan.cli.options import (
     add_scene,
     add_talk,
 )
+from ikplan.cli.reach_options import add_reach
 from ikplan.cli.terminal.exit_codes import NO_PLAN
 from ikplan.errors import InvalidRequest
 
@@ -195,6 +196,15 @@ def make_parser() -> argparse.ArgumentParser:
     )
     add_batch(many)
     many.set_defaults(run=_command("batch", "batch"), plot=None, plot_timing=None)
+
+    reach = commands.add_parser(
+        "reach",
+        help="map which poses a robot reaches",
+        description="Positions on a grid, orientations spread evenly; Parquet with a row for each "
+        "pose, and a figure.",
+    )
+    add_reach(reach)
+    reach.set_defaults(run=_command("reach", "reach"))
 
     time = commands.add_parser("time", help="time a joint path: no planning")
     time.add_argument("robot", nargs="?", metavar="ROBOT", help="a name, with joint values")

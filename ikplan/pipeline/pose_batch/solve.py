@@ -22,6 +22,7 @@ from ikplan.ik.solve import BARE_RESTARTS, PoseSolver
 from ikplan.pipeline.collisions import requested_model
 from ikplan.pipeline.poses import free_pose, pose_solver
 from ikplan.robots import Robot
+from ikplan.robots.reach import reach as reach_of
 from ikplan.scene.body import CollisionModel
 from ikplan.scene.resolve import resolve_scene
 from ikplan.time_budget import TimeBudget
@@ -186,7 +187,7 @@ def find_solutions(
     )
     with clock.stage("ik"):
         if options.ik.method == "lm":
-            q, errors = _by_kernel(solver, poses, q_start, options, clock)
+            q, errors = _by_kernel(reach_of(robot), solver, poses, q_start, options, clock)
         else:
             q = np.repeat(q_start, len(poses.p) // len(q_start), axis=0)
             errors = np.full((len(poses.p), 3), np.inf)
@@ -240,6 +241,7 @@ def _wrong_starts(robot: Robot, count: int) -> InvalidRequest:
 
 
 def _by_kernel(
+    reach: float,
     solver: PoseSolver,
     poses: PoseArrays,
     q_start: Array,
@@ -252,6 +254,7 @@ def _by_kernel(
     iterations = given.iterations if isinstance(given.iterations, int) else 40
     tolerances = options.tolerance_position, options.tolerance_orientation
     beyond = beyond_shoulder(arm, poses, *tolerances)
+    beyond |= np.linalg.norm(poses.p, axis=1) > reach + options.tolerance_position + 1e-9
     q, errors = np.empty((len(poses.p), arm.dof)), np.empty((len(poses.p), 3))
     done = 0
 

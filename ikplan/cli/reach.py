@@ -68,7 +68,7 @@ def reach(options: argparse.Namespace) -> None:
         save_reach_map(found, options.output)
     if options.plot is not None:
         draw_reach_map(found, options.plot)
-    summary = {
+    summary: dict[str, Any] = {
         "robot": found.robot,
         "positions": len(found.positions),
         "orientations": len(found.rotations),

@@ -59,7 +59,7 @@ class ReachMap:
     @property
     def share(self) -> Array:
         """Share of the orientations that are reached at each position, shape (m,)."""
-        return self.reached.mean(axis=1)
+        return np.asarray(self.reached.mean(axis=1))
 
 
 def reach_map(

@@ -43,7 +43,6 @@ __all__ = [
     "target_as_data",
 ]
 
-
 _RESCUE_RESTARTS = 2000
 BARE_RESTARTS = 200
 """Restarts before a target is given up without a verdict: of 100,000 random reachable poses each,
@@ -240,8 +239,7 @@ class PoseSolver:
             q: Out: the solution that :meth:`solve` would find, shape (dof,) [rad or m].
 
         Returns:
-            Distance [m], rotation angle [rad], joint distance from the start [rad or m] and
-            evaluations; infinities where :meth:`solve` is to be asked.
+            As :func:`solve_lm_pose`; infinities where :meth:`solve` is to be asked.
         """
         lower, upper = self.arm.search_bounds(q_start)
         return solve_lm_pose(

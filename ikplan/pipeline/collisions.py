@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from ikplan.documents.clearance import Clearance, LeftContact
-from ikplan.documents.plan_request import IkRequest, PlanRequest
+from ikplan.documents.plan_request import IkBatchRequest, IkRequest, PlanRequest
 from ikplan.documents.scene import AttachedBody, Obstacle, Scene, ToolFrame, ToolGeometry
 from ikplan.documents.shape import MeshShape
 from ikplan.documents.timing_request import TimingRequest
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 __all__ = ["handed_out", "prove_motion", "requested_model", "with_meshes"]
 
-R = TypeVar("R", PlanRequest, TimingRequest, IkRequest)
+R = TypeVar("R", PlanRequest, TimingRequest, IkRequest, IkBatchRequest)
 
 
 def requested_model(

@@ -15,7 +15,7 @@ from ikplan.robots import Robot, catalogue_robot
 
 __all__ = ["RequestKind", "small_requests", "warm_up"]
 
-RequestKind = Literal["fk", "ik", "plan", "time"]
+RequestKind = Literal["fk", "ik", "ik-batch", "plan", "time"]
 
 _ROBOT = "xarm7"
 """A robot with self-motion and inertias: its requests use the kernels of both."""
@@ -91,6 +91,10 @@ def small_requests(
         return [{"robot": _ROBOT, "q": home}]
     if kind == "ik":
         return _poses(method)
+    if kind == "ik-batch":
+        poses = [*_targets(catalogue_robot(_ROBOT))[1:]]
+        options = {"ik": {"method": method}, "budget_s": _BUDGET_S, "verdict": False}
+        return [{"robot": _ROBOT, "poses": poses, **options}]
     limits = [{**_LIMITS, "jerk": 100.0}] if jerk else [_LIMITS, {"jerk": False}]
     if kind == "time":
         waypoints = [home, [value + 0.1 for value in home]]

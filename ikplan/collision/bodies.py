@@ -36,6 +36,7 @@ class Bodies(NamedTuple):
             its carrier, shape (k, 12) [m].
         half: Half the edges of that box, shape (k, 3) [m].
         carrier: Link of the chain that carries each piece, 0 for the base, shape (k,).
+        moving: Indices of the pieces that a link carries.
         pairs: Two pieces each, that of the lower carrier first, shape (m, 2).
         pair_of: Row of the model's pairs that each belongs to, shape (m,).
         clearance: Least gap asked for [m].
@@ -53,6 +54,7 @@ class Bodies(NamedTuple):
     box: Array
     half: Array
     carrier: Indices
+    moving: Indices
     pairs: Indices
     pair_of: Indices
     clearance: float
@@ -107,6 +109,7 @@ def flat_bodies(robot: Robot, chain: Chain, model: CollisionModel) -> Bodies:
         np.array([about.box for about in bounds], dtype=np.float64).reshape(-1, 12),
         np.array([about.half for about in bounds], dtype=np.float64).reshape(-1, 3),
         np.array(carrier, dtype=np.int64),
+        np.flatnonzero(np.array(carrier, dtype=np.int64)),
         np.array(pairs, dtype=np.int64).reshape(-1, 2),
         np.array(pair_of, dtype=np.int64),
         model.clearance,

@@ -2,8 +2,7 @@
 
 A motion is proven by halving: at the middle of an interval a pair whose gap is larger than what its
 outer body can move within the interval is free throughout; other pairs are looked at again in both
-halves. What a body can move is summed from its carrier inwards, about the joint axes at the middle:
-a joint that turns by up to d moves a point at distance r from its axis by at most d r.
+halves.
 """
 
 from __future__ import annotations
@@ -12,8 +11,9 @@ from ikplan._jit import kernel, leaf_kernel
 from ikplan.arrays import Array, Flags, Indices
 from ikplan.collision.bodies import Bodies
 from ikplan.collision.contact import first_pair
-from ikplan.collision.pair_gaps import bounded_gap, move_pieces, pair_gap, place_pieces, sphere_gap
+from ikplan.collision.pair_gaps import place_pieces, sphere_gap, swept_gap
 from ikplan.collision.scratch import Queue, Scratch, new_queue
+from ikplan.collision.sweep import cover_proven, move_links, move_piece, spheres_moved, sweep_pair
 from ikplan.kinematics.chain import Chain
 
 __all__ = ["curve_contacts", "motion_contact"]
@@ -30,24 +30,29 @@ _FINEST = 2e-5
 
 @leaf_kernel
 def _reach_of(chain: Chain, queue: Queue, t: float, h: float) -> None:
-    """Write the configuration at a share t, and how far each serial joint moves within h of it.
+    """Write the configuration at a share t, and how each serial joint moves within h of it.
 
     The motion is ``c0 + c1 t + c2 t^2 + c3 t^3``: within h of t no joint value moves by more than
     h times the sum of the largest absolute values that the terms of its derivative take there.
     """
+    step = queue.step
     c = queue.curve
     for d in range(c.shape[1]):
         queue.q[d] = c[0, d] + t * (c[1, d] + t * (c[2, d] + t * c[3, d]))
-        rate = abs(c[1, d] + t * (2.0 * c[2, d] + 3.0 * t * c[3, d]))
-        rate += h * abs(2.0 * c[2, d] + 6.0 * t * c[3, d]) + 3.0 * h * h * abs(c[3, d])
-        queue.step[d] = h * rate
+        speed = c[1, d] + t * (2.0 * c[2, d] + 3.0 * t * c[3, d])
+        turn = abs(2.0 * c[2, d] + 6.0 * t * c[3, d])
+        step[0, d] = h * (abs(speed) + h * turn + 3.0 * h * h * abs(c[3, d]))
+        step[1, d] = h * speed
+        step[2, d] = h * h * (turn + 6.0 * h * abs(c[3, d]))
     for i in range(chain.prismatic.shape[0]):
         if chain.coupled:
-            queue.reach[i] = 0.0
+            queue.reach[i] = queue.speed[i] = queue.turn[i] = 0.0
             for d in range(c.shape[1]):
-                queue.reach[i] += abs(chain.coupling[i, d]) * queue.step[d]
+                queue.reach[i] += abs(chain.coupling[i, d]) * step[0, d]
+                queue.speed[i] += chain.coupling[i, d] * step[1, d]
+                queue.turn[i] += abs(chain.coupling[i, d]) * step[2, d]
         else:
-            queue.reach[i] = queue.step[i]
+            queue.reach[i], queue.speed[i], queue.turn[i] = step[0, i], step[1, i], step[2, i]
 
 
 @leaf_kernel
@@ -76,15 +81,19 @@ def _halve(
         t, h = queue.middle[at], queue.half[at]
         _reach_of(chain, queue, t, h)
         place_pieces(chain, bodies, queue.q, w)
-        move_pieces(chain, bodies, queue.reach, w)
+        move_links(chain, queue, w)
         left = size
         if size + queue.end[at] - queue.begin[at] > queue.rows.shape[0]:
             return -2, 0.0
         for k in range(queue.begin[at], queue.end[at]):
             row = queue.rows[k]
             i, j = bodies.pairs[row, 0], bodies.pairs[row, 1]
-            motion = w.motion[j, bodies.carrier[i]]
+            move_piece(chain, bodies, queue, j, w)
             apart = sphere_gap(bodies, i, j, w)
+            if apart > need + w.motion[j, bodies.carrier[i]]:
+                continue
+            sweep_pair(bodies, i, j, w)
+            motion = spheres_moved(i, j, w)
             if apart > need + motion:
                 continue
             # Not in contact here, and so far from being proven that it is not worth a closer look.
@@ -92,14 +101,14 @@ def _halve(
                 queue.rows[size] = row
                 size += 1
                 continue
-            bound = bounded_gap(bodies, i, j, need + motion, w)
-            if bound > need + motion:
+            bound, proven = cover_proven(bodies, i, j, need, w)
+            if proven:
                 continue
             if bound <= need or need + motion < bound + _LOOSE:
-                lower, upper = pair_gap(bodies, row, need + motion, need, w)
-                if lower > need + motion:
+                lower, upper, proven = swept_gap(bodies, row, need, need, w.sweep, w)
+                if proven:
                     continue
-                if upper <= need or not lower > need or motion < _FINEST:
+                if upper <= need or not lower > need or w.sweep[8] < _FINEST:
                     return row, t
             queue.rows[size] = row
             size += 1

@@ -24,7 +24,9 @@ class Queue(NamedTuple):
         end: Last of them (exclusive), shape (k,).
         rows: Open pairs of all intervals.
         reach: How far each serial joint moves from the middle of an interval, shape (n,).
-        step: How far each joint value does, shape (dof,).
+        speed: How far it moves at its speed in the middle, shape (n,).
+        turn: Most of its acceleration times the square of half the interval, shape (n,).
+        step: The three of each joint value, shape (3, dof).
         q: The configuration in the middle, shape (dof,).
         curve: Coefficients of the motion by its share, lowest power first, shape (4, dof).
     """
@@ -35,6 +37,8 @@ class Queue(NamedTuple):
     end: Indices
     rows: Indices
     reach: Array
+    speed: Array
+    turn: Array
     step: Array
     q: Array
     curve: Array
@@ -52,7 +56,14 @@ class Scratch(NamedTuple):
         box: Axes and centre of the boxes in the base, shape (k, 12) [m].
         placed: When the rest of each piece was placed last, shape (k,).
         now: Shape (1,): a number for the configuration that the links are at.
+        moved: When the motion of each piece was bounded last, shape (k,).
         motion: How far each piece can move against each link, shape (k, n + 1) [m].
+        bend: How far from a straight line at a constant speed, shape (k, n + 1) [m].
+        spin: How far each link turns at its speed in the middle, shape (n + 1, 3) [rad].
+        moment: What that moves its points is ``spin x point - moment``, shape (n + 1, 3) [m].
+        sweep: How the outer piece of a pair moves against the inner one, shape (9,): at its centre
+            and how it turns at its speed, its radius, its bend, and how far it moves at most.
+        still: The same of a pair that does not move.
         axis: Separating axis of each pair when it was last looked at, shape (m, 3).
         work: For the distance of two pieces, shape (12, 3).
         queue: For the proof of a motion.
@@ -66,7 +77,13 @@ class Scratch(NamedTuple):
     box: Array
     placed: Indices
     now: Indices
+    moved: Indices
     motion: Array
+    bend: Array
+    spin: Array
+    moment: Array
+    sweep: Array
+    still: Array
     axis: Array
     work: Array
     queue: Queue
@@ -83,7 +100,9 @@ def new_queue(chain: Chain, bodies: Bodies, dof: int, room: int) -> Queue:
         np.zeros(64 * room, dtype=np.int64),
         np.zeros(4 * room * bodies.pairs.shape[0], dtype=np.int64),
         np.zeros(n),
-        np.zeros(dof),
+        np.zeros(n),
+        np.zeros(n),
+        np.zeros((3, dof)),
         np.zeros(dof),
         np.zeros((4, dof)),
     )
@@ -96,13 +115,19 @@ def new_scratch(chain: Chain, bodies: Bodies) -> Scratch:
     return Scratch(
         np.zeros((n, 3, 3)),
         np.zeros((n, 3)),
-        np.zeros((bodies.radius.shape[0], 3)),
+        bodies.centre.copy(),  # what stands is there already
         np.zeros((bodies.radius.shape[0], 6)),
         np.zeros((bodies.spheres.shape[0], 3)),
         np.zeros((bodies.radius.shape[0], 12)),
         np.zeros(bodies.radius.shape[0], dtype=np.int64),
         np.zeros(1, dtype=np.int64),
+        np.zeros(bodies.radius.shape[0], dtype=np.int64),
         np.zeros((bodies.radius.shape[0], n)),
+        np.zeros((bodies.radius.shape[0], n)),
+        np.zeros((n, 3)),
+        np.zeros((n, 3)),
+        np.zeros(9),
+        np.zeros(9),
         np.zeros((bodies.pairs.shape[0], 3)),
         np.zeros((12, 3)),
         new_queue(chain, bodies, chain.coupling.shape[1], 2),

@@ -7,11 +7,17 @@ import math
 from ikplan._jit import leaf_kernel
 from ikplan.arrays import Array, Flags, Indices
 from ikplan.collision.bodies import Bodies
-from ikplan.collision.pair_gaps import bounded_gap, pair_gap, place_pieces, sphere_gap
+from ikplan.collision.pair_gaps import (
+    bounded_gap,
+    pair_gap,
+    place_pieces,
+    sphere_gap,
+    spheres_meet,
+)
 from ikplan.collision.scratch import Scratch
 from ikplan.kinematics.chain import Chain
 
-__all__ = ["contacts", "first_pair", "gaps"]
+__all__ = ["any_pair", "contacts", "first_pair", "gaps"]
 
 
 @leaf_kernel
@@ -24,9 +30,40 @@ def first_pair(
         if not active[row]:
             continue
         i, j = bodies.pairs[row, 0], bodies.pairs[row, 1]
-        if sphere_gap(bodies, i, j, w) > need or bounded_gap(bodies, i, j, need, w) > need:
+        if spheres_meet(bodies, i, j, need, w) and _near(bodies, row, need, w):
+            return row
+    return -1
+
+
+@leaf_kernel
+def _near(bodies: Bodies, row: int, need: float, w: Scratch) -> bool:
+    """Whether the gap of a pair is not larger than needed."""
+    i, j = bodies.pairs[row, 0], bodies.pairs[row, 1]
+    if bounded_gap(bodies, i, j, need, w) > need:
+        return False
+    return not pair_gap(bodies, row, need, need, w)[0] > need
+
+
+@leaf_kernel
+def any_pair(
+    chain: Chain, bodies: Bodies, active: Flags, need: float, q: Array, w: Scratch
+) -> int:
+    """Return a pair whose gap is not larger than needed, -1 where there is none.
+
+    What was in contact last is looked at first.
+    """
+    place_pieces(chain, bodies, q, w)
+    last = w.last[0]
+    if last >= 0 and active[last]:
+        i, j = bodies.pairs[last, 0], bodies.pairs[last, 1]
+        if spheres_meet(bodies, i, j, need, w) and _near(bodies, last, need, w):
+            return int(last)
+    for row in range(bodies.pairs.shape[0]):
+        if not active[row] or row == last:
             continue
-        if not pair_gap(bodies, row, need, need, w)[0] > need:
+        i, j = bodies.pairs[row, 0], bodies.pairs[row, 1]
+        if spheres_meet(bodies, i, j, need, w) and _near(bodies, row, need, w):
+            w.last[0] = row
             return row
     return -1
 

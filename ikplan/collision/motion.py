@@ -7,16 +7,16 @@ halves.
 
 from __future__ import annotations
 
-from ikplan._jit import kernel, leaf_kernel
+from ikplan._jit import leaf_kernel
 from ikplan.arrays import Array, Flags, Indices
 from ikplan.collision.bodies import Bodies
-from ikplan.collision.contact import first_pair
+from ikplan.collision.contact import any_pair, first_pair
 from ikplan.collision.pair_gaps import place_pieces, sphere_gap, swept_gap
-from ikplan.collision.scratch import Queue, Scratch, new_queue
+from ikplan.collision.scratch import Queue, Scratch
 from ikplan.collision.sweep import cover_proven, move_links, move_piece, spheres_moved, sweep_pair
 from ikplan.kinematics.chain import Chain
 
-__all__ = ["curve_contacts", "motion_contact"]
+__all__ = ["curve_contacts", "motion_contact", "motion_free"]
 
 
 _LOOSE = 0.015
@@ -24,6 +24,7 @@ _LOOSE = 0.015
 when they are compared, never what is proven."""
 _SHARE = 0.7
 """By how much the gap is at times larger than that of the spheres, in the radii of both."""
+_NO_ROOM = -2
 _FINEST = 2e-5
 """Motion of the outer body within an interval below which it is not halved any more [m]."""
 
@@ -62,19 +63,20 @@ def _halve(
     active: Flags,
     need: float,
     w: Scratch,
-    queue: Queue,
+    middle: float,
+    half: float,
 ) -> tuple[int, float]:
-    """Prove the motion of a queue by halving, widest intervals first; see :func:`motion_contact`.
+    """Prove an interval of the motion in the queue by halving, widest intervals first.
 
     Returns:
-        What :func:`motion_contact` returns, or -2 where the queue has no more room.
+        What :func:`motion_contact` returns, or ``_NO_ROOM`` and 0 where the queue is full.
     """
-    size = 0
+    queue, size = w.queue, 0
     for row in range(bodies.pairs.shape[0]):
         if active[row]:
             queue.rows[size] = row
             size += 1
-    queue.middle[0], queue.half[0] = 0.5, 0.5
+    queue.middle[0], queue.half[0] = middle, half
     queue.begin[0], queue.end[0] = 0, size
     at, nodes = 0, 1
     while at < nodes:
@@ -84,11 +86,12 @@ def _halve(
         move_links(chain, queue, w)
         left = size
         if size + queue.end[at] - queue.begin[at] > queue.rows.shape[0]:
-            return -2, 0.0
+            return _NO_ROOM, 0.0
         for k in range(queue.begin[at], queue.end[at]):
             row = queue.rows[k]
             i, j = bodies.pairs[row, 0], bodies.pairs[row, 1]
-            move_piece(chain, bodies, queue, j, w)
+            if w.moved[j] != w.now[0]:
+                move_piece(chain, bodies, queue, j, w)
             apart = sphere_gap(bodies, i, j, w)
             if apart > need + w.motion[j, bodies.carrier[i]]:
                 continue
@@ -114,7 +117,7 @@ def _halve(
             size += 1
         if size > left:
             if nodes + 2 > queue.middle.shape[0]:
-                return -2, 0.0
+                return _NO_ROOM, 0.0
             for side in range(2):
                 queue.middle[nodes] = t + (0.5 if side else -0.5) * h
                 queue.half[nodes] = 0.5 * h
@@ -124,22 +127,38 @@ def _halve(
     return -1, 0.0
 
 
-@kernel
+@leaf_kernel
 def _proven(
     chain: Chain, bodies: Bodies, active: Flags, need: float, w: Scratch
 ) -> tuple[int, float]:
-    """Prove the motion in the queue of the work space, in a larger queue where it has no room."""
-    row, share = _halve(chain, bodies, active, need, w, w.queue)
-    room = 4
-    while row == -2:
-        larger = new_queue(chain, bodies, w.queue.q.shape[0], room)
-        larger.curve[:] = w.queue.curve
-        row, share = _halve(chain, bodies, active, need, w, larger)
-        room *= 4
-    return row, share
+    """Prove the motion in the queue of the work space, in parts where it has no room for all."""
+    later = w.queue.later
+    later[0, 0], later[0, 1] = 0.5, 0.5
+    waiting = 1
+    while waiting > 0:
+        waiting -= 1
+        t, h = later[waiting, 0], later[waiting, 1]
+        row, share = _halve(chain, bodies, active, need, w, t, h)
+        if row >= 0:
+            return row, share
+        if row == _NO_ROOM:
+            for side in range(2):
+                later[waiting, 0] = t + (0.5 if side == 0 else -0.5) * h
+                later[waiting, 1] = 0.5 * h
+                waiting += 1
+    return -1, 0.0
 
 
-@kernel
+@leaf_kernel
+def _set_line(q_begin: Array, q_end: Array, w: Scratch) -> None:
+    """Write the motion between two configurations into the queue."""
+    curve = w.queue.curve
+    for d in range(q_begin.shape[0]):
+        curve[0, d], curve[1, d] = q_begin[d], q_end[d] - q_begin[d]
+        curve[2, d] = curve[3, d] = 0.0
+
+
+@leaf_kernel
 def motion_contact(
     chain: Chain,
     bodies: Bodies,
@@ -168,14 +187,29 @@ def motion_contact(
     at_end = first_pair(chain, bodies, active, need, q_end, w)
     if at_end >= 0:
         return at_end, 1.0
-    curve = w.queue.curve
-    for d in range(q_begin.shape[0]):
-        curve[0, d], curve[1, d] = q_begin[d], q_end[d] - q_begin[d]
-        curve[2, d] = curve[3, d] = 0.0
+    _set_line(q_begin, q_end, w)
     return _proven(chain, bodies, active, need, w)
 
 
-@kernel
+@leaf_kernel
+def motion_free(
+    chain: Chain,
+    bodies: Bodies,
+    active: Flags,
+    margin: float,
+    q_begin: Array,
+    q_end: Array,
+    w: Scratch,
+) -> bool:
+    """Whether a straight joint motion is proven to be free; see :func:`motion_contact`."""
+    need = bodies.clearance + margin
+    if any_pair(chain, bodies, active, need, q_end, w) >= 0:
+        return False
+    _set_line(q_begin, q_end, w)
+    return _proven(chain, bodies, active, need, w)[0] < 0
+
+
+@leaf_kernel
 def curve_contacts(
     chain: Chain,
     bodies: Bodies,

@@ -14,7 +14,7 @@ from ikplan.collision.gjk import gap_between
 from ikplan.collision.scratch import Scratch
 from ikplan.kinematics.chain import Chain
 
-__all__ = ["bounded_gap", "pair_gap", "place_pieces", "place_rest", "sphere_gap", "swept_gap"]
+__all__ = ["bounded_gap", "pair_gap", "place_pieces", "place_rest", "sphere_gap", "spheres_meet", "swept_gap"]
 
 
 @leaf_kernel
@@ -79,6 +79,17 @@ def sphere_gap(bodies: Bodies, i: int, j: int, w: Scratch) -> float:
     for k in range(3):
         square += (w.centre[i, k] - w.centre[j, k]) ** 2
     return math.sqrt(square) - float(bodies.bound[i] + bodies.bound[j])
+
+
+@leaf_kernel
+def spheres_meet(bodies: Bodies, i: int, j: int, need: float, w: Scratch) -> bool:
+    """Whether the gap of the spheres about two pieces is not larger than needed."""
+    square = 0.0
+    for k in range(3):
+        step = w.centre[i, k] - w.centre[j, k]
+        square += step * step
+    far = bodies.bound[i] + bodies.bound[j] + need
+    return bool(square <= far * far)
 
 
 @leaf_kernel

@@ -46,14 +46,12 @@ def move_links(chain: Chain, queue: Queue, w: Scratch) -> None:
 
 @leaf_kernel
 def move_piece(chain: Chain, bodies: Bodies, queue: Queue, i: int, w: Scratch) -> None:
-    """Write how far a piece can move against each link inwards of its carrier, unless it is there.
+    """Write how far a piece can move against each link inwards of its carrier.
 
     A point at distance r from the axis of a joint that turns by up to d at most, while it moves by
     up to m outwards of it, has an acceleration of at most ``d^2 r + 2 d m``, that outwards of it
     and that of the joint, all in units of half the interval.
     """
-    if w.moved[i] == w.now[0]:
-        return
     w.moved[i] = w.now[0]
     outer = bodies.carrier[i]
     total, bend = 0.0, 0.0

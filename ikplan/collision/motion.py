@@ -24,9 +24,10 @@ _LOOSE = 0.015
 when they are compared, never what is proven."""
 _SHARE = 0.7
 """By how much the gap is at times larger than that of the spheres, in the radii of both."""
-_NO_ROOM = -2
 _FINEST = 2e-5
 """Motion of the outer body within an interval below which it is not halved any more [m]."""
+
+_NO_ROOM = -2
 
 
 @leaf_kernel
@@ -72,9 +73,9 @@ def _halve(
         What :func:`motion_contact` returns, or ``_NO_ROOM`` and 0 where the queue is full.
     """
     queue, size = w.queue, 0
-    for row in range(bodies.pairs.shape[0]):
-        if active[row]:
-            queue.rows[size] = row
+    for top in bodies.tops:
+        if active[top]:
+            queue.rows[size] = top
             size += 1
     queue.middle[0], queue.half[0] = middle, half
     queue.begin[0], queue.end[0] = 0, size
@@ -85,10 +86,15 @@ def _halve(
         place_pieces(chain, bodies, queue.q, w)
         move_links(chain, queue, w)
         left = size
-        if size + queue.end[at] - queue.begin[at] > queue.rows.shape[0]:
-            return _NO_ROOM, 0.0
-        for k in range(queue.begin[at], queue.end[at]):
-            row = queue.rows[k]
+        # All in one loop: a call with these arguments costs more than most of its steps.
+        k, part, last_part = queue.begin[at], 0, 0
+        while part < last_part or k < queue.end[at]:
+            if part < last_part:
+                row = part
+                part += 1
+            else:
+                row = queue.rows[k]
+                k += 1
             i, j = bodies.pairs[row, 0], bodies.pairs[row, 1]
             if w.moved[j] != w.now[0]:
                 move_piece(chain, bodies, queue, j, w)
@@ -99,20 +105,22 @@ def _halve(
             motion = spheres_moved(i, j, w)
             if apart > need + motion:
                 continue
-            # Not in contact here, and so far from being proven that it is not worth a closer look.
-            if apart > need and motion > apart + _SHARE * (bodies.bound[i] + bodies.bound[j]):
-                queue.rows[size] = row
-                size += 1
-                continue
-            bound, proven = cover_proven(bodies, i, j, need, w)
-            if proven:
-                continue
-            if bound <= need or need + motion < bound + _LOOSE:
-                lower, upper, proven = swept_gap(bodies, row, need, need, w.sweep, w)
+            # Looked at closely unless it is not in contact here and far from being proven.
+            if not (apart > need and motion > apart + _SHARE * (bodies.bound[i] + bodies.bound[j])):
+                bound, proven = cover_proven(bodies, i, j, need, w)
                 if proven:
                     continue
-                if upper <= need or not lower > need or w.sweep[8] < _FINEST:
-                    return row, t
+                if bodies.parts[row, 1] > 0:
+                    part, last_part = bodies.parts[row, 0], bodies.parts[row, 1]
+                    continue
+                if bound <= need or need + motion < bound + _LOOSE:
+                    lower, upper, proven = swept_gap(bodies, row, need, need, w.sweep, w)
+                    if proven:
+                        continue
+                    if upper <= need or not lower > need or w.sweep[8] < _FINEST:
+                        return row, t
+            if size == queue.rows.shape[0]:
+                return _NO_ROOM, 0.0
             queue.rows[size] = row
             size += 1
         if size > left:

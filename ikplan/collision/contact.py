@@ -62,9 +62,7 @@ def first_pair(
 
 
 @leaf_kernel
-def any_pair(
-    chain: Chain, bodies: Bodies, active: Flags, need: float, q: Array, w: Scratch
-) -> int:
+def any_pair(chain: Chain, bodies: Bodies, active: Flags, need: float, q: Array, w: Scratch) -> int:
     """Return a pair whose gap is not larger than needed, -1 where there is none.
 
     What was in contact last is looked at first.

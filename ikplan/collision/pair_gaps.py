@@ -11,10 +11,19 @@ from ikplan.collision.capsules import segment_distance
 from ikplan.collision.coverings import sphere_box_gap
 from ikplan.collision.frames import link_frames
 from ikplan.collision.gjk import gap_between
+from ikplan.collision.inlining import inlined_kernel
 from ikplan.collision.scratch import Scratch
 from ikplan.kinematics.chain import Chain
 
-__all__ = ["bounded_gap", "pair_gap", "place_pieces", "place_rest", "sphere_gap", "spheres_meet", "swept_gap"]
+__all__ = [
+    "bounded_gap",
+    "pair_gap",
+    "place_pieces",
+    "place_rest",
+    "sphere_gap",
+    "spheres_meet",
+    "swept_gap",
+]
 
 
 @leaf_kernel
@@ -92,7 +101,7 @@ def spheres_meet(bodies: Bodies, i: int, j: int, need: float, w: Scratch) -> boo
     return bool(square <= far * far)
 
 
-@leaf_kernel
+@inlined_kernel
 def bounded_gap(bodies: Bodies, i: int, j: int, need: float, w: Scratch) -> float:
     """Return a lower bound of the gap of two pieces whose spheres meet [m], without their hulls.
 
@@ -136,7 +145,7 @@ def pair_gap(
     return lower, upper
 
 
-@leaf_kernel
+@inlined_kernel
 def swept_gap(
     bodies: Bodies, row: int, need: float, enough: float, sweep: Array, w: Scratch
 ) -> tuple[float, float, bool]:

@@ -15,6 +15,7 @@ from ikplan._jit import leaf_kernel
 from ikplan.arrays import Array
 from ikplan.collision.bodies import Bodies
 from ikplan.collision.capsules import segment_distance
+from ikplan.collision.inlining import inlined_kernel
 from ikplan.collision.pair_gaps import place_rest
 from ikplan.collision.scratch import Queue, Scratch
 from ikplan.kinematics.chain import Chain
@@ -138,7 +139,7 @@ def _box_gap(
     return gap, gap > need + towards + sweep[7]
 
 
-@leaf_kernel
+@inlined_kernel
 def cover_proven(bodies: Bodies, i: int, j: int, need: float, w: Scratch) -> tuple[float, bool]:
     """Bound the gap of two pieces whose spheres meet, without their hulls.
 

@@ -16,7 +16,7 @@ from ikplan.collision.scratch import Queue, Scratch
 from ikplan.collision.sweep import cover_proven, move_links, move_piece, spheres_moved, sweep_pair
 from ikplan.kinematics.chain import Chain
 
-__all__ = ["curve_contacts", "motion_contact", "motion_free"]
+__all__ = ["curve_contacts", "motion_contact", "motion_free", "reach_of"]
 
 
 _LOOSE = 0.015
@@ -31,7 +31,7 @@ _NO_ROOM = -2
 
 
 @leaf_kernel
-def _reach_of(chain: Chain, queue: Queue, t: float, h: float) -> None:
+def reach_of(chain: Chain, queue: Queue, t: float, h: float) -> None:
     """Write the configuration at a share t, and how each serial joint moves within h of it.
 
     The motion is ``c0 + c1 t + c2 t^2 + c3 t^3``: within h of t no joint value moves by more than
@@ -82,7 +82,7 @@ def _halve(
     at, nodes = 0, 1
     while at < nodes:
         t, h = queue.middle[at], queue.half[at]
-        _reach_of(chain, queue, t, h)
+        reach_of(chain, queue, t, h)
         place_pieces(chain, bodies, queue.q, w)
         move_links(chain, queue, w)
         left = size

@@ -78,8 +78,10 @@ def _bounds_of_piece(points: Array, radius: float, standing: bool) -> PieceBound
     middle = 0.5 * (points.min(axis=0) + points.max(axis=0))
     reach = float(np.linalg.norm(points - middle, axis=1).max())
     begin, end, wide = (middle, middle, reach) if standing else enclosing_capsule(points)
+    cover = np.append(middle, reach)[None] if standing else covering_spheres(points)
+    # Their centres move as little as the points only where they are as near to the middle.
+    reach = max(reach, float(np.linalg.norm(cover[:, :3] - middle, axis=1).max()))
     ball = np.append(middle, reach)
-    cover = ball[None] if standing else covering_spheres(points)
     axes, centre, half = enclosing_box(points)
     return PieceBounds(
         points,

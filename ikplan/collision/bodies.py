@@ -123,8 +123,8 @@ def _pairs_of_pieces(
         model: The bodies and pairs.
         pieces_of: The pieces of each body; after several comes what is about all of them.
     """
-    pairs, pair_of = list[tuple[int, int]](), list[int]()
-    whole, whole_of, parts, tops = [], [], [], list[int]()
+    pairs, pair_of, tops = list[tuple[int, int]](), list[int](), list[int]()
+    whole, whole_of, parts = list[tuple[int, int]](), list[int](), list[tuple[int, int]]()
     for row, (a, b) in enumerate(np.asarray(model.pairs, dtype=np.int64).reshape(-1, 2)):
         if model.bodies[a].carrier > model.bodies[b].carrier:
             a, b = b, a

@@ -183,7 +183,7 @@ def _along(sweep: Array, x: float, y: float, z: float) -> float:
     turn_z = sweep[3] * y - sweep[4] * x
     turned = math.sqrt(turn_x * turn_x + turn_y * turn_y + turn_z * turn_z)
     straight = abs(sweep[0] * x + sweep[1] * y + sweep[2] * z) + turned * sweep[6]
-    return min(straight + sweep[7], sweep[8])
+    return float(min(straight + sweep[7], sweep[8]))
 
 
 @leaf_kernel

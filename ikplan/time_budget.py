@@ -10,7 +10,7 @@ from typing import Any
 
 from ikplan.arrays import Flags
 from ikplan.errors import BudgetExceeded
-from ikplan.processor_time import WALL_FACTOR, thread_clock
+from ikplan.processor_time import WALL_FACTOR, has_thread_clocks, thread_clock
 
 __all__ = ["Progress", "SearchCut", "TimeBudget", "ran_out"]
 
@@ -51,6 +51,7 @@ class TimeBudget:
         self.evaluations = 0
         self._processor = thread_clock()
         self._processor_begin = self._processor()
+        self._helped_s = 0.0
         self._begin = time.perf_counter()
         self._stage = ""
         self._since = self._begin
@@ -99,6 +100,15 @@ class TimeBudget:
         """Count forward-kinematics evaluations that were spent."""
         self.evaluations += int(evaluations)
 
+    def spend(self, processor_s: float) -> None:
+        """Count processor time of other threads that this one waits for.
+
+        Args:
+            processor_s: Their mean, no more than the wall time of the wait [s].
+        """
+        if has_thread_clocks():  # else the wait itself counts
+            self._helped_s += processor_s
+
     def set_total(self, waypoints: int) -> None:
         """Tell how many waypoints there are to do."""
         self._waypoints = waypoints
@@ -115,8 +125,8 @@ class TimeBudget:
         return time.perf_counter() - self._begin
 
     def _processor_s(self) -> float:
-        """Processor time spent by the plan's thread [s]."""
-        return self._processor() - self._processor_begin
+        """Processor time spent by the plan's thread, and by others that it waited for [s]."""
+        return self._processor() - self._processor_begin + self._helped_s
 
     @property
     def left(self) -> float:

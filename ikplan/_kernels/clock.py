@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterator
 
 from ikplan.processor_time import thread_clock
 
-__all__ = ["KernelTime", "counting", "kernel_seconds", "thread_kernels"]
+__all__ = ["KernelTime", "counting", "kernel_seconds", "thread_kernels", "working_seconds"]
 
 
 class KernelTime:
@@ -64,6 +64,12 @@ def counting() -> Iterator[None]:
     finally:
         own.end(processor())
         _process.end(time.perf_counter())
+
+
+def working_seconds() -> float:
+    """Return the processor time of the calling thread without what it puts into kernels [s]."""
+    clock = thread_clock()
+    return clock() - thread_kernels().seconds(clock)
 
 
 def kernel_seconds() -> float:

@@ -13,6 +13,7 @@ from typing import Annotated, Any, NoReturn, TypeVar, get_args
 
 import numpy as np
 import orjson
+from numpy.typing import NDArray
 from pydantic import (
     BaseModel,
     BeforeValidator,
@@ -24,7 +25,6 @@ from pydantic import (
     WithJsonSchema,
 )
 
-from ikplan.arrays import Array
 from ikplan.documents.json_text import load_json, shortened
 from ikplan.errors import InvalidRequest, near_names
 from ikplan.processor_time import WALL_FACTOR
@@ -34,6 +34,7 @@ __all__ = [
     "MAX_BUDGET_S",
     "MAX_NUMBER",
     "MAX_PLAN_S",
+    "Booleans",
     "Document",
     "Floats",
     "IfGiven",
@@ -93,9 +94,9 @@ def _not_given(document: Document) -> dict[str, Any]:
     found: dict[str, Any] = {}
     for name, field in type(document).model_fields.items():
         value = getattr(document, name)
-        if any(isinstance(mark, IfGiven) for mark in field.metadata):
-            if value == field.get_default(call_default_factory=True):
-                found[name] = True
+        marked = any(isinstance(mark, IfGiven) for mark in field.metadata)
+        if marked and value == field.get_default(call_default_factory=True):
+            found[name] = True
         elif isinstance(value, Document) and (inner := _not_given(value)):
             found[name] = inner
     return found
@@ -122,9 +123,9 @@ _ARRAYS = object()
 """Context in which arrays are left as they are."""
 
 
-def _array(ndim: int, schema: dict[str, Any]) -> Any:
-    def load(value: Any) -> Array:
-        array = np.array(value, dtype=np.float64)
+def _array(ndim: int, schema: dict[str, Any], dtype: type[np.generic] = np.float64) -> Any:
+    def load(value: Any) -> NDArray[Any]:
+        array = np.array(value, dtype=dtype)
         if array.size == 0 and array.ndim < ndim:
             array = array.reshape((0,) * ndim)
         if array.ndim != ndim:
@@ -133,7 +134,7 @@ def _array(ndim: int, schema: dict[str, Any]) -> Any:
         return array
 
     return Annotated[
-        Array,
+        NDArray[Any],
         PlainValidator(load),
         PlainSerializer(lambda a, info: a if info.context is _ARRAYS else a.tolist()),
         WithJsonSchema(schema),
@@ -145,6 +146,8 @@ Vector = _array(1, _NUMBERS)
 """A float64 array of shape (n,) in Python, a list of numbers in JSON."""
 Matrix = _array(2, {"type": "array", "items": _NUMBERS})
 """A float64 array of shape (n, m) in Python, a list of rows in JSON."""
+Booleans = _array(1, {"type": "array", "items": {"type": "boolean"}}, np.bool_)
+"""An array of booleans of shape (n,) in Python, a list in JSON."""
 
 
 def write_json(document: BaseModel) -> bytes:

@@ -11,7 +11,7 @@ from ikplan.arrays import Array
 from ikplan.documents.certificate import Certificate, Result
 from ikplan.documents.controller import ControllerInfo
 from ikplan.documents.timing_report import MotionPolynomials, TimingReport
-from ikplan.documents.trajectory import Stats, Trajectory, WaypointResults
+from ikplan.documents.trajectory import OrderReport, Stats, Trajectory, WaypointResults
 
 __all__ = ["PlanDocument"]
 
@@ -27,6 +27,9 @@ class PlanDocument(Result):
         description='Unit of each column of q: "rad" for a turning joint, "m" for a sliding one.'
     )
     waypoints: WaypointResults
+    order: OrderReport | None = Field(
+        None, description="The order found; null: the path was passed as it is written."
+    )
     trajectory: Trajectory
     certificate: Certificate
     timing: TimingReport | None = Field(

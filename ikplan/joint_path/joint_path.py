@@ -268,6 +268,8 @@ def _distinct(q: Array) -> tuple[Indices, Indices]:
     """Return the rows to keep and, for each row, the number of the kept row it belongs to."""
     steps = np.linalg.norm(np.diff(q, axis=0), axis=1)
     smallest = _MERGE * steps.sum()
+    if (steps > smallest).all():
+        return np.arange(len(q)), np.arange(len(q))
     kept = [0]
     knot_of_row = np.zeros(len(q), dtype=np.int64)
     for row in range(1, len(q)):

@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 
 from ikplan.arrays import Array, Flags, Indices
-from ikplan.path.pieces.curved import CurvedPiece
 from ikplan.path.pieces.piece import PathDerivatives, Piece
-from ikplan.path.pieces.steady import SteadyPiece, stack_steady, steady_derivatives
-from ikplan.path.pieces.steady_kernels import SteadyStack
+from ikplan.path.pieces.piece_kernels import PieceStack
+from ikplan.path.pieces.piece_stack import motion_on, stack_pieces
 
 __all__ = ["Corner", "PathWaypoint", "SegmentRange", "ToolPath"]
 
@@ -126,12 +125,8 @@ class ToolPath:
         return np.array([piece.oriented for piece in self.pieces])
 
     @cached_property
-    def _steady(self) -> tuple[SteadyStack, Indices]:
-        """The steady pieces as one stack, and the row of each piece in it, -1 for the others."""
-        steady = [piece for piece in self.pieces if isinstance(piece, SteadyPiece)]
-        rows = np.full(len(self.pieces), -1)
-        rows[[isinstance(piece, SteadyPiece) for piece in self.pieces]] = np.arange(len(steady))
-        return stack_steady(steady), rows
+    def _stack(self) -> PieceStack:
+        return stack_pieces(self.pieces)
 
     def pose(self, s: float) -> tuple[Array, Array]:
         """Return rotation (3, 3) and position (3,) [m] of the tool at path length s.
@@ -165,50 +160,15 @@ class ToolPath:
         back = (s == self.begins[piece]) & ~self._oriented[piece] & self._oriented[before]
         return np.where(back, before, piece)
 
+    def positions(self, s: Array) -> Array:
+        """Return positions at path lengths s, shape (m,) [m] -> (m, 3) [m]."""
+        s = np.asarray(s, dtype=np.float64)
+        piece = self.piece_at(s)
+        return motion_on(self._stack, piece, s - self.begins[piece], turned=False).p
+
     def derivatives_on(self, piece: Indices, s: Array) -> PathDerivatives:
         """Return the motion at lengths s from the begins of pieces, both of shape (m,)."""
-        stack, rows = self._steady
-        row = rows[piece]
-        if len(row) and (row >= 0).all():
-            return steady_derivatives(stack, row, s)
-        m = len(s)
-        out = PathDerivatives(np.empty((m, 3, 3)), *(np.empty((m, 3)) for _ in range(4)))
-        groups = [np.flatnonzero(row >= 0)] if (row >= 0).any() else []
-        whole = self._grouped[piece]
-        groups += [np.flatnonzero(whole == k) for k in np.unique(whole[whole >= 0])]
-        groups += [np.flatnonzero(piece == k) for k in np.unique(piece[(row < 0) & (whole < 0)])]
-        for here in groups:
-            k = row[here]
-            if k[0] >= 0:
-                part = steady_derivatives(stack, k, s[here])
-            elif whole[here[0]] >= 0:
-                part = self._part_of_curve(piece[here], s[here])
-            else:
-                part = self.pieces[piece[here[0]]].evaluate(s[here])
-            for everywhere, values in zip(out, part, strict=True):
-                everywhere[here] = values
-        return out
-
-    @cached_property
-    def _grouped(self) -> Indices:
-        """For each piece of a curve that many share, the first piece of it; -1 for the others."""
-        first: dict[int, int] = {}
-        found = np.full(len(self.pieces), -1)
-        for k, piece in enumerate(self.pieces):
-            if isinstance(piece, CurvedPiece) and piece.grouped:
-                found[k] = first.setdefault(id(piece.curve), k)
-        return found
-
-    @cached_property
-    def _curve_begins(self) -> Array:
-        """Where on its curve each piece begins [m]; 0 where it is no part of one."""
-        return np.array([p.begin if isinstance(p, CurvedPiece) else 0.0 for p in self.pieces])
-
-    def _part_of_curve(self, piece: Indices, s: Array) -> PathDerivatives:
-        """The motion on pieces of one curve, at lengths from their begins."""
-        first = self.pieces[piece[0]]
-        assert isinstance(first, CurvedPiece)
-        return replace(first, begin=0.0).evaluate(self._curve_begins[piece] + s)
+        return motion_on(self._stack, piece, s)
 
     def oriented(self, s: float) -> bool:
         """Whether an orientation is asked for at path length s; yes at the ends of such spans."""

@@ -9,12 +9,15 @@ from numpy.typing import NDArray
 
 from ikplan._version import __version__
 from ikplan.certificate import Claim, RequestedSegment, certify
+from ikplan.certificate.clearance.leaving import Leaving
+from ikplan.certificate.regions import has_regions, prove_regions
+from ikplan.certificate.requested import read_motion
 from ikplan.documents.path import PathRequest
 from ikplan.documents.plan_request import PlanRequest
 from ikplan.documents.timing_request import PathNearness, TimingRequest
 from ikplan.documents.trajectory import MoveReport, Stats, WaypointResults
 from ikplan.limits.motion_limits import MotionLimits
-from ikplan.pipeline.collisions import prove_motion
+from ikplan.pipeline.collisions import handed_out, prove_motion
 from ikplan.pipeline.hints import stop_hints
 from ikplan.pipeline.timing_stage import Timing
 from ikplan.plans.plan import Plan
@@ -54,6 +57,8 @@ def assemble_plan(
     segment_times: Sequence[tuple[float, float]] | None = None,
     joint_waypoints: Array | None = None,
     tolerance: PathNearness | None = None,
+    order: tuple[int, ...] | None = None,
+    leaving: Leaving | None = None,
     hints: Sequence[str] = (),
     plan_id: str,
 ) -> Plan:
@@ -71,15 +76,19 @@ def assemble_plan(
         segments: Parts of a joint path with limits of their own.
         moves: Reports of the moves around obstacles.
         model: Bodies that must not touch; None: nothing is checked.
-        segment_times: When each segment begins and ends [s], for attached bodies.
+        segment_times: When each segment begins and ends, in the order passed [s], for attached
+            bodies.
         joint_waypoints: Joint values that a timing asks for, shape (n, dof); None: a path is.
         tolerance: How far from the polyline through them the motion may be; None: not asked.
+        order: Numbers of the parts of the path in the order passed; None: as it is written.
+        leaving: Pairs that touch at the start, which is left, and until when they may.
         hints: What takes time and need not, in words.
         plan_id: The id of the plan.
 
     Raises:
         BudgetExceeded: The time budget ran out.
         InCollision: Bodies come nearer than allowed.
+        RegionLeft: The tool leaves the region of a move.
         CertificateViolated: The trajectory broke a promise: a bug.
     """
     samples = timing.samples
@@ -100,10 +109,16 @@ def assemble_plan(
                 stop_time=timing.timed.stop_times,
                 joint_waypoints=joint_waypoints,
                 joint_tolerance=tolerance,
+                order=order,
             )
         )
+        if path is not None and has_regions(path):
+            motion = read_motion(robot, path, q_start, order)
+            curve = handed_out(timing)
+            regions = prove_regions(robot, path, motion, waypoints.time, curve)
+            certificate = certificate.model_copy(update={"regions": regions})
         if model is not None:
-            clearance = prove_motion(robot, model, timing, segment_times)
+            clearance = prove_motion(robot, model, timing, segment_times, order, leaving)
             certificate = certificate.model_copy(update={"clearance": clearance})
     return Plan(
         id=plan_id,

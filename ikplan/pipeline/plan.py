@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import contextlib
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ikplan.certificate.clearance.leaving import Leaving
+from ikplan.certificate.regions import RegionLeft
 from ikplan.collision.checker import CollisionChecker
 from ikplan.documents import parse
 from ikplan.documents.plan_request import PlanRequest, Scene
@@ -23,7 +25,7 @@ from ikplan.pipeline.assemble import assemble_plan, joint_steps
 from ikplan.pipeline.collisions import requested_model, with_meshes
 from ikplan.pipeline.helpers import helped_by
 from ikplan.pipeline.identity import plan_id
-from ikplan.pipeline.motion_stages import MotionStages
+from ikplan.pipeline.motion_stages import MotionStages, TimedRoute
 from ikplan.pipeline.poses import pose_solver
 from ikplan.pipeline.request_budget import RequestBudget
 from ikplan.pipeline.resolve import resolve_robot
@@ -33,8 +35,8 @@ from ikplan.planning import (
     JointRoute,
     Progress,
     find_repairs,
-    plan_joint_path,
 )
+from ikplan.planning.moves.leave import leaving_contact
 from ikplan.planning.repair_kinds import merged_document
 from ikplan.planning.segment_number import segment_number
 from ikplan.planning.tracking.tracked_path import TrackingFailed
@@ -135,7 +137,14 @@ def make_plan(
         contact=contact,
     )
     try:
-        return _corrected(request, problem, limits, limits_of, model, known_id)
+        if isinstance(request.scene, Scene) and request.scene.leave_contact:
+            problem = leaving_contact(problem, contact)
+        stages = MotionStages(request, limits, limits_of)
+        if request.path.order == "given":
+            return _corrected(stages, problem, stages.timed(problem), model, known_id)
+        problem, motion, order = stages.in_best_order(problem)
+        plan = _corrected(stages, problem, motion, model, known_id)
+        return plan.model_copy(update={"order": order})
     except (Unreachable, Disconnected, InCollision) as error:
         if repairs:
             # The verdict stands, whether or not there is time left for repairs.
@@ -164,52 +173,44 @@ def _repairs(
 
 
 def _corrected(
-    request: PlanRequest,
+    stages: MotionStages,
     problem: JointPathProblem,
-    limits: MotionLimits,
-    limits_of: Mapping[str, MotionLimits],
+    motion: TimedRoute,
     model: CollisionModel | None,
     known_id: str,
 ) -> Plan:
-    """Plan, time and certify; moves on which the proof fails are rounded anew.
+    """Certify a timed route; moves on which the proof fails are rounded anew.
 
     Raises:
         InCollision: The proof fails all the same.
     """
     margins: dict[str, float] = {}
     for repair in range(_MOVE_REPAIRS + 1):
-        motion = _motion(
-            request, replace(problem, move_margins=margins), limits, limits_of, model, known_id
-        )
-        if isinstance(motion, Plan):
-            return motion
-        name, violation = motion
+        certified = _certified(stages, problem, motion, model, known_id)
+        if isinstance(certified, Plan):
+            return certified
+        name, violation = certified
         if repair == _MOVE_REPAIRS:
             raise violation
         margins = {**margins, name: max(4.0 * margins.get(name, 0.0), CONTACT_MARGIN)}
+        motion = stages.timed(replace(problem, move_margins=margins))
     raise AssertionError("the loop returns or raises")
 
 
-def _motion(
-    request: PlanRequest,
+def _certified(
+    stages: MotionStages,
     problem: JointPathProblem,
-    limits: MotionLimits,
-    limits_of: Mapping[str, MotionLimits],
+    motion: TimedRoute,
     model: CollisionModel | None,
     known_id: str,
-) -> Plan | tuple[str, InCollision]:
-    """Plan, time and certify; where the proof fails on a move, its name and the violation.
+) -> Plan | tuple[str, InCollision | Disconnected]:
+    """Certify a timed route; where a proof fails on a move, its name and the verdict.
 
     Raises:
         InCollision: The proof fails elsewhere.
     """
-    robot, clock, solver = problem.robot, problem.clock, problem.solver
-    with clock.stage("planning"), clock.cutting(solver.cut, solver.search_evaluations):
-        route = plan_joint_path(problem)
-        stages = MotionStages(request, limits, limits_of)
-        laid = stages.laid(problem, route)
-    with clock.stage("timing"):
-        route, path, timing = stages.fastest(problem, laid)
+    request, robot = stages.request, problem.robot
+    route, path, timing = motion
     # Configurations too close to tell apart are passed as one.
     passed = path.q_knots[path.knot_of_waypoint]
     waypoint_q = passed[[w.index for w in route.waypoints]]
@@ -218,16 +219,27 @@ def _motion(
         return assemble_plan(
             request,
             robot,
-            limits,
+            stages.limits,
             _waypoint_results(robot, route, waypoint_q, times, problem.start_free),
             timing,
-            clock,
-            q_start=None if problem.start_free else problem.q_start,
+            problem.clock,
+            q_start=None if problem.start_free else _begin(problem),
             path=request.path,
             moves=[move.report for move in route.moves],
             model=model,
-            segment_times=_segment_times(route, times),
+            segment_times=_segment_times(route, times, problem.order),
+            order=problem.order,
+            leaving=_leaving(problem, motion),
             plan_id=known_id,
+        )
+    except RegionLeft as left:
+        return left.field, Disconnected(
+            f"{left.field}: at {left.time:.3f} s of the finished motion the tool leaves the region "
+            "it is to stay in, or it cannot be told that it does not; no other way was found",
+            waypoints=[],
+            jump=0.0,
+            reason="the tool leaves the region of the move",
+            q=left.q.tolist(),
         )
     except InCollision as violation:
         for move in route.moves:
@@ -235,6 +247,20 @@ def _motion(
             if violation.time is not None and begin <= violation.time <= end:
                 return move.report.field, violation
         raise
+
+
+def _begin(problem: JointPathProblem) -> NDArray[np.float64]:
+    return problem.q_start if problem.left_from is None else problem.left_from
+
+
+def _leaving(problem: JointPathProblem, motion: TimedRoute) -> Leaving | None:
+    """What the motion leaves at the start; it has to be left by the next sample after it rests."""
+    if problem.left_from is None or problem.left is None:
+        return None
+    rests = float(motion.timing.timed.times[1])
+    samples = motion.timing.samples.time
+    until = float(samples[min(int(np.searchsorted(samples, rests)), len(samples) - 1)])
+    return Leaving(tuple(int(row) for row in problem.left), until)
 
 
 def _survives(
@@ -258,9 +284,9 @@ def _survives(
 
 
 def _segment_times(
-    route: JointRoute, times: NDArray[np.float64]
+    route: JointRoute, times: NDArray[np.float64], order: Sequence[int] | None
 ) -> list[tuple[float, float]] | None:
-    """When each segment of the request begins and ends [s]; None: the path has no segments."""
+    """When each segment of the request begins and ends, in the order passed [s]; None: none are."""
     found: dict[int, tuple[float, float]] = {}
     for part in route.segments:
         number = segment_number(part.field)
@@ -273,7 +299,7 @@ def _segment_times(
         return list(zip([0.0, *ends], ends, strict=False)) or None
     last = begun = 0.0
     rows = []
-    for number in range(max(found) + 1):
+    for number in range(max(found) + 1) if order is None else order:
         begin, end = found.get(number, (last, last))
         # One that leads nowhere, at a rounded corner, is passed after the next one has begun.
         begun = max(begun, begin)

@@ -128,7 +128,7 @@ def time_motion(
     if any(x.deceleration is not None for x in (limits, *(s.limits for s in segments))):
         path = path.with_knots(turning_points(path))
     constraints = _constraints(robot, limits)
-    joint_segments = []
+    joint_segments, ranges = [], list[tuple[float, float, MotionLimits]]()
     for segment in segments:
         start, end = (float(s) for s in path.s_waypoints[[segment.first, segment.last]])
         if start < end:
@@ -136,7 +136,9 @@ def time_motion(
             joint_segments.append(
                 SegmentJointLimits(start, end, joint_limits(robot, segment.limits))
             )
-            constraints += _constraints(robot, segment.limits, limits, start, end)
+            ranges.append((start, end, segment.limits))
+    for start, end, own in _runs(ranges):
+        constraints += _constraints(robot, own, limits, start, end)
     free = time_joint_path(
         path,
         joint_limits(robot, limits),
@@ -164,6 +166,28 @@ def time_motion(
             zero_end_acceleration=not samples.ddq[[0, -1]].any(),
         ),
     )
+
+
+def _runs(
+    ranges: Sequence[tuple[float, float, MotionLimits]],
+) -> list[tuple[float, float, MotionLimits]]:
+    """Join ranges, begin, end and limits, that meet and limit the tool alike.
+
+    Segments on both sides of a rounded corner overlap.
+    """
+    runs: list[tuple[float, float, MotionLimits]] = []
+    for start, end, limits in ranges:
+        if runs and start <= runs[-1][1] and _alike(runs[-1][2], limits):
+            start, before, _ = runs.pop()
+            end = max(before, end)
+        runs.append((start, end, limits))
+    return runs
+
+
+def _alike(a: MotionLimits, b: MotionLimits) -> bool:
+    """Whether two limits ask the same of the tool and of the torques."""
+    rates = [(*x.tool_speed, *x.tool_acceleration) for x in (a, b)]
+    return rates[0] == rates[1] and (b.torque is a.torque) and not _more_torque(b, a)
 
 
 def _constraints(

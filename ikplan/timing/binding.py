@@ -285,8 +285,7 @@ def _unsolved(span: SpanTiming, error: EngineFailed, change: WhatIf) -> float:
 
 def _duration(problem: SpanProblem, check: Check = unlimited) -> float:
     check()
-    x = problem.compiled_solution / max(problem.largest_ratio(problem.compiled_solution), 1e-300)
-    return float(problem.times(x).sum())
+    return problem.compiled_duration
 
 
 def _check_label(timed: TimedPath, label: Label) -> None:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import itertools
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -72,19 +74,19 @@ def regridded(grid: Grid, counts: Array) -> Grid:
     return Grid(s[distinct], pieces[distinct[:-1]])
 
 
-def curvature_grid(path: JointPath, first: int, last: int, weight: Array, target: int) -> Grid:
+def curvature_grid(path: JointPath, knots: Sequence[int], weight: Array, target: int) -> Grid:
     """Place nodes by how much the direction of motion turns, and evenly otherwise.
 
     Args:
         path: The path.
-        first: First knot of the span.
-        last: Last knot of the span.
+        knots: First and last knot of the span; of spans that are timed together, all their ends.
         weight: How much each joint counts, shape (dof,).
-        target: About how many intervals.
+        target: About how many intervals in each span.
 
     Returns:
         The grid.
     """
+    first, last = knots[0], knots[-1]
     s = path.s_knots[first : last + 1]
     h = np.diff(s)
     m0, m1 = path.tangents_start[first:last], path.tangents_end[first:last]
@@ -93,6 +95,10 @@ def curvature_grid(path: JointPath, first: int, last: int, weight: Array, target
         np.sum((np.abs(d - m0) + np.abs(m1 - d)) * weight, axis=1)
         / np.maximum(np.sum(np.abs(d) * weight, axis=1), 1e-300)
     )
-    density = h / h.sum() + turn / max(float(turn.sum()), 1e-300)
+    density = np.empty_like(h)
+    for begin, end in itertools.pairwise(knots):
+        span = slice(begin - first, end - first)
+        of_turn = max(float(turn[span].sum()), 1e-300)
+        density[span] = h[span] / h[span].sum() + turn[span] / of_turn
     counts = np.maximum(0.5 * target * density, 2.0)
     return regridded(Grid(s, np.arange(first, last)), counts)

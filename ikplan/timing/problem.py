@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ikplan.arrays import Array
+from ikplan.arrays import Array, Indices
 from ikplan.joint_path.joint_path import JointPath
 from ikplan.timing.constraints.constraints import PathConstraint
 from ikplan.timing.constraints.grid_constraints import GridConstraints
@@ -43,6 +43,8 @@ class SpanProblem:
         qss1: d2q/ds2 at the ends, shape (n, dof).
         bounds: Upper and lower velocity limits, upper and lower acceleration limits, each of
             shape (n, dof).
+        rests: Nodes between the ends at which the motion rests, shape (k,): of spans that are
+            timed together.
     """
 
     path: JointPath
@@ -54,6 +56,7 @@ class SpanProblem:
     qss0: Array
     qss1: Array
     bounds: tuple[Array, Array, Array, Array]
+    rests: Indices
 
     @classmethod
     def build(
@@ -63,6 +66,7 @@ class SpanProblem:
         profile: LimitProfile,
         constraints: Sequence[PathConstraint] = (),
         fine: bool = True,
+        rests: Array | None = None,
     ) -> SpanProblem:
         """Evaluate a path on a grid.
 
@@ -72,6 +76,8 @@ class SpanProblem:
             profile: Joint limits on every piece of the path.
             constraints: Limits other than those of single joints.
             fine: Whether they are looked at in five places of an interval, or in three.
+            rests: Path positions between the ends, nodes of the grid, at which the motion rests;
+                None: nowhere.
 
         Returns:
             The problem.
@@ -89,11 +95,13 @@ class SpanProblem:
             qss0=qss[:n],
             qss1=qss[n:],
             bounds=_bounds(profile, grid),
+            rests=np.searchsorted(grid.s, np.zeros(0) if rests is None else rests),
         )
 
     def on(self, grid: Grid, fine: bool = True) -> SpanProblem:
         """Return the same problem on another grid."""
-        return SpanProblem.build(self.path, grid, self.profile, self.constraints, fine)
+        rests = self.grid.s[self.rests]
+        return SpanProblem.build(self.path, grid, self.profile, self.constraints, fine, rests)
 
     def within(self, profile: LimitProfile) -> SpanProblem:
         """Return the same problem with other limits of the joints."""
@@ -115,18 +123,20 @@ class SpanProblem:
             tightening: By how much to divide the constraints (not the joint limits) in each
                 interval, shape (n,), >= 1; None: not at all.
         """
-        a, b = acceleration_rows(
-            self.h, self.qs0, self.qss0, self.qss1, self.bounds[2], self.bounds[3]
-        )
         x_max = velocity_bounds(self.h, self.qs0, self.qss0, self.qss1, *self.bounds[:2])
+        more_a, more_b, more_x = self.others.rows
+        n, own = len(self.h), 6 * self.path.dof
+        a, b = np.empty((2, n, own + more_a.shape[1]))
+        acceleration_rows(self.h, self.qs0, self.qss0, self.qss1, *self.bounds[2:], a, b)
         if self.constraints:
-            more_a, more_b, more_x = self.others.rows
+            a[:, own:], b[:, own:] = more_a, more_b
             if tightening is not None:
-                more_a, more_b = more_a * tightening[:, None], more_b * tightening[:, None]
+                a[:, own:] *= tightening[:, None]
+                b[:, own:] *= tightening[:, None]
                 more_x = more_x / tightening[:, None]
-            a, b = np.hstack([a, more_a]), np.hstack([b, more_b])
             x_max[:-1] = np.minimum(x_max[:-1], more_x[:, 0])
             x_max[1:] = np.minimum(x_max[1:], more_x[:, 1])
+        x_max[self.rests] = 0.0
         return StageRows(self.grid.s, a, b, x_max)
 
     def limit_ratios(self, x: Array) -> tuple[Array, Array]:
@@ -152,7 +162,7 @@ class SpanProblem:
         Raises:
             EngineFailed: The engine found none.
         """
-        rows, unit = natural_units(self.rows())
+        rows, unit = self._in_units_of(engine)
         x = engine.solve(rows) * unit
         tightening = np.ones(len(self.h))
         for _ in range(_TIGHTENINGS if self.constraints else 0):
@@ -163,9 +173,20 @@ class SpanProblem:
             if largest.max() <= 1.0 + _ENOUGH:
                 break
             tightening *= np.maximum(largest, 1.0)
-            rows, unit = natural_units(self.rows(tightening))
+            rows, unit = self._in_units_of(engine, tightening)
             x = engine.solve(rows) * unit
         return x
+
+    def _in_units_of(
+        self, engine: Engine, tightening: Array | None = None
+    ) -> tuple[StageRows, float]:
+        """Return the rows in units that suit an engine, and the unit of x."""
+        rows = self.rows(tightening)
+        # The compiled engine has no absolute tolerances, and to scale the rows of many spans would
+        # cost as much as half of solving them.
+        if len(self.rests) and isinstance(engine, CompiledEngine):
+            return rows, 1.0
+        return natural_units(rows)
 
     @functools.cached_property
     def compiled_solution(self) -> Array:
@@ -179,15 +200,50 @@ class SpanProblem:
         except EngineFailed:
             return self.solve(ToppraEngine())
 
+    @functools.cached_property
+    def compiled_duration(self) -> float:
+        """The duration of that solution, slowed or quickened until a limit binds [s].
+
+        Raises:
+            EngineFailed: As for compiled_solution.
+        """
+        return float(self.times(self.kept(self.compiled_solution, 1e-300)).sum())
+
     def largest_ratio(self, x: Array) -> float:
         """Return the largest limit ratio: x divided by it keeps every limit.
 
         Args:
             x: Squared path velocities at the nodes, shape (n + 1,).
         """
+        return float(self._largest_ratios(x).max())
+
+    def _largest_ratios(self, x: Array) -> Array:
+        """Largest limit ratio of each span from rest to rest, shape (k + 1,)."""
         v_ratio, a_ratio = self.limit_ratios(x)
-        others = [float(highest(ratios).max()) for _, ratios in self.others.ratios(x)]
-        return max(float(v_ratio.max()) ** 2, float(a_ratio.max()), *others, 0.0)
+        if len(self.rests) == 0:
+            others = [float(highest(ratios).max()) for _, ratios in self.others.ratios(x)]
+            return np.array([max(float(v_ratio.max()) ** 2, float(a_ratio.max()), *others, 0.0)])
+        largest = np.maximum(v_ratio.max(axis=1) ** 2, a_ratio.max(axis=1))
+        for points, ratios in self.others.ratios(x):
+            most = highest(ratios).max(axis=1)
+            largest[points.inside] = np.maximum(largest[points.inside], most)
+        return np.maximum.reduceat(largest, np.concatenate([[0], self.rests]))
+
+    def kept(self, x: Array, least: float, margin: float = 0.0) -> Array:
+        """Return velocities slowed span by span until they keep every limit.
+
+        Args:
+            x: Squared path velocities at the nodes, shape (n + 1,).
+            least: Spans are divided by no less than this: by 1 none is made faster.
+            margin: Share by which more than needed.
+        """
+        factor = np.maximum(self._largest_ratios(x), least) * (1.0 + margin)
+        if len(factor) == 1:
+            return np.asarray(x / factor[0])
+        ends = np.concatenate([[0], self.rests, [len(self.h)]])
+        per_interval = np.repeat(factor, np.diff(ends))
+        # The nodes at both ends of a span rest.
+        return np.asarray(x / np.append(per_interval, factor[-1]))
 
     def loss(self, x: Array) -> Array:
         """Return about how much time each interval takes more than it would on a fine grid.

@@ -19,12 +19,17 @@ from ikplan.timing.grid import curvature_grid, regridded
 from ikplan.timing.problem import SpanProblem
 from ikplan.timing.profile import LimitProfile
 
-__all__ = ["SpanTiming", "time_span"]
+__all__ = ["SpanTiming", "time_span", "time_together"]
 
 
 # Kept below the limits, so that rounding in a sample cannot step over one.
 _MARGIN = 2e-9
 _COARSE_INTERVALS = 100
+# Of each of many short spans, most of which only speed up and slow down.
+_FEW_INTERVALS = 32
+# What the grid of spans that are timed together may cost, as a share of what the first one does:
+# where that is much, a twentieth is already less than a span's own grid costs.
+_SHARE_OF_LOSS = 0.05
 _COARSE_ROUNDS = 8
 _VERIFY = 4.0
 _MAX_INTERVALS = 40_000
@@ -118,11 +123,8 @@ def _problems(
     check: Check,
 ) -> Iterator[SpanProblem]:
     """Yield the problem on a grid that is good enough, then on finer ones."""
-    piece = slice(first, last)
-    weight = 1.0 / np.minimum(
-        profile.acceleration[piece].min(axis=0), -profile.acceleration_lower[piece].max(axis=0)
-    )
-    grid = curvature_grid(path, first, last, weight, _COARSE_INTERVALS)
+    weight = _weight(profile, first, last)
+    grid = curvature_grid(path, (first, last), weight, _COARSE_INTERVALS)
     problem: SpanProblem | None = None
     # Where the compiled engine fails, the finer grids tell whether it is for good, and where.
     with contextlib.suppress(EngineFailed):
@@ -139,18 +141,64 @@ def _problems(
         yield problem
 
 
+def _weight(profile: LimitProfile, first: int, last: int) -> Array:
+    """How much each joint counts between two knots: by its least acceleration limit."""
+    piece = slice(first, last)
+    least = np.minimum(
+        profile.acceleration[piece].min(axis=0), -profile.acceleration_lower[piece].max(axis=0)
+    )
+    return np.asarray(1.0 / least)
+
+
+def time_together(
+    path: JointPath,
+    knots: Sequence[int],
+    profile: LimitProfile,
+    constraints: Sequence[PathConstraint] = (),
+    tolerance: float = 1e-4,
+    steady: bool = True,
+    check: Check = unlimited,
+) -> SpanTiming:
+    """Time many short spans as one problem, by the compiled engine.
+
+    Args:
+        path: The path.
+        knots: The knots where the motion rests, in order: the ends of the spans.
+        profile: Joint limits on every piece of the path.
+        constraints: Limits other than those of single joints.
+        tolerance: As for time_span, of all spans; less, since their grids begin coarser.
+        steady: As for time_span.
+        check: As for time_span.
+
+    Returns:
+        The timing of all spans, within every limit.
+
+    Raises:
+        EngineFailed: The compiled engine found none.
+    """
+    grid = curvature_grid(path, knots, _weight(profile, knots[0], knots[-1]), _FEW_INTERVALS)
+    rests = path.s_knots[list(knots[1:-1])]
+    coarse = SpanProblem.build(path, grid, profile, constraints, fine=False, rests=rests)
+    x = coarse.kept(coarse.compiled_solution, 1.0)
+    lost = float(coarse.loss(x).sum() / coarse.times(x).sum())
+    problem = _refined(coarse, max(tolerance, _SHARE_OF_LOSS * lost), check)
+    if constraints:
+        problem = _divided(problem.on(problem.grid), steady, check)
+    return _within_limits(problem, CompiledEngine())
+
+
 def _refined(problem: SpanProblem, tolerance: float, check: Check) -> SpanProblem:
     """Return a problem on a grid on which the compiled solution is near its optimum."""
     for _ in range(_COARSE_ROUNDS):
         check()
-        x = problem.compiled_solution / max(problem.largest_ratio(problem.compiled_solution), 1.0)
+        x = problem.kept(problem.compiled_solution, 1.0)
         loss, total = problem.loss(x), float(problem.times(x).sum())
         n, fraction = len(loss), float(loss.sum()) / total
         if fraction <= tolerance:
             # Near a point where one joint turns round, a grid can be too coarse to pass at the
             # right speed and lose no time it knows of: a much finer one tells.
             finer = problem.on(regridded(problem.grid, np.full(n, _VERIFY)), fine=False)
-            x = finer.compiled_solution / max(finer.largest_ratio(finer.compiled_solution), 1.0)
+            x = finer.kept(finer.compiled_solution, 1.0)
             best = float(finer.times(x).sum())
             if total <= (1.0 + 1.5 * tolerance) * best or n * _VERIFY > _MAX_INTERVALS:
                 return problem
@@ -161,7 +209,9 @@ def _refined(problem: SpanProblem, tolerance: float, check: Check) -> SpanProble
         # The loss falls with the first power of the interval's length; the least number of
         # nodes for a given sum of losses then goes with the root of each.
         root = np.sqrt(np.maximum(loss, 1e-6 * total / n))
-        counts = np.clip(root * (root.sum() / (0.9 * tolerance * total)), 0.33, 16.0)
+        # Of spans that are timed together none may be left with fewer nodes than it began with.
+        fewest = 0.33 if len(problem.rests) == 0 else 1.0
+        counts = np.clip(root * (root.sum() / (0.9 * tolerance * total)), fewest, 16.0)
         counts *= min(1.0, _MAX_INTERVALS / float(counts.sum()))
         problem = problem.on(regridded(problem.grid, counts), fine=False)
     return problem
@@ -171,8 +221,8 @@ def _divided(problem: SpanProblem, steady: bool, check: Check) -> SpanProblem:
     """Return a problem on a grid so fine that constraints are nearly straight where they bind."""
     for _ in range(_DIVISIONS):
         check()
-        x = problem.compiled_solution
-        parts = problem.others.parts(x / max(problem.largest_ratio(x), 1.0), steady)
+        x = problem.kept(problem.compiled_solution, 1.0)
+        parts = problem.others.parts(x, steady)
         if parts.max() <= 1.5:
             break
         counts = np.maximum(parts * min(1.0, _MOST_DIVIDED / parts.sum()), 1.0)
@@ -183,7 +233,7 @@ def _divided(problem: SpanProblem, steady: bool, check: Check) -> SpanProblem:
 def _within_limits(problem: SpanProblem, engine: Engine) -> SpanTiming:
     """Slow an engine's solution by what it exceeds the limits."""
     x = problem.compiled_solution if isinstance(engine, CompiledEngine) else problem.solve(engine)
-    x = x / (problem.largest_ratio(x) * (1.0 + _MARGIN))
+    x = problem.kept(x, 0.0, _MARGIN)
     dt = problem.times(x)
     return SpanTiming(
         problem, x, dt, float(problem.loss(x).sum() / dt.sum()), type(engine).__name__

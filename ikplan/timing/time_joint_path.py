@@ -12,13 +12,19 @@ from ikplan.joint_path.joint_path import JointPath
 from ikplan.limits.joint_limits import JointLimits
 from ikplan.timing.constraints.constraints import PathConstraint
 from ikplan.timing.engines.compiled_engine import CompiledEngine
-from ikplan.timing.engines.engine import Check, Engine, unlimited
+from ikplan.timing.engines.engine import Check, Engine, EngineFailed, unlimited
 from ikplan.timing.jerk.jerk import Smoothed, smooth_span
 from ikplan.timing.profile import LimitProfile, SegmentJointLimits
-from ikplan.timing.span import SpanTiming, time_span
+from ikplan.timing.span import SpanTiming, time_span, time_together
 from ikplan.timing.timed_path import TimedPath
 
 __all__ = ["check_inside", "time_joint_path"]
+
+
+_MANY_RESTS = 24
+"""With more rests than this the spans between them are timed together."""
+_TOGETHER = 16
+"""Most spans that are timed together: as many as a processor's cache holds the limits of."""
 
 
 def time_joint_path(
@@ -41,7 +47,8 @@ def time_joint_path(
         limits: Joint limits of the whole path.
         segments: Joint limits of ranges of the path; the strictest holds.
         constraints: Limits other than those of single joints: of the tool, of torques.
-        engine: Chooses the path speed; None: toppra, with the compiled one to stand in.
+        engine: Chooses the path speed; None: toppra, with the compiled one to stand in, and for
+            many short spans the compiled one in one call.
         check: Is called now and then, and may end the timing by an error of its own.
 
     Returns:
@@ -75,22 +82,24 @@ def time_joint_path(
         path = path.stopping_at(jumps[limited[jumps - 1] | limited[jumps]])
         # The path speed is where the search begins; it is smoothed anyway.
         engine = engine or CompiledEngine()
-    spans = tuple(
-        time_span(
-            path,
-            first,
-            last,
-            profile,
-            _within(constraints, *path.s_knots[[first, last]]),
-            engine,
-            steady=not jerk_limited,
-            check=check,
-        )
-        for first, last in itertools.pairwise(path.rest_knots)
-    )
+    spans: list[SpanTiming] = []
+    for knots in _timed_together(path.rest_knots, together=engine is None):
+        around = _within(constraints, *path.s_knots[[knots[0], knots[-1]]])
+        if len(knots) > 2:
+            try:
+                spans.append(time_together(path, knots, profile, around, check=check))
+                continue
+            except EngineFailed:
+                pass  # one after the other, toppra and finer grids tell where and why
+        for first, last in itertools.pairwise(knots):
+            mine = _within(around, *path.s_knots[[first, last]])
+            steady = not jerk_limited
+            spans.append(
+                time_span(path, first, last, profile, mine, engine, steady=steady, check=check)
+            )
     if jerk_limited:
         smoothed = tuple(smooth_span(span.problem, check) for span in spans)
-        return _joined(path, smoothed, spans)
+        return _joined(path, smoothed, tuple(spans))
     grids = [span.problem.grid for span in spans]
     dt = np.concatenate([span.dt for span in spans])
     return TimedPath(
@@ -99,8 +108,14 @@ def time_joint_path(
         pieces=np.concatenate([grid.pieces for grid in grids]),
         sdot=np.sqrt(np.concatenate([[0.0], *(span.x[1:] for span in spans)])),
         node_times=np.concatenate([[0.0], np.cumsum(dt)]),
-        spans=spans,
+        spans=tuple(spans),
     )
+
+
+def _timed_together(rests: Sequence[int], *, together: bool) -> list[Sequence[int]]:
+    """Group the spans between rests: many of them a few together, else each for itself."""
+    size = _TOGETHER if together and len(rests) > _MANY_RESTS else 1
+    return [rests[k : k + size + 1] for k in range(0, len(rests) - 1, size)]
 
 
 def _within(

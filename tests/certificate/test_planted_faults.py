@@ -65,17 +65,12 @@ def _mirrored_arc(function: Any) -> Any:
     return faulty
 
 
-def _steady_rows(function: Any) -> Any:
-    def faulty(stack: Any, row: Any, s: Any, R: Any, p: Any, *rest: Any) -> None:
-        function(stack, row, s, R, p, *rest)
-        p += 2e-4 * np.sin(30.0 * s)[:, None]
+def _shaking(function: Any) -> Any:
+    def faulty(stack: Any, piece: Any, s: Any, **options: Any) -> Any:
+        motion = function(stack, piece, s, **options)
+        return motion._replace(p=motion.p + 2e-4 * np.sin(30.0 * s)[:, None])
 
     return faulty
-
-
-def _turned(function: Any) -> Any:
-    """A rotation vector that is 2 % too long."""
-    return lambda rotvec: function(1.02 * rotvec)
 
 
 def _other_free_axis(freedom: Any) -> Any:
@@ -116,18 +111,9 @@ def _reach(function: Any) -> Any:
     return lambda before, after, radius: function(before, after, 1.3 * radius)
 
 
-def _wobbling(function: Any) -> Any:
-    """Rotations that wobble by 0.02 rad along a curve over the parameter t in [0, 1]."""
-
-    def faulty(self: Any, points: Any) -> Any:
-        R, rate = function(self, points)
-        angle = 0.02 * np.sin(math.pi * points.t) ** 2
-        wobble = np.tile(np.eye(3), (len(R), 1, 1))
-        wobble[:, 0, 0] = wobble[:, 1, 1] = np.cos(angle)
-        wobble[:, 1, 0], wobble[:, 0, 1] = np.sin(angle), -np.sin(angle)
-        return R @ wobble, rate
-
-    return faulty
+def _tilted(axis: Any) -> Any:
+    tilted = axis + 0.05 * np.array([0.6, -0.8, 0.0])
+    return tilted / np.linalg.norm(tilted)
 
 
 def _leaning(q: Any) -> Any:
@@ -137,13 +123,12 @@ def _leaning(q: Any) -> Any:
     return np.ascontiguousarray(leant / np.linalg.norm(leant, axis=1)[:, None])
 
 
-def _shape(**changes: Callable[[Any], Any]) -> Callable[[Any], Any]:
-    """The class with some of its fields changed."""
+def _changed(position: int, change: Callable[[Any], Any]) -> Callable[[Any], Any]:
+    """The class or function with one of its arguments changed."""
 
-    def plant(cls: Any) -> Any:
+    def plant(function: Any) -> Any:
         def faulty(*args: Any) -> Any:
-            made = cls(*args)
-            return replace(made, **{k: change(getattr(made, k)) for k, change in changes.items()})
+            return function(*args[:position], change(args[position]), *args[position + 1 :])
 
         return faulty
 
@@ -211,19 +196,19 @@ FAULTS: dict[str, Fault] = {
         "rose",
         "ikplan.path.curves.named_curves",
         "RoseShape",
-        _shape(petals=lambda n: n + 2),
+        _changed(3, lambda petals: petals + 2),
     ),
-    "a rose turns the tool the wrong way": (
+    "a rose turns the tool about another axis": (
         "rose that follows",
-        "ikplan.path.pieces.turning",
-        "HeadingTurning._heading",
-        _after(lambda heading: -heading),
+        "ikplan.path.pieces.curved",
+        "HeadingTurning",
+        _changed(3, _tilted),
     ),
     "a wave is too high": (
         "sinusoid",
         "ikplan.path.curves.named_curves",
         "SinusoidShape",
-        _shape(amplitude=lambda a: 1.05 * a),
+        _changed(3, lambda amplitude: 1.05 * amplitude),
     ),
     "teeth fall too steeply": (
         "sawtooth",
@@ -254,9 +239,9 @@ FAULTS: dict[str, Fault] = {
     "a blend has another shape": ("blend", "ikplan.path.pieces.blend", "QuinticShape", _quintic),
     "a blend turns otherwise": (
         "blend",
-        "ikplan.path.pieces.turning",
-        "BlendTurning.evaluate",
-        _wobbling,
+        "ikplan.path.pieces.blend",
+        "BlendTurning",
+        _changed(1, lambda rate: rate + np.array([0.0, 0.0, 0.2])),
     ),
     "the long way round is not taken": (
         "line, long way",
@@ -283,12 +268,12 @@ FAULTS: dict[str, Fault] = {
         _after(lambda q: q + 1e-3),
     ),
     # Kernels of the path.
-    "steady pieces shake": ("line", "ikplan.path.pieces.steady", "steady_rows", _steady_rows),
-    "rotation vectors are too long": (
+    "pieces shake": ("line", "ikplan.path.tool_path", "motion_on", _shaking),
+    "an even turning is too fast": (
         "rose with an end",
-        "ikplan.path.rotation.so3",
-        "exp_rows",
-        _turned,
+        "ikplan.path.pieces.curved",
+        "SteadyTurning",
+        _changed(2, lambda rate: 1.02 * rate),
     ),
     "quaternions are read backwards": (
         "line",

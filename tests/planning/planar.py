@@ -103,6 +103,9 @@ class Polyline:
         p = np.stack([np.interp(s, self._s, column) for column in self.points.T], axis=1)
         return np.broadcast_to(np.eye(3), (len(s), 3, 3)), p
 
+    def positions(self, s: Array) -> Array:
+        return self.poses(s)[1]
+
     def orientation_mask(self, s: Array) -> NDArray[np.bool_]:
         return np.full(len(s), False)
 

@@ -385,3 +385,23 @@ def test_a_search_cut_short_in_a_stage_within_another_names_it(watches: list[Wat
 def test_a_short_search_takes_no_thread(watches: list[Watch]) -> None:
     with TimeBudget(10.0).cutting(np.zeros(1, dtype=np.bool_), 100):
         assert watches == []
+
+
+def test_work_of_other_threads_counts_as_far_as_they_share_it(passing: Time) -> None:
+    clock = TimeBudget(10.0)
+    passing.now, passing.idle = 12.0, 11.0
+    clock.spend(4.0)
+    assert clock.left == 5.0
+    clock.spend(5.5)
+    with pytest.raises(BudgetExceeded, match="processor time"):
+        clock.check()
+
+
+def test_without_clocks_of_threads_a_wait_for_others_counts_once(
+    passing: Time, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.delattr(time, "pthread_getcpuclockid")
+    clock = TimeBudget(10.0)
+    passing.now = 4.0
+    clock.spend(4.0)
+    assert clock.left == 6.0

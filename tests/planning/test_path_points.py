@@ -33,6 +33,9 @@ class Straight:
     def poses(self, s: Array) -> tuple[Array, Array]:
         return np.tile(np.eye(3), (len(s), 1, 1)), np.outer(s, [1.0, 0.0, 0.0])
 
+    def positions(self, s: Array) -> Array:
+        return self.poses(s)[1]
+
     def orientation_mask(self, s: Array) -> NDArray[np.bool_]:
         return np.ones(len(s), dtype=np.bool_)
 

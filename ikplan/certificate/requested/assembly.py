@@ -9,6 +9,7 @@ from ikplan.certificate.requested.corners import PathItem, Rounding, corner_radi
 from ikplan.certificate.requested.path import RequestedPath, SegmentRange
 from ikplan.certificate.requested.pieces import Piece, line
 from ikplan.certificate.requested.poses import RequestedPose
+from ikplan.certificate.requested.rounded import RoundedPiece
 
 __all__ = ["assembled"]
 
@@ -37,7 +38,7 @@ def assembled(
         round_corner(a.piece, b.piece, radius) if radius > 0.0 else None
         for (a, b), radius in zip(pairwise(items), radii, strict=True)
     ]
-    pieces: list[Piece] = []
+    pieces: list[Piece | RoundedPiece] = []
     segments: list[SegmentRange] = []
     balls: dict[int, float] = {}
     s, before = 0.0, None

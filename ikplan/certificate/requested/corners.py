@@ -14,9 +14,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from ikplan.arrays import Array
-from ikplan.certificate.requested.arc_length import ArcLength
 from ikplan.certificate.requested.curves import QuinticCurve
-from ikplan.certificate.requested.pieces import TURN_LENGTH, CurvePiece, End, Piece
+from ikplan.certificate.requested.pieces import TURN_LENGTH, End, Piece
+from ikplan.certificate.requested.rounded import QuinticArc, RoundedPiece
 from ikplan.certificate.requested.turning import BlendTurn
 
 __all__ = ["PathItem", "Rounding", "corner_radius", "round_corner"]
@@ -55,7 +55,7 @@ class Rounding:
         nearest: Length on the curve at which it is nearest to the corner [m].
     """
 
-    piece: CurvePiece
+    piece: RoundedPiece
     reach: float
     nearest: float
 
@@ -93,25 +93,13 @@ def round_corner(before: Piece, after: Piece, radius: float) -> Rounding:
         if (away <= radius * (1.0 + 1e-9)).all():
             break
         reach *= 0.8
-    arc, law = ArcLength(curve), None
+    arc, turn = QuinticArc(curve), None
     if a.R is not None and b.R is not None:
         rates = [2.0 * reach * (end.R.T @ end.w) for end in (a, b) if end.R is not None]
-        law = BlendTurn(arc, a.R, rates[0], b.R, rates[1])
-    piece = CurvePiece(arc, 0.0, arc.length, law)
-    return Rounding(piece, reach, _nearest(arc, corner))
+        turn = BlendTurn(a.R, rates[0], b.R, rates[1])
+    return Rounding(RoundedPiece(arc, turn), reach, arc.nearest(corner))
 
 
 def _scaled(end: End, scale: float) -> Array:
     """Position and derivatives by a parameter of which one unit is ``scale`` metres."""
     return np.array([end.p, scale * end.v, scale * scale * end.bend])
-
-
-def _nearest(arc: ArcLength, corner: Array) -> float:
-    """Length at which a curve is nearest to the corner [m]: a grid, then finer and finer ones."""
-    t = np.linspace(0.0, 1.0, 65)
-    for _ in range(12):
-        away = np.linalg.norm(arc.curve.derivatives(t)[0] - corner, axis=1)
-        k = int(np.argmin(away))
-        low, high = t[max(k - 1, 0)], t[min(k + 1, len(t) - 1)]
-        t = np.linspace(low, high, 9)
-    return float(arc.at(np.array([0.5 * (low + high)]))[0])

@@ -130,6 +130,9 @@ class QuinticCurve:
     Args:
         begin: Position, first and second derivative at 0, shape (3, 3) [m].
         end: The same at 1.
+
+    Attributes:
+        powers: Coefficients, lowest power first, shape (6, 3) [m].
     """
 
     breaks: Array = np.linspace(0.0, 1.0, 9)
@@ -137,7 +140,7 @@ class QuinticCurve:
     def __init__(self, begin: Array, end: Array) -> None:
         p, v, a = begin
         step, dv, da = end[0] - p - v - 0.5 * a, end[1] - v - a, end[2] - a
-        self._c = np.array(
+        self.powers: Array = np.array(
             [
                 p,
                 v,
@@ -157,14 +160,14 @@ class QuinticCurve:
                 for i in range(6)
             ]
         )
-        return np.asarray(weights @ self._c)
+        return np.asarray(weights @ self.powers)
 
     def derivatives(self, t: Array) -> Derivatives:
         """See :class:`Curve`."""
         powers = t[:, None] ** np.arange(6)
         n = np.arange(6.0)[:, None]
-        first, second = (n * self._c)[1:], (n * (n - 1.0) * self._c)[2:]
-        return powers @ self._c, powers[:, :5] @ first, powers[:, :4] @ second
+        first, second = (n * self.powers)[1:], (n * (n - 1.0) * self.powers)[2:]
+        return powers @ self.powers, powers[:, :5] @ first, powers[:, :4] @ second
 
 
 def natural_cubic(knots: Array, values: Array) -> Array:

@@ -10,6 +10,7 @@ import numpy as np
 from ikplan.arrays import Array, Flags, Indices
 from ikplan.certificate.requested.pieces import BendPiece, CurvePiece, Piece, line
 from ikplan.certificate.requested.rotations import exp
+from ikplan.certificate.requested.rounded import RoundedPiece, RoundedPieces
 
 __all__ = ["PathDerivatives", "RequestedPath", "SegmentRange"]
 
@@ -60,7 +61,7 @@ class RequestedPath:
         segments: What of the request each part comes from.
     """
 
-    pieces: tuple[Piece, ...]
+    pieces: tuple[Piece | RoundedPiece, ...]
     waypoints: tuple[tuple[float, int], ...]
     segments: tuple[SegmentRange, ...]
 
@@ -103,7 +104,14 @@ class RequestedPath:
 
     @cached_property
     def _curved(self) -> Flags:
-        return np.array([isinstance(piece, CurvePiece) for piece in self.pieces])
+        return np.array([not isinstance(piece, BendPiece) for piece in self.pieces])
+
+    @cached_property
+    def _rounded(self) -> tuple[RoundedPieces, Indices]:
+        """The rounded corners, and the number of each piece among them, -1 for the others."""
+        corners = [piece for piece in self.pieces if isinstance(piece, RoundedPiece)]
+        among = np.array([isinstance(piece, RoundedPiece) for piece in self.pieces])
+        return RoundedPieces(corners), np.where(among, np.cumsum(among) - 1, -1)
 
     @cached_property
     def nodes(self) -> Array:
@@ -111,7 +119,7 @@ class RequestedPath:
         inner = [
             begin + piece.nodes
             for begin, piece in zip(self.begins, self.pieces, strict=False)
-            if isinstance(piece, CurvePiece)
+            if not isinstance(piece, BendPiece)
         ]
         return np.sort(np.concatenate([self.begins, *inner]))
 
@@ -133,13 +141,19 @@ class RequestedPath:
         out = PathDerivatives(
             np.empty((m, 3, 3)), np.empty((m, 3)), np.empty((m, 3)), np.zeros((m, 3))
         )
-        groups = [np.flatnonzero(piece == k) for k in np.unique(piece[curved])]
-        if not curved.all():
-            groups.append(np.flatnonzero(~curved))
+        corners, among = self._rounded
+        corner = among[piece]
+        curve = curved & (corner < 0)
+        groups = [np.flatnonzero(piece == k) for k in np.unique(piece[curve])]
+        groups += [here for here in map(np.flatnonzero, (~curved, corner >= 0)) if len(here)]
         for here in groups:
             k = piece[here[0]]
-            found = self._on_curve(k, s[here]) if curved[here[0]] else None
-            found = found or self._on_bends(piece[here], s[here])
+            if corner[here[0]] >= 0:
+                found = PathDerivatives(*corners.derivatives(corner[here], s[here]))
+            elif curve[here[0]]:
+                found = self._on_curve(k, s[here])
+            else:
+                found = self._on_bends(piece[here], s[here])
             out.R[here], out.p[here] = found.R, found.p
             out.v[here], out.w[here] = found.v, found.w
         return out

@@ -36,15 +36,19 @@ from ikplan.robots import Robot
 __all__ = ["read_motion"]
 
 
-def read_motion(robot: Robot, path: PathRequest, q_start: Array | None) -> RequestedMotion:
+def read_motion(
+    robot: Robot, path: PathRequest, q_start: Array | None, order: Sequence[int] | None = None
+) -> RequestedMotion:
     """Return what a path asks of a motion.
 
     Args:
         robot: The robot, with its tool.
         path: The path of the request.
         q_start: Joint values at the start, shape (dof,) [rad or m]; None: any.
+        order: Numbers of its waypoints or segments in the order in which they are passed; None:
+            as they are written.
     """
-    reader = _Reader(robot, path, q_start)
+    reader = _Reader(robot, path, q_start, order)
     if path.waypoints is not None:
         reader.waypoints()
     else:
@@ -55,8 +59,16 @@ def read_motion(robot: Robot, path: PathRequest, q_start: Array | None) -> Reque
 class _Reader:
     """Goes along a path."""
 
-    def __init__(self, robot: Robot, path: PathRequest, q_start: Array | None) -> None:
+    def __init__(
+        self,
+        robot: Robot,
+        path: PathRequest,
+        q_start: Array | None,
+        order: Sequence[int] | None,
+    ) -> None:
         self._robot, self._path = robot, path
+        parts = path.waypoints or path.segments or ()
+        self._order = tuple(range(len(parts)) if order is None else order)
         self._frame = PathFrame(path)
         self._at = None if q_start is None else self._pose_of(q_start)
         self._leaves = q_start is None or path.approach != "path"
@@ -77,7 +89,8 @@ class _Reader:
     def waypoints(self) -> None:
         """Read plain waypoints."""
         path = self._path
-        poses = [self._frame.pose(waypoint) for waypoint in path.waypoints or ()]
+        poses = [self._frame.pose(w) for w in path.waypoints or ()]
+        poses = [poses[k] for k in self._order]
         if path.interpolation == "joint":
             for pose in poses:
                 self._joint_to(pose)
@@ -99,9 +112,10 @@ class _Reader:
                 self._go_to(begin)
             else:
                 self._tool().go_straight(begin, "path.begin")
-        for k, segment in enumerate(path.segments or ()):
-            field = f"path.segments[{k}]"
-            first = self._leaves and k == 0 and path.begin is None
+        segments = path.segments or ()
+        for position, k in enumerate(self._order):
+            segment, field = segments[k], f"path.segments[{k}]"
+            first = self._leaves and position == 0 and path.begin is None
             if isinstance(segment, JointSegment):
                 self._joint_segment(segment, field)
             elif isinstance(segment, MoveSegment):

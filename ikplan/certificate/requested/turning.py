@@ -9,13 +9,11 @@ import numpy as np
 from ikplan.arrays import Array
 from ikplan.certificate.requested.arc_length import ArcLength
 from ikplan.certificate.requested.curves import cubic_values, natural_cubic
-from ikplan.certificate.requested.rotations import exp, log, rotations_of, unit
+from ikplan.certificate.requested.rotations import exp, quaternions_of, rotations_of, unit
 
 __all__ = ["BlendTurn", "EvenTurn", "HeadingTurn", "QuaternionSpline", "Turning"]
 
 
-_STEP = 1e-5
-"""Step of a difference over a parameter that goes from 0 to 1."""
 _SWING = 0.4
 """Farther than this from unit length, a spline of quaternions swings to and fro."""
 
@@ -154,32 +152,19 @@ class QuaternionSpline:
 class BlendTurn:
     """Goes from one even turn to another over a parameter t in [0, 1].
 
-    ``R(t) = A(t) exp(b(t) log(A(t)^T B(t)))`` with ``b = 10 t^3 - 15 t^4 + 6 t^5``, A and B turning
-    evenly.
+    ``R(t) = A(t) exp(b(t) log(A(t)^-1 B(t)))`` with ``b = 10 t^3 - 15 t^4 + 6 t^5``, A and B
+    turning evenly; evaluated by :class:`~ikplan.certificate.requested.rounded.RoundedPieces`.
 
     Args:
-        arc: The curve.
         A0: Rotation A at t = 0, shape (3, 3).
         A_rate: Its rate by t in the frame of the tool, shape (3,) [rad].
         B1: Rotation B at t = 1, shape (3, 3).
         B_rate: Its rate by t in the frame of the tool, shape (3,) [rad].
+
+    Attributes:
+        quaternions: Of A at 0 and of B at 1, each before its rate.
     """
 
-    def __init__(self, arc: ArcLength, A0: Array, A_rate: Array, B1: Array, B_rate: Array) -> None:
-        self._arc = arc
-        self._A0, self._A_rate, self._B1, self._B_rate = A0, A_rate, B1, B_rate
-
-    def turned(self, s: Array, t: Array) -> tuple[Array, Array]:  # noqa: ARG002 needs no length
-        """See :class:`Turning`; the rate is a difference, good to tell which way places lie."""
-        behind, ahead = np.maximum(t - _STEP, 0.0), np.minimum(t + _STEP, 1.0)
-        after, before = self._at(ahead), self._at(behind)
-        by_t = log(after @ np.swapaxes(before, 1, 2)) / (ahead - behind)[:, None]
-        _, first, _ = self._arc.curve.derivatives(t)
-        return self._at(t), by_t / np.sqrt((first * first).sum(axis=1))[:, None]
-
-    def _at(self, t: Array) -> Array:
-        t = t[:, None]
-        A = self._A0 @ exp(t * self._A_rate)
-        B = self._B1 @ exp((t - 1.0) * self._B_rate)
-        share = t * t * t * (10.0 + t * (6.0 * t - 15.0))
-        return np.asarray(A @ exp(share * log(np.swapaxes(A, 1, 2) @ B)))
+    def __init__(self, A0: Array, A_rate: Array, B1: Array, B_rate: Array) -> None:
+        a, b = quaternions_of(np.array([A0, B1]))
+        self.quaternions = (a, A_rate, b, B_rate)

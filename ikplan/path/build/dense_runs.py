@@ -161,9 +161,11 @@ def _smoothed(run: Sequence[PathItem], allowed: CornerTolerance) -> list[PathIte
     turning: Turning | None = None
     if oriented:
         turning = FittedTurning(spline, points.q[0], turns=turns)
-    s = np.array([curve.length_at(u) for u in clusters.u[clusters.of_point[points.ends]]])
-    s[0], s[-1] = 0.0, curve.length
-    return _parts(run, CurvedPiece(curve, 0.0, curve.length, turning, grouped=True), s)
+    ends = clusters.of_point[points.ends]
+    s = np.array([curve.length_at(u) for u in clusters.u[ends]])
+    # Lines within the first or the last cluster are points of the curve, not a rounding long.
+    s[ends == ends[0]], s[ends == ends[-1]] = 0.0, curve.length
+    return _parts(run, CurvedPiece(curve, 0.0, curve.length, turning), s)
 
 
 def _parts(run: Sequence[PathItem], whole: CurvedPiece, s: Array) -> list[PathItem]:

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from itertools import count
 
 import numpy as np
 
@@ -16,12 +15,14 @@ from ikplan.documents.segment import (
     JointSegment,
     JointTarget,
     LineSegment,
+    MoveRegion,
     MoveSegment,
     MoveTarget,
     SplineSegment,
 )
 from ikplan.errors import InvalidRequest
 from ikplan.path.build.builder import PathBuilder
+from ikplan.path.build.passed_order import RowCounter, first_rows
 from ikplan.path.build.path_frame import PathFrame
 from ikplan.path.build.tolerance_corners import CornerTolerance, Rounding
 from ikplan.path.pieces.piece import Pose
@@ -65,10 +66,12 @@ class MoveLeg:
     Attributes:
         targets: Where it may go to, at least one.
         name: Where the request asks for it.
+        within: Where the tool stays on the way; None: anywhere.
     """
 
     targets: tuple[JointWaypoint, ...]
     name: str
+    within: MoveRegion | None = None
 
 
 @dataclass(frozen=True)
@@ -82,11 +85,15 @@ Leg = JointLeg | MoveLeg | ToolLeg
 
 
 def legs_of(
-    path: PathRequest, start: Pose | None, fk: ForwardKinematics, rounding: Rounding = "all"
+    path: PathRequest,
+    start: Pose | None,
+    fk: ForwardKinematics,
+    rounding: Rounding = "all",
+    order: Sequence[int] | None = None,
 ) -> list[Leg]:
     """Return the legs of a path, in order.
 
-    The waypoints are numbered through all legs in the order in which they are passed. Rows are:
+    The waypoints are numbered through all legs in the order in which the path is written. Rows are:
     each of ``path.waypoints``; ``path.begin``; the end of each segment; each pose of a spline; the
     first point of each named curve.
 
@@ -96,11 +103,13 @@ def legs_of(
         fk: Returns rotation (3, 3) and position (3,) [m] of the tool in the base for joint values
             of shape (dof,); asked for what comes after a joint segment to ``q``.
         rounding: Which corners are rounded within the tolerance, if the path asks for it.
+        order: Numbers of the waypoints or segments in the order in which they are passed; None:
+            as they are written.
 
     Raises:
         InvalidRequest: The path makes no sense; names the field.
     """
-    walk = _Walk(path, start, fk, rounding)
+    walk = _Walk(path, start, fk, rounding, order)
     if path.waypoints is not None:
         walk.waypoints()
     else:
@@ -112,13 +121,21 @@ class _Walk:
     """Goes along a request and collects legs."""
 
     def __init__(
-        self, path: PathRequest, start: Pose | None, fk: ForwardKinematics, rounding: Rounding
+        self,
+        path: PathRequest,
+        start: Pose | None,
+        fk: ForwardKinematics,
+        rounding: Rounding,
+        order: Sequence[int] | None,
     ) -> None:
         self._path = path
+        parts = path.segments if path.waypoints is None else path.waypoints
+        self._order = range(len(parts or ())) if order is None else order
+        self._first_rows = first_rows(path)
         self._rounding = CornerTolerance.of(path, rounding)
         self._frame = PathFrame(path)
         self._fk = fk
-        self._row = count().__next__
+        self._row = RowCounter()
         self._at = start if start is None else self._stripped(*start)
         self._name = "the start"
         self._builder: PathBuilder | None = None
@@ -132,10 +149,12 @@ class _Walk:
         poses = [self._frame.pose(waypoint) for waypoint in path.waypoints or ()]
         names = [f"path.waypoints[{k}]" for k in range(len(poses))]
         if path.interpolation == "joint":
-            if path.approach == "move" and self._at is not None:
-                self._go_to(poses.pop(0), names.pop(0))
-            for pose, name in zip(poses, names, strict=True):
-                self._joint_to(name, pose=pose)
+            for position, k in enumerate(self._order):
+                self._row.at = k
+                if position == 0 and path.approach == "move" and self._at is not None:
+                    self._go_to(poses[k], names[k])
+                else:
+                    self._joint_to(names[k], pose=poses[k])
         elif self._at is None or path.approach != "path":
             self._go_to(poses.pop(0), names.pop(0))
         if path.interpolation == "line":
@@ -162,9 +181,10 @@ class _Walk:
                 field="path.begin",
                 allowed="the pose at which the first segment begins",
             )
-        for k, segment in enumerate(segments):
-            field = f"path.segments[{k}]"
-            first = leaves and k == 0 and path.begin is None
+        for position, k in enumerate(self._order):
+            segment, field = segments[k], f"path.segments[{k}]"
+            self._row.at = self._first_rows[k]
+            first = leaves and position == 0 and path.begin is None
             if isinstance(segment, JointSegment):
                 self._joint_segment(segment, field)
             elif isinstance(segment, MoveSegment):
@@ -222,16 +242,18 @@ class _Walk:
                 self._any_target(target, row, f"{field}.any[{k}]", field)
                 for k, target in enumerate(segment.any or ())
             ]
-        self._move_to(targets, field)
+        self._move_to(targets, field, segment.within)
 
     def _any_target(self, target: MoveTarget, row: int, name: str, field: str) -> JointWaypoint:
         if isinstance(target, JointTarget):
             return JointWaypoint(row, f"{name}.q", np.array(target.q), None, field)
         return JointWaypoint(row, name, None, self._frame.pose(target), field)
 
-    def _move_to(self, targets: list[JointWaypoint], name: str) -> None:
+    def _move_to(
+        self, targets: list[JointWaypoint], name: str, within: MoveRegion | None = None
+    ) -> None:
         self._close()
-        self.legs.append(MoveLeg(tuple(targets), name))
+        self.legs.append(MoveLeg(tuple(targets), name, within))
         self._name = name
         self._end_at(targets[0])
         self._undecided = name if len(targets) > 1 else ""

@@ -6,10 +6,16 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ikplan.arrays import Array
+from ikplan.arrays import Array, Indices
 from ikplan.path.curves.arc_length import ArcLength
 from ikplan.path.pieces.piece import PathDerivatives, Piece
-from ikplan.path.pieces.turning import HeadingTurning, SteadyTurning, Turning
+from ikplan.path.pieces.piece_kernels import CurvedStack, curved_rows, empty_rows, scratch
+from ikplan.path.pieces.turning import (
+    HeadingTurning,
+    SteadyTurning,
+    Turning,
+    stack_turnings,
+)
 
 __all__ = ["CurvedPiece"]
 
@@ -23,7 +29,6 @@ class CurvedPiece(Piece):
         begin: Arc length of the curve at which the piece begins [m].
         length: Length of the piece [m].
         turning: The law of the orientation; None: free.
-        grouped: Whether it is one of many parts of a curve, which are evaluated together.
     """
 
     curve: ArcLength
@@ -31,7 +36,6 @@ class CurvedPiece(Piece):
     length: float
     turning: Turning | None = None
     turns: bool = False
-    grouped: bool = False
 
     @classmethod
     def whole(cls, curve: ArcLength, turning: Turning | None = None) -> CurvedPiece:
@@ -51,12 +55,21 @@ class CurvedPiece(Piece):
 
     def evaluate(self, s: Array) -> PathDerivatives:
         """Return poses and derivatives; see :meth:`Piece.evaluate`."""
-        points = self.curve.points(self.begin + s)
-        if self.turning is None:
-            R, w = np.tile(np.eye(3), (len(s), 1, 1)), np.zeros((len(s), 3))
-        else:
-            R, w = self.turning.evaluate(points)
-        return PathDerivatives(R, points.p, points.v, w, points.bend)
+        out = empty_rows(len(s))
+        curved_rows(
+            self.curve.stack,
+            stack_turnings([] if self.turning is None else [self.turning]),
+            CurvedStack(np.zeros(1, dtype=np.int64), np.array([self.begin]), self._law),
+            np.zeros(len(s), dtype=np.int64),
+            np.ascontiguousarray(s, dtype=np.float64),
+            out,
+            scratch(),
+        )
+        return PathDerivatives(*out)
+
+    @property
+    def _law(self) -> Indices:
+        return np.array([-1 if self.turning is None else 0])
 
     def trimmed(self, begin: float, end: float) -> CurvedPiece:
         """Return a part; see :meth:`Piece.trimmed`."""

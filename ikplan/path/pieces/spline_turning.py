@@ -7,13 +7,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ikplan.arrays import Array
-from ikplan.path.curves.arc_length import CurvePoints
 from ikplan.path.curves.natural_spline import natural_spline
 from ikplan.path.pieces.piece import dot
-from ikplan.path.rotation.so3 import rotation_of
+from ikplan.path.pieces.turning import Turning, quaternion_rows
+from ikplan.path.pieces.turning_kernels import BY_LENGTH
 
 if TYPE_CHECKING:
-    from scipy.interpolate import PPoly
+    from scipy.interpolate import CubicSpline
 
 __all__ = ["SplineTurning"]
 
@@ -22,7 +22,7 @@ _SWINGS = 0.4
 """Farther than this from unit length, the quaternions turn back and forth when scaled to it."""
 
 
-class SplineTurning:
+class SplineTurning(Turning):
     """Leads the orientation through rotations with continuous angular acceleration.
 
     The natural cubic spline of the unit quaternions in R^4, each on the side of the one before,
@@ -47,43 +47,33 @@ class SplineTurning:
         q = quaternions.copy()
         signs = np.cumprod(np.where(dot(q[1:], q[:-1]) < 0.0, -1.0, 1.0))
         q[1:] *= signs[:, None]
-        self._warp: PPoly | None = None
-        self._fit(s, q)
-        if self.off_sphere > _SWINGS:
-            angles = 2.0 * np.arccos(np.minimum(dot(q[1:], q[:-1]), 1.0))
-            steps = np.diff(s) / (s[-1] - s[0]) + angles / angles.sum()
-            knots = np.concatenate([[0.0], np.cumsum(steps)])
-            self._warp = _monotone(s, knots)
-            self._fit(knots, q)
+        spline = self._fit(s, q)
+        if self.off_sphere <= _SWINGS:
+            super().__init__(BY_LENGTH, np.zeros(1), s, quaternion_rows(spline.c))
+            return
+        angles = 2.0 * np.arccos(np.minimum(dot(q[1:], q[:-1]), 1.0))
+        steps = np.diff(s) / (s[-1] - s[0]) + angles / angles.sum()
+        knots = np.concatenate([[0.0], np.cumsum(steps)])
+        rows = quaternion_rows(self._fit(knots, q).c)
+        super().__init__(BY_LENGTH, np.ones(1), knots, rows, s, _monotone(s, knots))
 
-    def _fit(self, knots: Array, q: Array) -> None:
-        self._spline = natural_spline(knots, q)
-        between = self._spline(np.linspace(knots[:-1], knots[1:], 9).ravel())
+    def _fit(self, knots: Array, q: Array) -> CubicSpline:
+        spline = natural_spline(knots, q)
+        between = spline(np.linspace(knots[:-1], knots[1:], 9).ravel())
         off = np.abs(np.linalg.norm(between, axis=1) - 1.0).reshape(9, -1).max(axis=0)
         self.worst_span, self.off_sphere = int(np.argmax(off)), float(off.max())
-
-    def evaluate(self, points: CurvePoints) -> tuple[Array, Array]:
-        """See :class:`~ikplan.path.pieces.turning.Turning`."""
-        at, speed = points.s, np.ones_like(points.s)
-        if self._warp is not None:
-            at, speed = self._warp(points.s), self._warp(points.s, 1)
-        q, dq = self._spline(at), self._spline(at, 1) * speed[:, None]
-        norm = np.linalg.norm(q, axis=1)[:, None]
-        q, dq = q / norm, dq / norm
-        # Angular rate 2 dq q*, of which the part of dq along q adds only to the real part.
-        v, w = q[:, :3], q[:, 3:]
-        rate = 2.0 * (w * dq[:, :3] - dq[:, 3:] * v - np.cross(dq[:, :3], v))
-        return rotation_of(q), rate
+        return spline
 
 
-def _monotone(x: Array, y: Array) -> PPoly:
+def _monotone(x: Array, y: Array) -> Array:
     """The C2 piecewise quintic through increasing points, increasing too.
 
     Slopes are harmonic means of those of the chords on either side, so at most twice the smaller,
     and second derivatives 0: by the Bernstein form of its slope such a quintic does not fall.
-    """
-    from scipy.interpolate import PPoly
 
+    Returns:
+        Coefficients since each point, highest power first, shape (k, 6); none after the last.
+    """
     h, chord = np.diff(x), np.diff(y) / np.diff(x)
     slope = np.concatenate(
         [chord[:1], 2.0 * chord[1:] * chord[:-1] / (chord[1:] + chord[:-1]), chord[-1:]]
@@ -93,4 +83,4 @@ def _monotone(x: Array, y: Array) -> PPoly:
     # In powers of t = (x - x_k) / h: the chord, and what the slopes differ from it.
     rows = [-3.0 * (a + b), 8.0 * a + 7.0 * b, -6.0 * a - 4.0 * b, nil, slope[:-1]]
     powers = [row * h ** (-power) for row, power in zip(rows, (4, 3, 2, 1, 0), strict=True)]
-    return PPoly(np.array([*powers, y[:-1]]), x)
+    return np.vstack([np.array([*powers, y[:-1]]).T, np.zeros((1, 6))])

@@ -16,23 +16,16 @@ from functools import cached_property
 
 import numpy as np
 
-from ikplan.arrays import Array, Indices
+from ikplan.arrays import Array
 from ikplan.path.pieces.piece import TURN_LENGTH, PathDerivatives, Piece
-from ikplan.path.pieces.steady_kernels import SteadyStack, steady_rows
+from ikplan.path.pieces.piece_kernels import empty_rows, scratch, steady_rows
+from ikplan.path.pieces.steady_kernels import SteadyStack
 
-__all__ = ["SteadyPiece", "line", "stack_steady", "steady_derivatives"]
+__all__ = ["SteadyPiece", "line", "stack_steady"]
 
 
 _ON_THE_SPOT = 1e-6
 """A derivatives shorter than this [m] that turns by more counts as a turn."""
-
-
-def steady_derivatives(stack: SteadyStack, row: Indices, s: Array) -> PathDerivatives:
-    """Return the derivatives of piece ``row[i]`` of the stack at ``s[i]`` [m] from its begin."""
-    m = len(s)
-    derivatives = PathDerivatives(np.empty((m, 3, 3)), *(np.empty((m, 3)) for _ in range(4)))
-    steady_rows(stack, row, np.ascontiguousarray(s, dtype=np.float64), *derivatives)
-    return derivatives
 
 
 @dataclass(frozen=True)
@@ -72,7 +65,10 @@ class SteadyPiece(Piece):
 
     def evaluate(self, s: Array) -> PathDerivatives:
         """Return poses and derivatives; see :meth:`Piece.evaluate`."""
-        return steady_derivatives(self._stack, np.zeros(len(s), dtype=np.int64), s)
+        out = empty_rows(len(s))
+        row = np.zeros(len(s), dtype=np.int64)
+        steady_rows(self._stack, row, np.ascontiguousarray(s, dtype=np.float64), out, scratch())
+        return PathDerivatives(*out)
 
     def trimmed(self, begin: float, end: float) -> SteadyPiece:
         """Return a part; see :meth:`Piece.trimmed`."""
@@ -101,15 +97,16 @@ class SteadyPiece(Piece):
 
 def stack_steady(pieces: Sequence[SteadyPiece]) -> SteadyStack:
     """Return pieces as flat arrays."""
+    n = len(pieces)
     return SteadyStack(
-        np.array([a.p0 for a in pieces]),
-        np.array([a.t for a in pieces]),
-        np.array([a.n for a in pieces]),
-        np.array([a.c for a in pieces]),
-        np.array([a.h for a in pieces]),
-        np.array([a.k for a in pieces]),
-        np.array([a.R0 for a in pieces]),
-        np.array([a.w for a in pieces]),
+        np.array([a.p0 for a in pieces], dtype=np.float64).reshape(n, 3),
+        np.array([a.t for a in pieces], dtype=np.float64).reshape(n, 3),
+        np.array([a.n for a in pieces], dtype=np.float64).reshape(n, 3),
+        np.array([a.c for a in pieces], dtype=np.float64).reshape(n, 3),
+        np.array([a.h for a in pieces], dtype=np.float64),
+        np.array([a.k for a in pieces], dtype=np.float64),
+        np.array([a.R0 for a in pieces], dtype=np.float64).reshape(n, 3, 3),
+        np.array([a.w for a in pieces], dtype=np.float64).reshape(n, 3),
     )
 
 

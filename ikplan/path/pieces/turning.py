@@ -2,34 +2,89 @@
 
 from __future__ import annotations
 
-from typing import Protocol
+from collections.abc import Sequence
 
 import numpy as np
 from scipy.interpolate import BSpline
 
 from ikplan.arrays import Array
-from ikplan.path.curves.arc_length import ArcLength, CurvePoints
+from ikplan.path.curves.arc_length import ArcLength
+from ikplan.path.curves.shapes import powers_of
 from ikplan.path.pieces.piece import dot
-from ikplan.path.rotation.so3 import (
-    exp,
-    log,
-    right_jacobian,
-    right_jacobian_inverse,
-    rotation_of,
+from ikplan.path.pieces.piece_kernels import CurvedStack, curved_rows, empty_rows, scratch
+from ikplan.path.pieces.turning_kernels import (
+    BLEND,
+    BY_PARAMETER,
+    EVEN,
+    HEADING,
+    NUMBERS,
+    ROW,
+    TurnStack,
 )
+from ikplan.path.rotation.so3 import rotation_of
 
-__all__ = ["BlendTurning", "FittedTurning", "HeadingTurning", "SteadyTurning", "Turning"]
+__all__ = [
+    "BlendTurning",
+    "FittedTurning",
+    "HeadingTurning",
+    "SteadyTurning",
+    "Turning",
+    "quaternion_rows",
+    "stack_turnings",
+]
 
 
-class Turning(Protocol):
-    """The orientation at the points of a curve."""
+class Turning:
+    """The orientation at the points of a curve, by a law that a kernel evaluates.
 
-    def evaluate(self, points: CurvePoints) -> tuple[Array, Array]:
-        """Return rotations (m, 3, 3) and angular rates in the base (m, 3) [rad/m]."""
-        ...
+    Attributes:
+        stack: The law as a stack of one.
+    """
+
+    def __init__(
+        self,
+        kind: int,
+        numbers: Array,
+        knots: Array | None = None,
+        rows: Array | None = None,
+        warp_knots: Array | None = None,
+        warp: Array | None = None,
+    ) -> None:
+        count = 0 if knots is None else len(knots)
+        filled = np.zeros(NUMBERS)
+        filled[: len(numbers)] = numbers
+        self.stack = TurnStack(
+            np.array([kind]),
+            filled[None],
+            np.array([0, count]),
+            np.zeros(0) if knots is None else knots,
+            np.zeros((0, ROW)) if rows is None else rows,
+            np.zeros(count) if warp_knots is None else warp_knots,
+            np.zeros((count, 6)) if warp is None else warp,
+        )
 
 
-class SteadyTurning:
+def stack_turnings(turnings: Sequence[Turning]) -> TurnStack:
+    """Return laws as flat arrays."""
+    if len(turnings) == 1:
+        return turnings[0].stack
+    stacks = [turning.stack for turning in turnings]
+    if not stacks:
+        return _NO_LAW
+    rows = np.cumsum([0, *(len(a.knots) for a in stacks)])
+    joined = {
+        name: np.concatenate([getattr(a, name) for a in stacks])
+        for name in TurnStack._fields
+        if name != "first"
+    }
+    return TurnStack(first=rows, **joined)
+
+
+_NO_LAW = Turning(EVEN, np.zeros(0)).stack
+"""What stands for the laws of pieces that leave the orientation free."""
+
+
+class SteadyTurning(Turning):
     """Turns at a constant rate in the tool frame: the shortest arc, evenly.
 
     Args:
@@ -39,15 +94,10 @@ class SteadyTurning:
     """
 
     def __init__(self, s0: float, R0: Array, rate: Array) -> None:
-        self._s0, self._R0, self._rate = s0, R0, rate
-
-    def evaluate(self, points: CurvePoints) -> tuple[Array, Array]:
-        """See :class:`Turning`."""
-        R = self._R0 @ exp((points.s - self._s0)[:, None] * self._rate)
-        return R, np.asarray(R @ self._rate)
+        super().__init__(EVEN, np.concatenate([[s0], R0.ravel(), rate]))
 
 
-class HeadingTurning:
+class HeadingTurning(Turning):
     """Turns about an axis as the direction of a plane curve does.
 
     Args:
@@ -58,29 +108,31 @@ class HeadingTurning:
     """
 
     def __init__(self, curve: ArcLength, s0: float, R0: Array, axis: Array) -> None:
-        self._R0, self._axis = R0, axis
-        self._tangents = curve.points(curve.s).v
-        turns = self._angle(self._tangents[:-1], self._tangents[1:])
+        tangents = _tangents(curve, np.append(curve.s, s0))
+        at_nodes, at_begin = tangents[:-1], tangents[-1:]
         # Between nodes the direction turns by far less than pi, so that full turns add up.
-        self._headings = np.concatenate([[0.0], np.cumsum(turns)])
-        self._zero = 0.0
-        self._zero = float(self._heading(curve.points(np.array([s0])))[0])
-
-    def _angle(self, a: Array, b: Array) -> Array:
-        return np.arctan2(np.cross(a, b) @ self._axis, dot(a, b))
-
-    def _heading(self, points: CurvePoints) -> Array:
-        since = self._angle(self._tangents[points.node], points.v)
-        return np.asarray(self._headings[points.node] + since - self._zero)
-
-    def evaluate(self, points: CurvePoints) -> tuple[Array, Array]:
-        """See :class:`Turning`."""
-        rate = np.cross(points.v, points.bend) @ self._axis
-        R = exp(self._heading(points)[:, None] * self._axis) @ self._R0
-        return R, rate[:, None] * self._axis
+        turns = _angle(at_nodes[:-1], at_nodes[1:], axis)
+        headings = np.concatenate([[0.0], np.cumsum(turns)])
+        node = int(np.clip(np.searchsorted(curve.s, s0, "right") - 1, 0, len(curve.s) - 2))
+        zero = headings[node] + _angle(at_nodes[[node]], at_begin, axis)
+        rows = np.zeros((len(curve.s), ROW))
+        rows[:, 0], rows[:, 1:4] = headings, at_nodes
+        super().__init__(HEADING, np.concatenate([R0.ravel(), axis, zero]), curve.s, rows)
 
 
-class BlendTurning:
+def _tangents(curve: ArcLength, s: Array) -> Array:
+    out, row = empty_rows(len(s)), np.zeros(len(s), dtype=np.int64)
+    free = CurvedStack(np.zeros(1, dtype=np.int64), np.zeros(1), np.array([-1]))
+    curved_rows(curve.stack, stack_turnings([]), free, row, s, out, scratch())
+    return out.v
+
+
+def _angle(a: Array, b: Array, axis: Array) -> Array:
+    """Angles about an axis from directions a to b, shape (m, 3) -> (m,) [rad]."""
+    return np.asarray(np.arctan2(np.cross(a, b) @ axis, dot(a, b)))
+
+
+class BlendTurning(Turning):
     """Goes over from one steady turning to another, over the curve's own parameter t in [0, 1].
 
     ``R(t) = A(t) exp(b(t) log(A(t)^T B(t)))`` with the smoothstep ``b = t^3 (10 - 15 t + 6 t^2)``:
@@ -94,27 +146,10 @@ class BlendTurning:
     """
 
     def __init__(self, A0: Array, A_rate: Array, B1: Array, B_rate: Array) -> None:
-        self._A0, self._A_rate, self._B1, self._B_rate = A0, A_rate, B1, B_rate
-
-    def evaluate(self, points: CurvePoints) -> tuple[Array, Array]:
-        """See :class:`Turning`."""
-        t = points.t[:, None]
-        b, db = t**3 * (10.0 - 15.0 * t + 6.0 * t * t), 30.0 * (t * (1.0 - t)) ** 2
-        A = self._A0 @ exp(t * self._A_rate)
-        B = self._B1 @ exp((t - 1.0) * self._B_rate)
-        D = np.swapaxes(A, 1, 2) @ B
-        gap = log(D)
-        # The tool-frame rate of D = A^T B, and from it that of its logarithm.
-        rate_D = self._B_rate - np.einsum("mji,j->mi", D, self._A_rate)
-        rate_gap = np.einsum("mij,mj->mi", right_jacobian_inverse(gap), rate_D)
-        E = exp(b * gap)
-        rate_E = np.einsum("mij,mj->mi", right_jacobian(b * gap), db * gap + b * rate_gap)
-        rate = np.einsum("mji,j->mi", E, self._A_rate) + rate_E
-        R = A @ E
-        return R, np.einsum("mij,mj->mi", R, rate) / points.speed[:, None]
+        super().__init__(BLEND, np.concatenate([A0.ravel(), A_rate, B1.ravel(), B_rate]))
 
 
-class FittedTurning:
+class FittedTurning(Turning):
     """Turns along a spline of quaternions over the curve's own parameter.
 
     Args:
@@ -125,19 +160,17 @@ class FittedTurning:
     """
 
     def __init__(self, spline: BSpline, quaternion: Array, *, turns: bool) -> None:
-        self._spline, self._turns = spline, turns
-        self._first = spline.derivative()
-        self._R0 = rotation_of(quaternion)
+        if turns:
+            knots, coefficients = powers_of(spline)
+            super().__init__(
+                BY_PARAMETER, np.zeros(1), knots, quaternion_rows(coefficients[:, :, 3:])
+            )
+        else:
+            numbers = np.concatenate([[0.0], rotation_of(quaternion).ravel()])
+            super().__init__(EVEN, numbers)
 
-    def evaluate(self, points: CurvePoints) -> tuple[Array, Array]:
-        """See :class:`Turning`."""
-        if not self._turns:
-            return np.tile(self._R0, (len(points.t), 1, 1)), np.zeros((len(points.t), 3))
-        q = self._spline(points.t)[:, 3:]
-        dq = self._first(points.t)[:, 3:] / points.speed[:, None]
-        norm = np.linalg.norm(q, axis=1)[:, None]
-        q, dq = q / norm, dq / norm
-        # Angular rate 2 dq q*, of which the part of dq along q adds only to the real part.
-        v, w = q[:, :3], q[:, 3:]
-        rate = 2.0 * (w * dq[:, :3] - dq[:, 3:] * v - np.cross(dq[:, :3], v))
-        return rotation_of(q), rate
+
+def quaternion_rows(coefficients: Array) -> Array:
+    """Rows of a spline of quaternions with coefficients (4, b, 4), and an empty one at its end."""
+    rows = np.swapaxes(coefficients, 0, 1).reshape(-1, ROW)
+    return np.vstack([rows, np.zeros((1, ROW))])

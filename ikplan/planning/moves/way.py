@@ -9,6 +9,7 @@ import numpy as np
 from ikplan.arrays import Array, Flags
 from ikplan.collision.check import ContactArrays
 from ikplan.planning.moves.connect import CUT, SearchSpace, connect, is_free
+from ikplan.planning.moves.nearer_goal import with_nearer_goal
 from ikplan.planning.moves.shorten import path_length, shorten
 from ikplan.planning.moves.space import search_space
 from ikplan.time_budget import SearchCut
@@ -122,5 +123,8 @@ def _searched(
         return None, used
     found_length = float(path_length(path))
     shorter = shorten(space, path, max(effort // _SHORTCUT, 1), rng, arrays.scratch)
+    ending = with_nearer_goal(space, shorter, goals, arrays.scratch)
+    if ending is not shorter:
+        shorter = shorten(space, ending, max(effort // _SHORTCUT, 1), rng, arrays.scratch)
     goal = int(np.argmin(np.abs(goals - shorter[-1]).max(axis=1)))
     return Way(shorter, goal, found_length, used), used

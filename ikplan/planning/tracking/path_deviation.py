@@ -12,6 +12,7 @@ from ikplan.joint_path import JointPath
 from ikplan.kinematics.chain import Chain
 from ikplan.kinematics.forward import forward_batch
 from ikplan.planning.ladder.ik_candidates import Targets
+from ikplan.planning.tracking.left_out_kernels import farthest_from_way
 from ikplan.planning.tracking.reference_path import ReferencePath, nearest_positions
 from ikplan.planning.tracking.tolerance_bounds import box_size, has_bounds, violation_between
 from ikplan.planning.tracking.tracking_kernels import errors_at
@@ -26,6 +27,8 @@ sharp bend, and where it may cross an edge of what is free, the tool deviates in
 step, and begins anywhere."""
 _CLOSELY = np.linspace(0.0, 1.0, 49)
 """Where the tool is looked at in a step whose path is longer than the way of the tool."""
+_TOGETHER = 256
+"""Steps that are looked at closely at once."""
 _SEEN = 0.8
 """Ratio to the tolerance from which on a part of the path counts as left out."""
 
@@ -128,21 +131,18 @@ def _left_out(
     Returns:
         Ratios, shape (n,); 0 where the tool misses less than it may.
     """
-    ratios = np.zeros(len(steps))
+    ratios, count = np.zeros(len(steps)), len(_CLOSELY)
     s_points = path.s_waypoints
-    for row, k in enumerate(steps):
-        q = path(s_points[k] + (s_points[k + 1] - s_points[k]) * _CLOSELY)
+    for first in range(0, len(steps), _TOGETHER):
+        rows = slice(first, first + _TOGETHER)
+        k = steps[rows]
+        q = path((s_points[k, None] + (s_points[k + 1] - s_points[k])[:, None] * _CLOSELY).ravel())
         _, tool = forward_batch(chain, np.ascontiguousarray(q))
-        targets = targets_at(s[k] + (s[k + 1] - s[k]) * _CLOSELY)
-        begin, along = tool[:-1], np.diff(tool, axis=0)
-        from_begin = targets.p[:, None] - begin
-        square = np.maximum((along * along).sum(axis=1), 1e-300)
-        at = np.clip((from_begin * along).sum(axis=2) / square, 0.0, 1.0)
-        off = np.linalg.norm(from_begin - at[:, :, None] * along, axis=2).min(axis=1).max()
+        targets = targets_at((s[k, None] + (s[k + 1] - s[k])[:, None] * _CLOSELY).ravel())
+        off, change = farthest_from_way(tool.reshape(-1, count, 3), targets.p.reshape(-1, count, 3))
         # The tool moves on curves between the places looked at: by about that they bulge.
-        bulge = 0.2 * float(np.linalg.norm(np.diff(along, axis=0), axis=1).max())
-        ratio = (off - box_size(targets.freedom) - bulge) / tolerance.position
-        ratios[row] = ratio if ratio > _SEEN else 0.0
+        ratio = (off - box_size(targets.freedom) - 0.2 * change) / tolerance.position
+        ratios[rows] = np.where(ratio > _SEEN, ratio, 0.0)
     return ratios
 
 

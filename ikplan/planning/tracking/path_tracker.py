@@ -28,7 +28,7 @@ from ikplan.planning.tracking.reference_path import (
     nearest_points,
 )
 from ikplan.planning.tracking.start_copies import StartCopies, turning_joints, without_limits
-from ikplan.planning.tracking.track_from import track_from
+from ikplan.planning.tracking.track_from import FirstPoints, first_points, track_from
 from ikplan.planning.tracking.tracked_arm import EXACT, TrackedArm
 from ikplan.planning.tracking.tracked_path import TrackedPath, TrackingFailed, in_contact
 from ikplan.planning.tracking.tracking_kernels import first_discontinuity
@@ -100,6 +100,21 @@ class PathTracker(TrackedArm):
         if broken is None:
             raise ValueError("no start was given")
         raise broken
+
+    def rough_sequences(self, reference: ReferencePath, starts: Array) -> list[JointSequence]:
+        """Return sequences, shortest first, that go along a tool path from some starts.
+
+        They are not dense yet, and keep clear of contact; a start may have none.
+
+        Args:
+            reference: The path.
+            starts: Configurations at the path's first pose, shape (c, dof) [rad or m].
+
+        Raises:
+            BudgetExceeded: The time budget ran out.
+        """
+        costs = np.zeros(len(starts))
+        return self._track_starts(reference, starts, costs, FIRST_STEPS[0], None)[0]
 
     def track_global(self, reference: ReferencePath, starts: Array, costs: Array) -> TrackedPath:
         """Track a tool path with a redundant arm on a sequence chosen over all points at once.
@@ -175,10 +190,11 @@ class PathTracker(TrackedArm):
         """
         sequences: list[JointSequence] = []
         farthest: TrackingFailed | None = None
+        first = first_points(self, reference, step)
         for q_start, cost in zip(starts, costs, strict=True):
             self.clock.check()
             try:
-                s, q = self._track_copies(reference, q_start, step, copies)
+                s, q = self._track_copies(reference, q_start, first, copies)
             except TrackingFailed as failure:
                 farthest = farthest_failure(farthest, failure)
                 continue
@@ -194,18 +210,22 @@ class PathTracker(TrackedArm):
         return replace(self, arm=without_limits(self.arm))
 
     def _track_copies(
-        self, reference: ReferencePath, q_start: Array, step: float, copies: StartCopies | None
+        self,
+        reference: ReferencePath,
+        q_start: Array,
+        first: FirstPoints,
+        copies: StartCopies | None,
     ) -> tuple[Array, Array]:
         """Track from one start, or from the copy of it that goes through and is nearest."""
         arm = self.arm
         if copies is None or not turning_joints(arm).any():
-            return self._track_from(reference, q_start, step)
-        s, q = self._unlimited()._track_from(reference, q_start, step)
+            return self._track_from(reference, q_start, first)
+        s, q = self._unlimited()._track_from(reference, q_start, first)
         q, fits = copies.fitting(arm, q)
         if fits:
             return s, q
         # Self-motion may keep to the limits where it has to; otherwise this tells where they bind.
-        return self._track_from(reference, q[0], step)
+        return self._track_from(reference, q[0], first)
 
     def _resolve_globally(
         self, reference: ReferencePath, starts: Array, costs: Array, step: float
@@ -228,10 +248,10 @@ class PathTracker(TrackedArm):
         return sorted(sequences, key=lambda sequence: sequence[0])
 
     def _track_from(
-        self, reference: ReferencePath, q_start: Array, step: float
+        self, reference: ReferencePath, q_start: Array, first: FirstPoints
     ) -> tuple[Array, Array]:
         """Return path positions and configurations from one start to the end of the path."""
-        part = track_from(self, reference, q_start, step)
+        part = track_from(self, reference, q_start, first)
         if not part.complete:
             raise TrackingFailed(float(part.s[-1]), part.q[-1].copy())
         return part.s, part.q

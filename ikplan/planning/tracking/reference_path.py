@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 from collections.abc import Sequence
 from typing import Protocol
 
@@ -49,6 +48,9 @@ class ReferencePath(Protocol):
     def poses(self, s: Array) -> tuple[Array, Array]:
         """Rotations, shape (m, 3, 3), and positions, shape (m, 3) [m], at path positions."""
 
+    def positions(self, s: Array) -> Array:
+        """Positions, shape (m, 3) [m], at path positions."""
+
     def orientation_mask(self, s: Array) -> Flags:
         """Where an orientation is asked for, shape (m,)."""
 
@@ -68,11 +70,15 @@ def initial_points(reference: ReferencePath, step: float, begin: float = 0.0) ->
             kept.append(s_required)
     if reference.length > 0.0:
         kept.append(reference.length)
-    parts = [np.full(1, begin)]
-    for a, b in itertools.pairwise(kept):
-        steps = 2 * max(2, int(np.ceil((b - a) / (2.0 * step))))
-        parts.append(np.linspace(a, b, steps + 1)[1:])
-    return np.concatenate(parts)
+    ends = np.array(kept)
+    gaps = np.diff(ends)
+    steps = 2 * np.maximum(2, np.ceil(gaps / (2.0 * step)).astype(np.int64))
+    # Even steps between each two; the points required are exact.
+    part = np.repeat(np.arange(len(gaps)), steps)
+    count = np.arange(len(part)) - np.repeat(np.cumsum(steps) - steps, steps) + 1
+    points = count * (gaps / steps)[part] + ends[:-1][part]
+    points[np.cumsum(steps) - 1] = ends[1:]
+    return np.append(begin, points)
 
 
 def rest_points(reference: ReferencePath, s: Array) -> list[int]:
@@ -124,9 +130,9 @@ def nearest_positions(
     """
     h = np.minimum(1e-4 * reference.length, 0.05 * (high - low))
     ahead, behind = np.minimum(near + h, reference.length), np.maximum(near - h, 0.0)
-    tangent = (reference.poses(ahead)[1] - reference.poses(behind)[1]) / (ahead - behind)[:, None]
+    tangent = (reference.positions(ahead) - reference.positions(behind)) / (ahead - behind)[:, None]
     speed = np.linalg.norm(tangent, axis=1)
-    along = np.einsum("ij,ij->i", p - reference.poses(near)[1], tangent)
+    along = np.einsum("ij,ij->i", p - reference.positions(near), tangent)
     step = np.where(speed > 1e-6, along / np.maximum(speed**2, 1e-12), 0.0)
     return np.clip(near + step, low, high)
 

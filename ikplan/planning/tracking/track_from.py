@@ -7,17 +7,48 @@ from dataclasses import dataclass
 import numpy as np
 
 from ikplan.arrays import Array
+from ikplan.planning.ladder.ik_candidates import Targets
 from ikplan.planning.tracking.reference_path import ReferencePath, initial_points, turn_between
 from ikplan.planning.tracking.tracked_arm import MAX_POINTS, TrackedArm
 from ikplan.planning.tracking.tracking_kernels import NO_EXTRA_OFFSET, track_points
 
-__all__ = ["TrackedPart", "track_from"]
+__all__ = ["FirstPoints", "TrackedPart", "first_points", "track_from"]
 
 
 _FINEST, _FINEST_STEP, _FINEST_TURN = 2.0**-13, 1e-4, 1e-2
 """Smallest step: as a share of the path's length, at most in all [m], and the turn in it [rad]."""
 _BEND = 0.01
 """How far joints may turn back within the smallest step [rad or m]."""
+
+
+@dataclass(frozen=True)
+class FirstPoints:
+    """The points that tracking begins with, the same from every start.
+
+    Attributes:
+        s: Path positions, shape (m,).
+        targets: Their targets.
+        redundant: Whether the arm has self-motion along the path.
+    """
+
+    s: Array
+    targets: Targets
+    redundant: bool
+
+
+def first_points(
+    tracked: TrackedArm, reference: ReferencePath, step: float, begin: float = 0.0
+) -> FirstPoints:
+    """Return the points that tracking begins with.
+
+    Args:
+        tracked: The arm, and what it has to keep.
+        reference: The path.
+        step: Their spacing [m].
+        begin: Path position to begin from.
+    """
+    s = initial_points(reference, step, begin)
+    return FirstPoints(s, tracked.targets_at(reference, s), tracked.redundant(reference))
 
 
 @dataclass(frozen=True)
@@ -39,27 +70,23 @@ def track_from(
     tracked: TrackedArm,
     reference: ReferencePath,
     q_start: Array,
-    step: float,
-    begin: float = 0.0,
+    first: FirstPoints,
 ) -> TrackedPart:
     """Track a path from one configuration, as far as that goes.
 
     Args:
         tracked: The arm, and what it has to keep.
         reference: The path.
-        q_start: The configuration at ``begin``, shape (dof,) [rad or m].
-        step: Spacing of the first points [m].
-        begin: Path position to begin from.
+        q_start: The configuration at the first point, shape (dof,) [rad or m].
+        first: The points to begin with.
 
     Raises:
         BudgetExceeded: The time budget ran out.
     """
     lower, upper = tracked.arm.lower, tracked.arm.upper
-    s = initial_points(reference, step, begin)
+    s, targets, redundant = first.s, first.targets, first.redundant
     q = np.empty((len(s), tracked.arm.dof))
     q[0] = q_start
-    targets = tracked.targets_at(reference, s)
-    redundant = tracked.redundant(reference)
     reached = 0
     while True:
         reached, spent = track_points(
@@ -96,6 +123,18 @@ def track_from(
             reached += over
             continue
         halves = 0.5 * (s[reached : reached + 2] + s[reached + 1 : reached + 3])
-        s = np.sort(np.concatenate([s, halves]))
+        places = [reached + 1, reached + 2]
+        s = np.insert(s, places, halves)
         q = np.vstack([q[: reached + 1], np.empty((len(s) - reached - 1, q.shape[1]))])
-        targets = tracked.targets_at(reference, s)
+        targets = _inserted(targets, places, tracked.targets_at(reference, halves))
+
+
+def _inserted(targets: Targets, places: list[int], further: Targets) -> Targets:
+    """Insert further targets before places."""
+    return Targets(
+        np.insert(targets.R, places, further.R, axis=0),
+        np.insert(targets.p, places, further.p, axis=0),
+        np.insert(targets.oriented, places, further.oriented),
+        np.insert(targets.weight, places, further.weight),
+        targets.freedom,
+    )

@@ -6,7 +6,7 @@ import numpy as np
 
 from ikplan.arrays import Array
 from ikplan.planning.tracking.reference_path import ReferencePath
-from ikplan.planning.tracking.track_from import TrackedPart, track_from
+from ikplan.planning.tracking.track_from import TrackedPart, first_points, track_from
 from ikplan.planning.tracking.tracked_arm import TrackedArm
 from ikplan.planning.tracking.tracked_path import TrackingFailed
 from ikplan.planning.within.tolerance_window import bridge, near_singular
@@ -46,8 +46,11 @@ def track_within(
     s, q = np.zeros(1), q_start[None]
     spans: SpanList = []
     while True:
-        part = known or track_from(tracked, reference, q[-1], step, float(s[-1]))
-        known = None
+        if known is None:
+            points = first_points(tracked, reference, step, float(s[-1]))
+            part = track_from(tracked, reference, q[-1], points)
+        else:
+            part, known = known, None
         s = np.concatenate([s[:-1], part.s])
         q = np.ascontiguousarray(np.vstack([q[:-1], part.q]))
         if part.complete:

@@ -71,25 +71,30 @@ def _largest_controllable(a: Array, b: Array, h: float, x_max: float, x_next: fl
 
 
 @kernel
+def _those_that_matter(row: Array, a: Array) -> None:
+    """Write the coefficients of u of one interval, 0 for those that bound x alone."""
+    least = 0.0
+    for r in range(len(row)):
+        least = max(least, abs(row[r]))
+    least *= _NO_MATTER
+    for r in range(len(row)):
+        a[r] = 0.0 if abs(row[r]) < least else row[r]
+
+
+@kernel
 def _solve(s: Array, rows_a: Array, b: Array, x_max: Array) -> Array:
     n, m = rows_a.shape
-    a = rows_a.copy()
-    for i in range(n):
-        least = 0.0
-        for r in range(m):
-            least = max(least, abs(a[i, r]))
-        least *= _NO_MATTER
-        for r in range(m):
-            if abs(a[i, r]) < least:
-                a[i, r] = 0.0
+    a = np.empty(m)
     controllable = np.zeros(n + 1)
     for i in range(n - 1, -1, -1):
         h = s[i + 1] - s[i]
-        controllable[i] = _largest_controllable(a[i], b[i], h, x_max[i], controllable[i + 1])
+        _those_that_matter(rows_a[i], a)
+        controllable[i] = _largest_controllable(a, b[i], h, x_max[i], controllable[i + 1])
     x = np.zeros(n + 1)
     for i in range(n):
         h = s[i + 1] - s[i]
-        _, high, _, _ = _accelerations(a[i], b[i], x[i])
+        _those_that_matter(rows_a[i], a)
+        _, high, _, _ = _accelerations(a, b[i], x[i])
         x[i + 1] = min(max(x[i] + 2.0 * h * high, 0.0), controllable[i + 1])
     return x
 

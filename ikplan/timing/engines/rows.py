@@ -35,9 +35,16 @@ class StageRows:
 
 @kernel
 def acceleration_rows(
-    h: Array, qs0: Array, qss0: Array, qss1: Array, upper: Array, lower: Array
-) -> tuple[Array, Array]:
-    """Bound the joint accelerations over whole intervals.
+    h: Array,
+    qs0: Array,
+    qss0: Array,
+    qss1: Array,
+    upper: Array,
+    lower: Array,
+    a: Array,
+    b: Array,
+) -> None:
+    """Write rows that bound the joint accelerations over whole intervals.
 
     On an interval of a cubic path with constant path acceleration, a joint's acceleration is a
     quadratic in s. Its three Bezier coefficients are linear in (u, x); bounding them bounds the
@@ -50,12 +57,10 @@ def acceleration_rows(
         qss1: d2q/ds2 at the ends, shape (n, dof).
         upper: Upper acceleration limits, shape (n, dof).
         lower: Lower acceleration limits, shape (n, dof), negative.
-
-    Returns:
-        Coefficients of u and of x in rows a u + b x <= 1, each of shape (n, 6 dof).
+        a: Out: coefficients of u in rows a u + b x <= 1, in the first 6 dof columns.
+        b: Out: coefficients of x.
     """
     n, dof = qs0.shape
-    a, b = np.empty((n, 6 * dof)), np.empty((n, 6 * dof))
     for i in range(n):
         for j in range(dof):
             qs, c0, c1 = qs0[i, j], qss0[i, j], qss1[i, j]
@@ -68,7 +73,6 @@ def acceleration_rows(
                 b[i, row + 1] = 0.5 * (c0 + c1) * scale
                 a[i, row + 2] = (end + 2.0 * h[i] * c1) * scale
                 b[i, row + 2] = c1 * scale
-    return a, b
 
 
 @kernel
@@ -173,7 +177,7 @@ def natural_units(rows: StageRows) -> tuple[StageRows, float]:
     toppra's solver has absolute tolerances, so that a motion of 1e-9 rad drowns in them.
 
     Args:
-        rows: The problem.
+        rows: The problem; its coefficients are scaled where they are.
 
     Returns:
         The scaled problem, and the factor that turns its x into the caller's.
@@ -188,4 +192,7 @@ def natural_units(rows: StageRows) -> tuple[StageRows, float]:
     if not np.isfinite(unit):
         unit = 1.0
     s = (rows.s - rows.s[0]) / length
-    return StageRows(s, rows.a * (unit / length), rows.b * unit, rows.x_max / unit), unit
+    a, b = rows.a, rows.b
+    a *= unit / length
+    b *= unit
+    return StageRows(s, a, b, rows.x_max / unit), unit

@@ -93,15 +93,16 @@ class ToppraEngine:
     def solve(self, rows: StageRows) -> Array:
         """Return the squared path velocity at every node; see Engine."""
         program = _solver()(rows)
-        n = len(rows.s) - 1
+        n, nan = len(rows.s) - 1, math.nan
         controllable = [0.0] * (n + 1)
         # The weight of u breaks the tie between equal x, as in toppra's backward pass.
         highest_x = np.array([1e-9, -1.0])
         for i in range(n - 1, -1, -1):
-            top = program(i, None, highest_x, math.nan, math.nan, 0.0, controllable[i + 1])[1]
-            if math.isnan(top):
+            top = program(i, None, highest_x, nan, nan, 0.0, controllable[i + 1])[1]
+            if top > 0.0:
+                controllable[i] = top
+            elif math.isnan(top):
                 raise EngineFailed(i)
-            controllable[i] = max(top, 0.0)
         h = np.diff(rows.s).tolist()
         x = [0.0] * (n + 1)
         highest_next = np.array([0.0, -1.0])
@@ -109,13 +110,14 @@ class ToppraEngine:
             highest_next[0] = -2.0 * h[i]
             here, following = x[i], controllable[i + 1]
             u = program(i, None, highest_next, here, here, 0.0, following)[0]
-            for _ in range(_TRIES):
-                if not math.isnan(u):
-                    break
+            tries = 0
+            while math.isnan(u) and tries < _TRIES:
+                tries += 1
                 here = max(here - _BACK_OFF, 0.999 * here)
                 u = program(i, None, highest_next, here, here, 0.0, following)[0]
             if math.isnan(u):
                 raise EngineFailed(i)
             x[i] = here
-            x[i + 1] = min(max(here + 2.0 * h[i] * u, 0.0), following)
+            ahead = here + 2.0 * h[i] * u
+            x[i + 1] = 0.0 if ahead < 0.0 else min(ahead, following)
         return checked(np.array(x))

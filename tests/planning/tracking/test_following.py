@@ -17,6 +17,7 @@ from ikplan.limits import JointLimits
 from ikplan.path import Pose, ToolPath
 from ikplan.planning.tracking import path_tracker
 from ikplan.planning.tracking.path_tracker import PathTracker
+from ikplan.planning.tracking.track_from import first_points
 from ikplan.planning.tracking.tracked_path import TrackingFailed
 from ikplan.robots import load_robot
 from ikplan.time_budget import TimeBudget
@@ -187,5 +188,5 @@ def test_a_shortened_way_is_as_long_as_it_says(target: list[float]) -> None:
     tracked = tracker.track(path, q0[None], np.zeros(1))
     length = float(np.linalg.norm(np.diff(tracked.q, axis=0), axis=1).sum())
     assert tracked.length == pytest.approx(length, rel=1e-3)
-    before = tracker._track_from(path, q0, 0.04)[1]
+    before = tracker._track_from(path, q0, first_points(tracker, path, 0.04))[1]
     assert tracked.length < float(np.linalg.norm(np.diff(before, axis=0), axis=1).sum())

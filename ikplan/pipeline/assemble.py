@@ -11,12 +11,14 @@ from ikplan._version import __version__
 from ikplan.certificate import Claim, RequestedSegment, certify
 from ikplan.documents.path import PathRequest
 from ikplan.documents.plan_request import PlanRequest
+from ikplan.documents.poses import PostureReport
 from ikplan.documents.timing_request import PathNearness, TimingRequest
 from ikplan.documents.trajectory import MoveReport, Stats, WaypointResults
 from ikplan.limits.motion_limits import MotionLimits
 from ikplan.pipeline.collisions import prove_motion
 from ikplan.pipeline.hints import stop_hints
 from ikplan.pipeline.timing_stage import Timing
+from ikplan.planning.posture import report_posture
 from ikplan.plans.plan import Plan
 from ikplan.robots import Robot
 from ikplan.scene.body import CollisionModel
@@ -36,6 +38,15 @@ def joint_steps(q_before: Array, q: Array) -> Array:
     """
     steps = np.diff(np.vstack([q_before[None], q]), axis=0)
     return np.asarray(np.linalg.norm(steps, axis=1))
+
+
+def _posture_report(
+    request: PlanRequest | TimingRequest, robot: Robot, q: Array
+) -> PostureReport | None:
+    """How far samples, shape (m, dof), keep to the posture of a request."""
+    return (
+        report_posture(robot, request.ik.posture, q) if isinstance(request, PlanRequest) else None
+    )
 
 
 def assemble_plan(
@@ -116,6 +127,7 @@ def assemble_plan(
         certificate=certificate,
         timing=timing.report.model_copy(update={"hints": [*hints, *stop_hints(certificate, path)]}),
         motion=timing.motion,
+        posture=_posture_report(request, robot, samples.q),
         controller=None if robot.controller is None else robot.controller.info(),
         stats=Stats(ik_evaluations=clock.evaluations, moves=list(moves), seconds=clock.seconds),
     )

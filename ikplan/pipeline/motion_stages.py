@@ -13,6 +13,7 @@ from ikplan.path import Rounding
 from ikplan.pipeline.timing_stage import Timing, time_motion
 from ikplan.planning import JointPathProblem, JointRoute, plan_joint_path
 from ikplan.planning.tracking.tracked_path import TrackingFailed
+from ikplan.robots import Robot
 
 __all__ = ["MotionStages"]
 
@@ -22,6 +23,7 @@ class MotionStages:
     """What the stages after the first planning of a request share."""
 
     request: PlanRequest
+    robot: Robot
     limits: MotionLimits
     limits_of: Mapping[str, MotionLimits]
 
@@ -76,4 +78,4 @@ class MotionStages:
             if x.field in self.limits_of
         ]
         sampling, check = self.request.sampling, problem.clock.check
-        return time_motion(path, problem.robot, self.limits, sampling, segments, check)
+        return time_motion(path, self.robot, self.limits, sampling, segments, check)

@@ -14,7 +14,14 @@ from ikplan.collision.checker import CollisionChecker
 from ikplan.documents import parse
 from ikplan.documents.plan_request import PlanRequest, Scene
 from ikplan.documents.trajectory import WaypointResults
-from ikplan.errors import BudgetExceeded, Disconnected, IkplanError, InCollision, Unreachable
+from ikplan.errors import (
+    BudgetExceeded,
+    Disconnected,
+    IkplanError,
+    InCollision,
+    TimingFailed,
+    Unreachable,
+)
 from ikplan.ik.arguments import check_start
 from ikplan.ik.solve import pose_distance
 from ikplan.kinematics.arm import arm_of
@@ -35,6 +42,7 @@ from ikplan.planning import (
     find_repairs,
     plan_joint_path,
 )
+from ikplan.planning.posture import motion_cost, preferred_configuration, softened
 from ikplan.planning.repair_kinds import merged_document
 from ikplan.planning.segment_number import segment_number
 from ikplan.planning.tracking.tracked_path import TrackingFailed
@@ -115,6 +123,9 @@ def make_plan(
     start_free = request.start == "free"
     asked = None if request.start == "free" else request.start
     q_start = check_start(robot, robot.home if asked is None else asked)
+    posture = None if request.ik.posture is None else motion_cost(robot, request.ik.posture)
+    if start_free:
+        q_start = preferred_configuration(robot, request.ik.posture)
 
     with clock.stage("ik"):
         solver = pose_solver(robot, request.ik, _EXACT, _EXACT)
@@ -133,9 +144,13 @@ def make_plan(
         clock,
         explain=repairs,
         contact=contact,
+        posture=posture,
     )
+    stages = MotionStages(request, robot, limits, limits_of)
     try:
-        return _corrected(request, problem, limits, limits_of, model, known_id)
+        return _within_soft_limits(stages, problem, model, known_id) or _corrected(
+            stages, problem, model, known_id
+        )
     except (Unreachable, Disconnected, InCollision) as error:
         if repairs:
             # The verdict stands, whether or not there is time left for repairs.
@@ -163,11 +178,31 @@ def _repairs(
         )
 
 
+def _within_soft_limits(
+    stages: MotionStages, problem: JointPathProblem, model: CollisionModel | None, known_id: str
+) -> Plan | None:
+    """The plan within the soft limits of the request; None: it has none, or no plan within."""
+    robot = softened(problem.robot, stages.request)
+    if robot is None:
+        return None
+    with problem.clock.stage("ik"):
+        solver = pose_solver(robot, problem.options, _EXACT, _EXACT)
+    soft = replace(
+        problem,
+        robot=robot,
+        solver=solver,
+        limits=joint_limits(robot, stages.limits),
+        explain=False,
+    )
+    try:
+        return _corrected(stages, soft, model, known_id)
+    except (Unreachable, Disconnected, InCollision, TimingFailed, TrackingFailed):
+        return None
+
+
 def _corrected(
-    request: PlanRequest,
+    stages: MotionStages,
     problem: JointPathProblem,
-    limits: MotionLimits,
-    limits_of: Mapping[str, MotionLimits],
     model: CollisionModel | None,
     known_id: str,
 ) -> Plan:
@@ -178,9 +213,7 @@ def _corrected(
     """
     margins: dict[str, float] = {}
     for repair in range(_MOVE_REPAIRS + 1):
-        motion = _motion(
-            request, replace(problem, move_margins=margins), limits, limits_of, model, known_id
-        )
+        motion = _motion(stages, replace(problem, move_margins=margins), model, known_id)
         if isinstance(motion, Plan):
             return motion
         name, violation = motion
@@ -191,10 +224,8 @@ def _corrected(
 
 
 def _motion(
-    request: PlanRequest,
+    stages: MotionStages,
     problem: JointPathProblem,
-    limits: MotionLimits,
-    limits_of: Mapping[str, MotionLimits],
     model: CollisionModel | None,
     known_id: str,
 ) -> Plan | tuple[str, InCollision]:
@@ -203,10 +234,10 @@ def _motion(
     Raises:
         InCollision: The proof fails elsewhere.
     """
-    robot, clock, solver = problem.robot, problem.clock, problem.solver
+    request, robot, limits = stages.request, stages.robot, stages.limits
+    clock, solver = problem.clock, problem.solver
     with clock.stage("planning"), clock.cutting(solver.cut, solver.search_evaluations):
         route = plan_joint_path(problem)
-        stages = MotionStages(request, limits, limits_of)
         laid = stages.laid(problem, route)
     with clock.stage("timing"):
         route, path, timing = stages.fastest(problem, laid)

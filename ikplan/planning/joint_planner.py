@@ -193,6 +193,7 @@ class _JointPathPlanner:
             problem.explain,
             problem.contact,
             tuple(_segment_to(waypoint) for waypoint in run),
+            problem.posture,
         )
 
     def _select(self, run: list[JointWaypoint]) -> None:
@@ -215,8 +216,7 @@ class _JointPathPlanner:
             starts = self._reached(branches(problem), waypoint)
         except InCollision:
             starts, copies = self._reached(branches(problem, turns=True), waypoint), None
-        away = np.linalg.norm(starts - self._last_q, axis=1)
-        costs = away if self.q else np.zeros(len(starts))
+        costs = self.problem.away(starts, self._last_q) if self.q else np.zeros(len(starts))
         self.opened = OpenPose(
             waypoint, self._target(pose), starts, costs, copies=copies, problem=problem
         )
@@ -227,11 +227,11 @@ class _JointPathPlanner:
         goals = self.move_planner.goals(leg, problems)
         last = leg.targets[0]
         if isinstance(after, ToolLeg) and last.q is None and self.problem.options.refine:
-            costs = np.linalg.norm(goals.q - self._last_q, axis=1)
+            costs = self.problem.away(goals.q, self._last_q)
             self.opened = OpenPose(last, goals.targets[0], goals.q, costs, leg)
             return
         if not self.q:  # from a free start nothing leads to it
-            k = int(np.argmin(np.linalg.norm(goals.q - self._last_q, axis=1)))
+            k = int(np.argmin(self.problem.away(goals.q, self._last_q)))
             self._add(goals.q[k], last, goals.targets[k])
             return
         k = self._move(leg, goals.q)
@@ -280,7 +280,7 @@ class _JointPathPlanner:
                 if opened.problem is not None:
                     every = branches(opened.problem, turns=True)
                     starts, copies = self._reached(every, opened.waypoint), None
-                    costs = np.linalg.norm(starts - self._last_q, axis=1)
+                    costs = self.problem.away(starts, self._last_q)
                     continue
                 left = np.abs(starts - tracked.q[0]).max(axis=1) > _SAME_BRANCH
                 left[int(np.argmin(np.abs(starts - tracked.q[0]).max(axis=1)))] = False
@@ -298,7 +298,7 @@ class _JointPathPlanner:
             raise in_collision(contact, q[None], waypoint.row, waypoint.name, segment, proven=True)
 
     def _copies(self) -> StartCopies:
-        return StartCopies(self._last_q, counted=bool(self.q))
+        return StartCopies(self._last_q, bool(self.q), self.problem.posture)
 
     def _starts(self, path: ToolPath) -> tuple[Array, Array, StartCopies | None]:
         """Configurations that the tool path may begin at, the motion to each, and their copies."""

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
+import numpy as np
+
 from ikplan.arrays import Array
 from ikplan.collision.check import ContactCheck
 from ikplan.documents.plan_request import IkOptions, PathRequest
@@ -13,6 +15,7 @@ from ikplan.ik.solve import PoseSolver
 from ikplan.kinematics.target import Target
 from ikplan.limits import JointLimits
 from ikplan.path import Rounding
+from ikplan.planning.ladder.motion_cost import MotionCost, plain_cost
 from ikplan.robots import Robot
 from ikplan.time_budget import TimeBudget
 
@@ -38,6 +41,7 @@ class JointPathProblem:
         move_margins: Gap that the rounded corners of a move keep on top of that of the check, by
             the name of the move [m]; absent: none.
         rounding: Which corners are rounded within the tolerance, if the path asks for it.
+        posture: What motions cost where a posture is preferred; None: joint motion alone counts.
     """
 
     robot: Robot
@@ -52,6 +56,21 @@ class JointPathProblem:
     contact: ContactCheck | None = None
     move_margins: Mapping[str, float] = field(default_factory=dict)
     rounding: Rounding = "all"
+    posture: MotionCost | None = None
+
+    @property
+    def cost(self) -> MotionCost:
+        """What a motion costs."""
+        return plain_cost(self.robot.dof) if self.posture is None else self.posture
+
+    def away(self, q: Array, q_from: Array) -> Array:
+        """Return the weighted joint motion from one configuration to each of others.
+
+        Args:
+            q: The others, shape (c, dof) [rad or m].
+            q_from: The one, shape (dof,) [rad or m].
+        """
+        return np.asarray(np.linalg.norm(self.cost.weights * (q - q_from), axis=1))
 
 
 @dataclass(frozen=True)

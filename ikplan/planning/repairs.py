@@ -143,7 +143,7 @@ def _other_branch(problem: JointPathProblem) -> Iterator[Repair]:
     )
     branches = distinct_modulo_turns(arm, found.q[0, : found.counts[0]])
     order = np.argsort(np.linalg.norm(branches - problem.q_start, axis=1), kind="stable")
-    tracker, copies = path_tracker(problem), StartCopies(problem.q_start, counted=True)
+    tracker, copies = path_tracker(problem), StartCopies(problem.q_start, True, problem.posture)
     starts: list[Array] = []
     for q in branches[order][:_MOST_BRANCHES]:
         with contextlib.suppress(TrackingFailed):

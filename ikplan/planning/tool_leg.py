@@ -59,6 +59,7 @@ def path_tracker(problem: JointPathProblem) -> TolerantTracker:
         problem.path.tolerance,
         problem.clock,
         problem.contact,
+        posture=problem.posture,
     )
 
 

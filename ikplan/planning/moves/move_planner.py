@@ -14,6 +14,7 @@ from ikplan.ik.arguments import check_start
 from ikplan.kinematics.target import Target, pose_target
 from ikplan.path import JointWaypoint, MoveLeg
 from ikplan.planning.joint_route import JointPathProblem
+from ikplan.planning.ladder.motion_cost import posture_distances
 from ikplan.planning.moves.rounding import round_way
 from ikplan.planning.moves.way import DEFAULT_EFFORT, Way, find_way
 from ikplan.planning.segment_number import segment_number
@@ -127,14 +128,15 @@ class MovePlanner:
         """
         problem, segment = self._problem, segment_number(leg.name)
         straight = np.linalg.norm(goals - q_start, axis=1)
+        extra = posture_distances(goals, problem.cost)
         if problem.contact is None:
-            goal = int(np.argmin(straight))
+            goal = int(np.argmin(straight + extra))
             way = Way(np.vstack([q_start, goals[goal]]), goal, float(straight[goal]), 0)
             samples = 0
         else:
             way, samples = self._search(problem.contact, leg, q_start, goals, segment)
-        extra = problem.move_margins.get(leg.name, 0.0)
-        rounded = round_way(way.q, problem.limits, problem.contact, segment, extra)
+        margin = problem.move_margins.get(leg.name, 0.0)
+        rounded = round_way(way.q, problem.limits, problem.contact, segment, margin)
         report = MoveReport(
             field=leg.name,
             length=rounded.length,
@@ -164,7 +166,14 @@ class MovePlanner:
         problem.clock.check()
         with problem.clock.cutting(cut, _WATCHED):
             way, samples = find_way(
-                contact.arrays(segment), limits, q_start, goals, options.effort, options.seed, cut
+                contact.arrays(segment),
+                limits,
+                q_start,
+                goals,
+                options.effort,
+                options.seed,
+                cut,
+                posture_distances(goals, problem.cost),
             )
         if way is None:
             raise self._not_found(contact, leg, q_start, goals, segment)

@@ -13,6 +13,7 @@ from ikplan.kinematics.arm import Arm
 from ikplan.kinematics.target import ORIENTATION_WEIGHT, Freedom, constraint_rows
 from ikplan.limits import JointLimits
 from ikplan.planning.ladder.ik_candidates import Targets, target_at
+from ikplan.planning.ladder.motion_cost import MotionCost, motion_cost_along, plain_cost
 from ikplan.planning.segment_number import segment_number
 from ikplan.planning.tracking.reference_path import ReferencePath
 from ikplan.time_budget import TimeBudget
@@ -44,6 +45,7 @@ class TrackedArm:
         clock: The time budget.
         contact: Refuses configurations and motions in contact; None: nothing is checked.
         within: Whether points that cannot be met exactly may be met within the tolerance.
+        posture: What motions cost where a posture is preferred; None: joint motion alone counts.
     """
 
     arm: Arm
@@ -54,6 +56,21 @@ class TrackedArm:
     clock: TimeBudget
     contact: ContactCheck | None = None
     within: bool = False
+    posture: MotionCost | None = None
+
+    @property
+    def cost(self) -> MotionCost:
+        """What a motion costs."""
+        return plain_cost(self.arm.dof) if self.posture is None else self.posture
+
+    def sequence_cost(self, s: Array, q: Array) -> float:
+        """Return what the motion through tracked points costs.
+
+        Args:
+            s: Path positions, shape (m,).
+            q: Configurations, shape (m, dof) [rad or m].
+        """
+        return motion_cost_along(s, q, self.cost)
 
     @property
     def met(self) -> tuple[float, float]:

@@ -10,7 +10,6 @@ from ikplan.planning.tracking.path_tracker import (
     JointSequence,
     PathTracker,
     farthest_failure,
-    sequence_length,
     shortest_first,
 )
 from ikplan.planning.tracking.reference_path import ReferencePath
@@ -51,7 +50,7 @@ class TolerantTracker(PathTracker):
                 broken = farthest_failure(broken, failure)
                 continue
             before = float(cost) if copies is None else copies.cost(q[0])
-            sequences.append((before + sequence_length(q), s, q))
+            sequences.append((before + self.sequence_cost(s, q), s, q))
             spans[id(s)] = windows
         for sequence in shortest_first(sequences):
             try:
@@ -67,7 +66,8 @@ class TolerantTracker(PathTracker):
         if found is None:
             return tracked
         s, q, windows = found
-        length = tracked.length - sequence_length(tracked.q) + sequence_length(q)
+        saved = self.sequence_cost(tracked.s, tracked.q) - self.sequence_cost(s, q)
+        length = tracked.length - saved
         try:
             return replace(self, within=True)._densify_first(reference, [(length, s, q)], windows)
         except TrackingFailed:

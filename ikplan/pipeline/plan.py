@@ -13,7 +13,6 @@ from numpy.typing import NDArray
 from ikplan.collision.checker import CollisionChecker
 from ikplan.documents import parse
 from ikplan.documents.plan_request import PlanRequest, Scene
-from ikplan.documents.trajectory import WaypointResults
 from ikplan.errors import (
     BudgetExceeded,
     Disconnected,
@@ -23,10 +22,8 @@ from ikplan.errors import (
     Unreachable,
 )
 from ikplan.ik.arguments import check_start
-from ikplan.ik.solve import pose_distance
-from ikplan.kinematics.arm import arm_of
 from ikplan.limits.motion_limits import MotionLimits
-from ikplan.pipeline.assemble import assemble_plan, joint_steps
+from ikplan.pipeline.assemble import assemble_plan, waypoint_results
 from ikplan.pipeline.collisions import requested_model, with_meshes
 from ikplan.pipeline.helpers import helped_by
 from ikplan.pipeline.identity import plan_id
@@ -151,7 +148,7 @@ def make_plan(
         return _within_soft_limits(stages, problem, model, known_id) or _corrected(
             stages, problem, model, known_id
         )
-    except (Unreachable, Disconnected, InCollision) as error:
+    except (Unreachable, Disconnected, InCollision, TimingFailed) as error:
         if repairs:
             # The verdict stands, whether or not there is time left for repairs.
             with contextlib.suppress(BudgetExceeded):
@@ -163,7 +160,7 @@ def _repairs(
     request: PlanRequest,
     robot: Robot | None,
     problem: JointPathProblem,
-    error: Unreachable | Disconnected | InCollision,
+    error: Unreachable | Disconnected | InCollision | TimingFailed,
 ) -> list[dict[str, Any]]:
     """Changes of a request with which it is planned, timed and certified.
 
@@ -174,7 +171,11 @@ def _repairs(
     clearance = request.scene.clearance if isinstance(request.scene, Scene) else 0.0
     with clock.stage("planning"), clock.cutting(solver.cut, solver.search_evaluations):
         return find_repairs(
-            problem, error, lambda change: _survives(request, robot, change, clock), clearance
+            problem,
+            error,
+            lambda change: _survives(request, robot, change, clock),
+            clearance,
+            request.limits,
         )
 
 
@@ -250,7 +251,7 @@ def _motion(
             request,
             robot,
             limits,
-            _waypoint_results(robot, route, waypoint_q, times, problem.start_free),
+            waypoint_results(robot, route, waypoint_q, times, problem.start_free),
             timing,
             clock,
             q_start=None if problem.start_free else problem.q_start,
@@ -323,25 +324,3 @@ def _segment_limits(
         for field, segment in fields
         if segment.limits is not None
     }
-
-
-def _waypoint_results(
-    robot: Robot,
-    route: JointRoute,
-    q: NDArray[np.float64],
-    q_time: NDArray[np.float64],
-    start_free: bool,
-) -> WaypointResults:
-    """The rows of the waypoints: one for each asked for."""
-    arm = arm_of(robot)
-    errors = [pose_distance(arm, w.target, q_w) for w, q_w in zip(route.waypoints, q, strict=True)]
-    return WaypointResults(
-        q=q,
-        time=q_time[[w.index for w in route.waypoints]],
-        position_error=np.array([distance for distance, _ in errors]),
-        orientation_error=[
-            angle if w.target.oriented else None
-            for w, (_, angle) in zip(route.waypoints, errors, strict=True)
-        ],
-        elongation=joint_steps(q[0] if start_free else route.q[0], q),
-    )

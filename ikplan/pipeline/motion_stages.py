@@ -4,18 +4,60 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
-from ikplan.documents.plan_request import PlanRequest
+from ikplan.documents.plan_request import PathRequest, PlanRequest
+from ikplan.documents.segment import JointSegment, MoveSegment
 from ikplan.errors import Disconnected, InCollision, TimingFailed, Unreachable
 from ikplan.joint_path import JointPath
 from ikplan.limits.motion_limits import LimitedSegment, MotionLimits
-from ikplan.path import Rounding
 from ikplan.pipeline.timing_stage import Timing, time_motion
 from ikplan.planning import JointPathProblem, JointRoute, plan_joint_path
 from ikplan.planning.tracking.tracked_path import TrackingFailed
 from ikplan.robots import Robot
 
-__all__ = ["MotionStages"]
+__all__ = ["LaidRoute", "MotionStages", "without_blends"]
+
+_FEW = 64
+"""Of fewer segments, a path with blends is planned with exact corners too."""
+
+
+class LaidRoute(NamedTuple):
+    """A route with its joint path.
+
+    Attributes:
+        route: The route.
+        joint_path: The joint path through it.
+        path: The path that it follows: that of the request, or the same with exact corners.
+    """
+
+    route: JointRoute
+    joint_path: JointPath
+    path: PathRequest
+
+
+def without_blends(path: PathRequest) -> PathRequest | None:
+    """Return a path with exact corners in the place of blends; None: it has no blends.
+
+    A corner to a joint motion keeps its blend: within its ball the motion may stop as well. A path
+    of many segments is left as it is, too dear to be planned twice.
+    """
+    segments = path.segments or []
+    if len(path.waypoints or segments) > _FEW:
+        return None
+    after = [*segments[1:], None]
+    exact = [
+        segment.model_copy(update={"blend": 0.0})
+        if not isinstance(segment, MoveSegment | JointSegment)
+        and not isinstance(following, JointSegment)
+        and segment.blend
+        else segment
+        for segment, following in zip(segments, after, strict=False)
+    ]
+    if not path.blend and all(a is b for a, b in zip(exact, segments, strict=True)):
+        return None
+    blend = 0.0 if path.blend else path.blend
+    return path.model_copy(update={"segments": exact or None, "blend": blend})
 
 
 @dataclass(frozen=True, eq=False)
@@ -27,46 +69,50 @@ class MotionStages:
     limits: MotionLimits
     limits_of: Mapping[str, MotionLimits]
 
-    def laid(
-        self, problem: JointPathProblem, route: JointRoute
-    ) -> list[tuple[JointRoute, JointPath]]:
+    def laid(self, problem: JointPathProblem, route: JointRoute) -> list[LaidRoute]:
         """Lay the joint path of a route, and of those that stop at more of its corners.
 
-        Within a small tolerance a sharp corner is passed so slowly that a stop may take no longer.
+        Within a small tolerance, or a blend that asks much of the joints, a corner is passed so
+        slowly that a stop may take no longer.
         """
-        others: list[Rounding] = []
+        others: list[JointPathProblem] = []
         if route.sharp:
-            others.append("slight")
+            others.append(replace(problem, rounding="slight"))
         if route.slight:
-            others.append("none")
-        routes = [route]
-        for rounding in others:
-            other = replace(problem, rounding=rounding)
+            others.append(replace(problem, rounding="none"))
+        exact = without_blends(problem.path)
+        if exact is not None:
+            others.append(replace(problem, path=exact))
+        routes = [(route, problem.path)]
+        for other in others:
             try:
-                routes.append(plan_joint_path(other))
+                routes.append((plan_joint_path(other), other.path))
             except (Unreachable, Disconnected, InCollision, TrackingFailed):
                 continue
+        routes += [(r.stopped, path) for r, path in routes if r.stopped is not None]
         limits = problem.limits
-        return [(r, JointPath.through(r.q, limits, rest_at=r.rest)) for r in routes]
+        return [
+            LaidRoute(r, JointPath.through(r.q, limits, rest_at=r.rest), path) for r, path in routes
+        ]
 
     def fastest(
-        self, problem: JointPathProblem, laid: Sequence[tuple[JointRoute, JointPath]]
-    ) -> tuple[JointRoute, JointPath, Timing]:
+        self, problem: JointPathProblem, laid: Sequence[LaidRoute]
+    ) -> tuple[LaidRoute, Timing]:
         """Time joint paths; the fastest, the first of equal ones.
 
         Raises:
             TimingFailed: None has a timing; that of the first.
         """
-        best: tuple[JointRoute, JointPath, Timing] | None = None
+        best: tuple[LaidRoute, Timing] | None = None
         failures: list[TimingFailed] = []
-        for route, path in laid:
+        for one in laid:
             try:
-                timing = self._timed(problem, route, path)
+                timing = self._timed(problem, one.route, one.joint_path)
             except TimingFailed as failure:
                 failures.append(failure)
                 continue
-            if best is None or timing.timed.duration < best[2].timed.duration:
-                best = route, path, timing
+            if best is None or timing.timed.duration < best[1].timed.duration:
+                best = one, timing
         if best is None:
             raise failures[0]
         return best

@@ -241,7 +241,7 @@ def _motion(
         route = plan_joint_path(problem)
         laid = stages.laid(problem, route)
     with clock.stage("timing"):
-        route, path, timing = stages.fastest(problem, laid)
+        (route, path, followed), timing = stages.fastest(problem, laid)
     # Configurations too close to tell apart are passed as one.
     passed = path.q_knots[path.knot_of_waypoint]
     waypoint_q = passed[[w.index for w in route.waypoints]]
@@ -255,7 +255,7 @@ def _motion(
             timing,
             clock,
             q_start=None if problem.start_free else problem.q_start,
-            path=request.path,
+            path=followed,
             moves=[move.report for move in route.moves],
             model=model,
             segment_times=_segment_times(route, times),

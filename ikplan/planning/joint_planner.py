@@ -20,6 +20,7 @@ from ikplan.path import (
     ToolPath,
     legs_of,
 )
+from ikplan.planning.joins import Join, with_joins
 from ikplan.planning.joint_route import (
     JointPathProblem,
     JointRoute,
@@ -121,6 +122,7 @@ class _JointPathPlanner:
         self.segments: list[RouteSegment] = []
         self.moves: list[RouteMove] = []
         self.move_planner = MovePlanner(problem)
+        self.joins: list[Join] = []
         self.sharp = False
         self.slight = False
         self.opened: OpenPose | None = None
@@ -138,16 +140,11 @@ class _JointPathPlanner:
 
     def route(self) -> JointRoute:
         """The route planned so far."""
-        waypoints = sorted(self.waypoints, key=lambda w: w.row)
-        return JointRoute(
-            np.ascontiguousarray(self.q),
-            self.rest,
-            waypoints,
-            self.segments,
-            self.moves,
-            self.sharp,
-            self.slight,
+        q, waypoints = np.ascontiguousarray(self.q), sorted(self.waypoints, key=lambda w: w.row)
+        route = JointRoute(
+            q, self.rest, waypoints, self.segments, self.moves, self.sharp, self.slight
         )
+        return with_joins(self.tracker, route, self.joins)
 
     @property
     def _last_q(self) -> Array:
@@ -287,7 +284,7 @@ class _JointPathPlanner:
                 if not left.any():
                     raise
                 starts, costs = np.ascontiguousarray(starts[left]), costs[left]
-        self._append(path, self.tracker.straighten(path, tracked) if last else tracked)
+        self._append(leg, self.tracker.straighten(path, tracked) if last else tracked)
         self.sharp |= path.sharp
         self.slight |= path.slight
 
@@ -315,9 +312,9 @@ class _JointPathPlanner:
         )
         return starts, np.zeros(len(starts)), self._copies()
 
-    def _append(self, path: ToolPath, tracked: TrackedPath) -> None:
+    def _append(self, leg: ToolLeg, tracked: TrackedPath) -> None:
         """Add the points of a tracked path; the motion rests where it begins and ends."""
-        joined = bool(self.q) and np.array_equal(self.q[-1], tracked.q[0])
+        path, joined = leg.path, bool(self.q) and np.array_equal(self.q[-1], tracked.q[0])
         if joined:
             self.q.pop()
         first = len(self.q)
@@ -330,6 +327,9 @@ class _JointPathPlanner:
             self.opened = None
         self.q += list(tracked.q)
         self.rest += [first, *(first + k for k in tracked.rest), len(self.q) - 1]
+        for corner, radius in ((first, leg.begin_blend), (len(self.q) - 1, leg.end_blend)):
+            if radius > 0.0:
+                self.joins.append(Join(corner, radius, path, tracked.s, first))
         for waypoint, k in zip(path.waypoints, tracked.waypoint, strict=True):
             pose = Pose(waypoint.R, waypoint.p)
             row = RouteWaypoint(waypoint.row, first + int(k), self._target(pose), waypoint.exact)

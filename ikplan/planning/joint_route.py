@@ -132,6 +132,8 @@ class JointRoute:
         moves: The moves around obstacles, in order.
         sharp: Whether sharp corners are rounded within the tolerance.
         slight: Whether others are, of a path of few pieces.
+        stopped: The same route with stops at the corners between joint motions and tool paths;
+            None: it passes none of them without.
     """
 
     q: Array
@@ -141,3 +143,4 @@ class JointRoute:
     moves: list[RouteMove] = field(default_factory=list)
     sharp: bool = False
     slight: bool = False
+    stopped: JointRoute | None = None

@@ -114,6 +114,12 @@ class _Limits(Document):
         description="Lowest joint accelerations, negative [rad/s^2 or m/s^2]; null: as far below "
         "zero as the highest ones are above.",
     )
+    deceleration: Annotated[PerJoint | None, IfGiven()] = Field(
+        None,
+        description="Highest rates at which joints may slow down, whichever way they move, one "
+        "each or one for all [rad/s^2 or m/s^2], inside the robot's own limits; `acceleration` is "
+        "then how fast they may speed up. null: as `acceleration`.",
+    )
     torque: Torque = Field(
         False,
         description="true: keep the robot's torque limits; a list: the strictest of those and "
@@ -164,12 +170,6 @@ class LimitOptions(_Limits):
         max_length=64,
         description="Limits of single joints by name, position limits among them, as if they were "
         "the robot's own: none may be wider, and scales are shares of these. null: the robot's.",
-    )
-    deceleration: Annotated[PerJoint | None, IfGiven()] = Field(
-        None,
-        description="Highest rates at which joints may slow down, whichever way they move, one "
-        "each or one for all [rad/s^2 or m/s^2], inside the robot's own limits; `acceleration` is "
-        "then how fast they may speed up. null: as `acceleration`.",
     )
     jerk: WholeJerk | None = Field(
         None,

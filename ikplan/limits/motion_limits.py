@@ -152,7 +152,7 @@ class MotionLimits:
         field: str,
     ) -> Array | None:
         """Merge how fast joints may slow down; None: as fast as they may speed up."""
-        given = options.deceleration if isinstance(options, LimitOptions) else None
+        given = options.deceleration
         if given is None and self.deceleration is None:
             return None
         known = self.deceleration

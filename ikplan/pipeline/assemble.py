@@ -18,7 +18,7 @@ from ikplan.ik.solve import pose_distance
 from ikplan.kinematics.arm import arm_of
 from ikplan.limits.motion_limits import MotionLimits
 from ikplan.pipeline.collisions import prove_motion
-from ikplan.pipeline.hints import stop_hints
+from ikplan.pipeline.hints import default_hints, stop_hints
 from ikplan.pipeline.timing_stage import Timing
 from ikplan.planning import JointRoute
 from ikplan.planning.posture import report_posture
@@ -149,6 +149,12 @@ def assemble_plan(
         if model is not None:
             clearance = prove_motion(robot, model, timing, segment_times)
             certificate = certificate.model_copy(update={"clearance": clearance})
+    asked = request.path if isinstance(request, PlanRequest) else None
+    told = [
+        *hints,
+        *stop_hints(certificate, path, asked),
+        *default_hints(robot, request.limits),
+    ]
     return Plan(
         id=plan_id,
         version=__version__,
@@ -158,7 +164,7 @@ def assemble_plan(
         waypoints=waypoints,
         trajectory=timing.trajectory,
         certificate=certificate,
-        timing=timing.report.model_copy(update={"hints": [*hints, *stop_hints(certificate, path)]}),
+        timing=timing.report.model_copy(update={"hints": told}),
         motion=timing.motion,
         posture=_posture_report(request, robot, samples.q),
         controller=None if robot.controller is None else robot.controller.info(),

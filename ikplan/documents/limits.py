@@ -11,7 +11,15 @@ from pydantic import AfterValidator, BeforeValidator, Discriminator, Field, Tag
 
 from ikplan.documents import Document, IfGiven, Number, Vec3, as_list
 
-__all__ = ["LimitOptions", "OwnLimits", "Payload", "SamplingOptions", "SegmentLimits", "ToolRate"]
+__all__ = [
+    "LimitOptions",
+    "OwnLimits",
+    "Payload",
+    "SamplingOptions",
+    "SegmentLimits",
+    "ToolAcceleration",
+    "ToolRate",
+]
 
 MAX_RATE_HZ = 10_000.0
 
@@ -76,8 +84,30 @@ class ToolRate(Document):
     )
 
 
+class ToolAcceleration(ToolRate):
+    """A limit of the norms of the tool frame's accelerations, and of how its speed changes."""
+
+    linear: Positive | None = Field(
+        None,
+        description="Norm of the linear acceleration, its centripetal share in curves included "
+        "[m/s^2]; null: no limit.",
+    )
+    angular: Positive | None = Field(
+        None, description="Norm of the angular acceleration [rad/s^2]; null: no limit."
+    )
+    tangential: Annotated[Positive | None, IfGiven()] = Field(
+        None,
+        description="Tangential linear acceleration: the rate at which the speed of the tool "
+        "changes, speeding up and slowing down, whatever its way curves [m/s^2]; null: no limit.",
+    )
+
+
 ToolLimit = Annotated[
     Annotated[Positive, Tag("[number]")] | Annotated[ToolRate, Tag("[object]")],
+    Discriminator(lambda v: "[object]" if _tag(v) == "[object]" else "[number]"),
+]
+ToolAccelerationLimit = Annotated[
+    Annotated[Positive, Tag("[number]")] | Annotated[ToolAcceleration, Tag("[object]")],
     Discriminator(lambda v: "[object]" if _tag(v) == "[object]" else "[number]"),
 ]
 
@@ -133,9 +163,10 @@ class _Limits(Document):
     tool_speed: ToolLimit | None = Field(
         None, description="Highest speed of the tool frame; a number is the linear one [m/s]."
     )
-    tool_acceleration: ToolLimit | None = Field(
+    tool_acceleration: ToolAccelerationLimit | None = Field(
         None,
-        description="Highest acceleration of the tool frame; a number is the linear one [m/s^2].",
+        description="Highest acceleration of the tool frame; a number is the norm of the linear "
+        "one, the centripetal share included [m/s^2].",
     )
 
 

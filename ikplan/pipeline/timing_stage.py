@@ -33,6 +33,7 @@ from ikplan.timing import (
 )
 from ikplan.timing.braking import turning_points
 from ikplan.timing.constraints.models import inverse_dynamics, tool_motion
+from ikplan.timing.constraints.tangential_limit import TangentialLimit
 from ikplan.timing.engines.engine import Check, unlimited
 
 __all__ = ["Timing", "joint_limits", "sampling_rate", "time_motion"]
@@ -180,6 +181,9 @@ def _constraints(
     if np.isfinite(rates).any() and not same:
         v, w, dv, dw = (value if np.isfinite(value) else None for value in rates)
         constraints.append(ToolLimits(tool_motion(robot), v, w, dv, dw, start, end))
+    tangential = limits.tool_tangential
+    if np.isfinite(tangential) and (known is None or tangential < known.tool_tangential):
+        constraints.append(TangentialLimit(tool_motion(robot), tangential, start, end))
     if limits.torque is not None and (known is None or _more_torque(limits, known)):
         payload = None
         if limits.payload_mass > 0.0:

@@ -68,6 +68,10 @@ class _Backwards:
     def segments(self) -> Sequence[SegmentRange]:
         return ()
 
+    @property
+    def rounded(self) -> bool:
+        return self._path.rounded
+
     def poses(self, s: Array) -> tuple[Array, Array]:
         return self._path.poses(self.length - s)
 

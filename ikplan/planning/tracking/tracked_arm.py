@@ -12,6 +12,7 @@ from ikplan.documents.plan_request import Tolerance
 from ikplan.kinematics.arm import Arm
 from ikplan.kinematics.target import ORIENTATION_WEIGHT, Freedom, constraint_rows
 from ikplan.limits import JointLimits
+from ikplan.path.tolerance_shares import MET, TRACKING, TRACKING_WITHIN
 from ikplan.planning.ladder.ik_candidates import Targets, target_at
 from ikplan.planning.ladder.motion_cost import MotionCost, motion_cost_along, plain_cost
 from ikplan.planning.segment_number import segment_number
@@ -25,11 +26,6 @@ EXACT = 1e-9
 """Error of a point that counts as none [m and rad]."""
 MAX_POINTS = 20_000
 """Points of a path at which more are no longer added."""
-
-
-_MET = 0.85
-"""Share of the tolerance within which a point counts as met where it cannot be met exactly."""
-_DEVIATION, _DEVIATION_WITHIN = 0.5, 0.95
 
 
 @dataclass(frozen=True)
@@ -77,12 +73,12 @@ class TrackedArm:
         """Distance [m] and angle [rad] from a target at which a point counts as on it."""
         if not self.within:
             return EXACT, EXACT
-        return _MET * self.tolerance.position, _MET * self.tolerance.orientation
+        return MET * self.tolerance.position, MET * self.tolerance.orientation
 
     @property
     def deviation_share(self) -> float:
         """Largest ratio of the joint spline's deviation to the tolerance."""
-        return _DEVIATION_WITHIN if self.within else _DEVIATION
+        return TRACKING_WITHIN if self.within else TRACKING
 
     def first_contact(self, reference: ReferencePath, s: Array, q: Array) -> Contact | None:
         """Return where the straight motions between tracked points first meet a body, or None.

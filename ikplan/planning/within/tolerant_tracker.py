@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Self
 
 from ikplan.arrays import Array
+from ikplan.path.tolerance_shares import left_to_tracking
 from ikplan.planning.tracking.path_tracker import (
     FIRST_STEPS,
     JointSequence,
@@ -39,7 +41,7 @@ class TolerantTracker(PathTracker):
         Points are met exactly where that can be. Where a singularity ends exact tracking, the
         joints are led over it, and the tool leaves the path within the tolerance.
         """
-        tracker = replace(self, within=True)
+        tracker = self.tolerant(reference)
         sequences: list[JointSequence] = []
         spans: dict[int, SpanList] = {}
         broken: TrackingFailed | None = None
@@ -62,16 +64,30 @@ class TolerantTracker(PathTracker):
 
     def straighten(self, reference: ReferencePath, tracked: TrackedPath) -> TrackedPath:
         """Return a tracked path led over its flips, or as it is where the tolerance saves none."""
-        found = straightened(self, reference, tracked.s, tracked.q, FIRST_STEPS[0])
+        tracker = self.tolerant(reference)
+        found = straightened(tracker, reference, tracked.s, tracked.q, FIRST_STEPS[0])
         if found is None:
             return tracked
         s, q, windows = found
         saved = self.sequence_cost(tracked.s, tracked.q) - self.sequence_cost(s, q)
         length = tracked.length - saved
         try:
-            return replace(self, within=True)._densify_first(reference, [(length, s, q)], windows)
+            return tracker._densify_first(reference, [(length, s, q)], windows)
         except TrackingFailed:
             return tracked
+
+    def tolerant(self, reference: ReferencePath) -> Self:
+        """Return the tracker that tracks a path within what its corners leave of the tolerance."""
+        left = left_to_tracking(reference.rounded)
+        tolerance = self.tolerance
+        if left < 1.0:
+            tolerance = tolerance.model_copy(
+                update={
+                    "position": left * tolerance.position,
+                    "orientation": left * tolerance.orientation,
+                }
+            )
+        return replace(self, within=True, tolerance=tolerance)
 
     def _track_copies_within(
         self, reference: ReferencePath, q_start: Array, copies: StartCopies | None

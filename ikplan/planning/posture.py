@@ -9,6 +9,7 @@ import numpy as np
 from ikplan.arrays import Array
 from ikplan.documents.plan_request import PlanRequest
 from ikplan.documents.poses import Posture, PostureReport
+from ikplan.documents.segment import JointSegment, JointTarget, MoveSegment
 from ikplan.errors import InvalidRequest
 from ikplan.ik.arguments import check_start
 from ikplan.planning.ladder.motion_cost import MotionCost, plain_cost
@@ -82,14 +83,7 @@ def softened(robot: Robot, request: PlanRequest) -> Robot | None:
     if posture is None or (posture.lower is None and posture.upper is None):
         return None
     lower, upper = soft_limits(robot, posture)
-    given = [s.q for s in request.path.segments or () if getattr(s, "q", None) is not None]
-    given += [t.q for s in request.path.segments or () for t in getattr(s, "any", None) or ()
-              if getattr(t, "q", None) is not None]  # fmt: skip
-    if request.start is None:
-        given.append(list(robot.home))
-    elif request.start != "free":
-        given.append(request.start)
-    for q in given:
+    for q in _given_values(robot, request):
         lower, upper = np.minimum(lower, q), np.maximum(upper, q)
     specs = tuple(
         joint
@@ -98,6 +92,29 @@ def softened(robot: Robot, request: PlanRequest) -> Robot | None:
         for joint, low, high in zip(robot.description.joints, lower, upper, strict=True)
     )
     return Robot(replace(robot.description, joints=specs))
+
+
+def _given_values(robot: Robot, request: PlanRequest) -> list[Array]:
+    """Configurations that a request gives: its start, and ends of joint motions and moves.
+
+    Raises:
+        InvalidRequest: One of them has the wrong length, or is outside the position limits.
+    """
+    given = []
+    if request.start != "free":
+        start = robot.home if request.start is None else request.start
+        given.append(check_start(robot, start))
+    for k, segment in enumerate(request.path.segments or ()):
+        if not isinstance(segment, JointSegment | MoveSegment):
+            continue
+        field = f"path.segments[{k}]"
+        if segment.q is not None:
+            given.append(check_start(robot, segment.q, f"{field}.q"))
+        targets = (segment.any or ()) if isinstance(segment, MoveSegment) else ()
+        for n, target in enumerate(targets):
+            if isinstance(target, JointTarget):
+                given.append(check_start(robot, target.q, f"{field}.any[{n}].q"))
+    return given
 
 
 def report_posture(robot: Robot, posture: Posture | None, q: Array) -> PostureReport | None:

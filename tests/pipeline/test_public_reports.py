@@ -229,3 +229,33 @@ def test_a_blend_where_the_tool_turns_is_not_slower_than_the_stop() -> None:
         durations.append(ikplan.plan(request).duration)
     for exact, rounded in pairwise([durations[0], max(durations[1:])]):
         assert rounded <= exact
+
+
+@pytest.mark.parametrize(
+    ("distance", "velocity", "acceleration", "jerk", "duration"),
+    [
+        (2.0, 1.0, 100.0, 1.0, 4.0),
+        (20.0, 100.0, 1.0, 1.0, 10.0),
+        (10.0, 1.0, 1.0, 1.0, 12.0),
+        (0.05, 2.175, 10.0, 1000.0, 0.15177),
+    ],
+)
+def test_a_slide_as_long_as_a_model_has_it_takes_the_time_of_the_double_s(
+    distance: float,
+    velocity: float,
+    acceleration: float,
+    jerk: float,
+    duration: float,
+    tmp_path: Path,
+) -> None:
+    """Against ruckig 0.17, on a joint of +-10 km as models of one joint have it."""
+    file = tmp_path / "slide.urdf"
+    file.write_text(
+        '<robot name="slide"><link name="l0"/><link name="l1"/>'
+        '<joint name="j1" type="prismatic"><parent link="l0"/><child link="l1"/><axis xyz="1 0 0"/>'
+        f'<limit lower="-10000" upper="10000" velocity="{velocity}" effort="1"/></joint></robot>'
+    )
+    robot = load_robot(file).with_limits(velocity=[velocity], acceleration=[acceleration])
+    rows = [[0.0], [distance]]
+    plan = ikplan.time_path(robot, rows, limits={"jerk": jerk}, rate_hz=1000)
+    assert plan.duration == pytest.approx(duration, rel=0.01, abs=1e-3)

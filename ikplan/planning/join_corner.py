@@ -31,16 +31,18 @@ _DENSER = 12
 
 @dataclass(frozen=True, eq=False)
 class RoundedJoin:
-    """The configurations from the rest before a join to the rest after it.
+    """The configurations from the rest before a join to the end of the tool path after it.
 
     Attributes:
         q: Shape (k, dof) [rad or m].
+        s: Path positions of those on the tool path, shape (m,).
         place: Index in them of each of those before, that of the corner left out.
         nearest: Index of the one whose tool is nearest to the corner.
         ends: Indices of those between which the corner is rounded.
     """
 
     q: Array
+    s: Array
     place: dict[int, int]
     nearest: int
     ends: tuple[int, int]
@@ -55,8 +57,11 @@ class JoinCorner:
         reference: The tool path, from the corner.
         radius: Radius of the ball about the corner [m].
         q_joint: The joint motion from its last rest to the corner, shape (k, dof).
-        q_tool: The tool path from the corner to its next rest, shape (m, dof).
-        s: Path positions of these, shape (m,).
+        q_tool: The tool path from the corner to its next rest, or to where another corner of it
+            is rounded, shape (m, dof).
+        q_beyond: What follows it up to the next rest, shape (n, dof).
+        s: Path positions of the tool path's, shape (m,).
+        kept: Index in the joint motion of the last configuration that has to stay.
     """
 
     tracked: TrackedArm
@@ -64,7 +69,9 @@ class JoinCorner:
     radius: float
     q_joint: Array
     q_tool: Array
+    q_beyond: Array
     s: Array
+    kept: int
 
     def rounded(self) -> RoundedJoin | None:
         """The corner rounded as widely as its ball allows; None: it cannot be."""
@@ -107,7 +114,7 @@ class JoinCorner:
         rows = np.vstack([head, q])
         bend = slice(len(q_before), len(head) + 1)
         p_corner = self._tool(corner[None])[0]
-        path = JointPath.through(rows, limits)
+        path = JointPath.through(np.vstack([rows, self.q_beyond]), limits)
         knots = path.s_waypoints
         looks = np.linspace(knots[bend.start], knots[len(head)], _LOOKS)
         away = np.linalg.norm(self._tool(path(looks)) - p_corner, axis=1)
@@ -118,11 +125,13 @@ class JoinCorner:
             return None
         near = np.linalg.norm(self._tool(rows[bend]) - p_corner, axis=1)
         joints = len(self.q_joint) - 1
-        place = {k: k for k in range(joints)}
+        place = {k: min(k, self.kept) for k in range(joints)}
         place |= {joints: bend.start + int(np.argmin(near))}
         where = len(head) + np.searchsorted(s, self.s[1:])
         place |= {joints + 1 + k: min(int(i), len(rows) - 1) for k, i in enumerate(where)}
-        return RoundedJoin(rows, place, bend.start + int(np.argmin(near)), (bend.start, len(head)))
+        return RoundedJoin(
+            rows, s, place, bend.start + int(np.argmin(near)), (bend.start, len(head))
+        )
 
     def _tool(self, q: Array) -> Array:
         """Positions of the tool, shape (m, 3) [m]."""
@@ -132,7 +141,7 @@ class JoinCorner:
         """Configurations up to the ball, the last of them, and its direction and curvature."""
         path = JointPath.through(self.q_joint, self.tracked.limits)
         knots = path.s_waypoints
-        low, high = 0.5 * (knots[-2] + knots[-1]), knots[-1]
+        low, high = 0.5 * (knots[self.kept] + knots[-1]), knots[-1]
         if high - low < 1e-9:
             return None
         looks = np.linspace(high, low, _LOOKS)
@@ -141,13 +150,17 @@ class JoinCorner:
         sigma = float(looks[out[0] - 1 if len(out) else -1])
         if high - sigma < 1e-9:
             return None
-        guides = np.linspace(knots[-2], sigma, _GUIDES + 1)
+        guides = np.linspace(knots[self.kept], sigma, _GUIDES + 1)
         q, d1, d2 = path.derivatives(guides)
-        return np.vstack([self.q_joint[:-1], q[1:-1]]), q[-1], np.array([d1[-1], d2[-1]])
+        return (
+            np.vstack([self.q_joint[: self.kept + 1], q[1:-1]]),
+            q[-1],
+            np.array([d1[-1], d2[-1]]),
+        )
 
     def _leaving(self, reach: float) -> tuple[Array, Array, float] | None:
         """The configuration where the tool path is followed from, direction, curvature, place."""
-        path = JointPath.through(self.q_tool, self.tracked.limits)
+        path = JointPath.through(np.vstack([self.q_tool, self.q_beyond]), self.tracked.limits)
         k = int(np.clip(np.searchsorted(self.s, reach, "right") - 1, 0, len(self.s) - 2))
         share = (reach - self.s[k]) / (self.s[k + 1] - self.s[k])
         knots = path.s_waypoints
@@ -174,15 +187,16 @@ class JoinCorner:
         """Points of the tool path, more where the spline through all would leave it."""
         tracked, first = self.tracked, len(head)
         for _ in range(_DENSER):
-            path = JointPath.through(np.vstack([head, q]), tracked.limits)
+            path = JointPath.through(np.vstack([head, q, self.q_beyond]), tracked.limits)
             knots = path.knot_of_waypoint
             if len(np.unique(knots)) < len(knots):
                 return None
+            last = first + len(q)
             part = JointPath(
-                path.s_knots[first:] - path.s_knots[first],
-                path.q_knots[first:],
-                path.tangents_start[first:],
-                path.tangents_end[first:],
+                path.s_knots[first:last] - path.s_knots[first],
+                path.q_knots[first:last],
+                path.tangents_start[first : last - 1],
+                path.tangents_end[first : last - 1],
             )
             off, spent = deviation_ratios(
                 tracked.arm.chain,

@@ -87,45 +87,54 @@ def with_joins(tracked: TrackedArm, route: JointRoute, joins: Sequence[Join]) ->
         route: The route, at rest at every join.
         joins: The joins, in order.
     """
-    joined = route
+    joined, known = route, {join.first: join.s for join in joins}
     for join in reversed(joins):
-        found = _joined(tracked, joined, join)
-        joined = joined if found is None else found
+        found = _joined(tracked, joined, replace(join, s=known[join.first]))
+        if found is not None:
+            joined, known[join.first] = found
     return joined if joined is route else replace(joined, stopped=route)
 
 
-def _joined(tracked: TrackedArm, route: JointRoute, join: Join) -> JointRoute | None:
-    """The route that passes one join; None where it has to stop."""
+def _joined(tracked: TrackedArm, route: JointRoute, join: Join) -> tuple[JointRoute, Array] | None:
+    """The route that passes one join, and the path positions of what is left of its tool path.
+
+    None where the motion has to stop.
+    """
     at, rests = join.corner, sorted({0, *route.rest, len(route.q) - 1})
     before = max((k for k in rests if k < at), default=None)
     after = min((k for k in rests if k > at), default=None)
     if before is None or after is None:
         return None
-    last = join.first + len(join.s) - 1
+    held = {*rests, *(w.index for w in route.waypoints)}
+    held |= {k for part in (*route.segments, *route.moves) for k in (part.first, part.last)}
+    q, length = route.q, join.reference.length
     if join.begins:
-        reference, s = join.reference, join.s[: after - at + 1]
-        q_joint, q_tool = route.q[before : at + 1], route.q[at : after + 1]
+        end = at + min(len(join.s), after - at + 1) - 1
+        kept = max(k for k in held if k < at) - before
+        s, reference = join.s[: end - at + 1], join.reference
+        parts = q[before : at + 1], q[at : end + 1], q[end + 1 : after + 1]
+        after = end
     else:
-        reference = _Backwards(join.reference)
-        s = (join.reference.length - join.s[before - join.first : last - join.first + 1])[::-1]
-        q_joint, q_tool = route.q[at : after + 1][::-1], route.q[before : at + 1][::-1]
-    if len(s) != len(q_tool):  # the tool path is followed by another without a stop
-        return None
-    rounded = JoinCorner(tracked, reference, join.radius, q_joint, q_tool, s).rounded()
+        kept = after - min(k for k in held if k > at)
+        s, reference = (length - join.s[before - join.first :])[::-1], _Backwards(join.reference)
+        parts = q[at : after + 1][::-1], q[before : at + 1][::-1], q[:0]
+    corner = JoinCorner(tracked, reference, join.radius, *parts, s, kept)
+    rounded = corner.rounded()
     if rounded is None:
         return None
-    place = np.array([rounded.place[k] for k in range(len(q_joint) + len(q_tool) - 1)])
-    q, nearest, ends = rounded.q, rounded.nearest, rounded.ends
+    place = np.array([rounded.place[k] for k in range(len(parts[0]) + len(parts[1]) - 1)])
+    q, nearest, ends, left = rounded.q, rounded.nearest, rounded.ends, rounded.s
     if not join.begins:
         q, place = q[::-1], len(q) - 1 - place[::-1]
         nearest, ends = len(q) - 1 - nearest, (len(q) - 1 - ends[1], len(q) - 1 - ends[0])
+        left = np.concatenate([join.s[: before - join.first], (length - left)[::-1]])
     more = len(q) - (after - before + 1)
     moved = [
         k if k <= before else k + more if k >= after else before + int(place[k - before])
         for k in range(len(route.q))
     ]
     enters, leaves = before + ends[0], before + ends[1]
-    return replace(
+    made = replace(
         route,
         q=np.ascontiguousarray(np.vstack([route.q[:before], q, route.q[after + 1 :]])),
         rest=[moved[k] for k in route.rest if k != at],
@@ -145,3 +154,4 @@ def _joined(tracked: TrackedArm, route: JointRoute, join: Join) -> JointRoute | 
         ],
         moves=[replace(m, first=moved[m.first], last=moved[m.last]) for m in route.moves],
     )
+    return made, left

@@ -115,6 +115,31 @@ def test_both_ends_of_a_joint_motion_are_rounded_and_other_waypoints_are_met() -
     assert misses[3] <= 1e-6
 
 
+def test_a_line_is_rounded_at_both_ends_and_a_joint_motion_between_two_lines() -> None:
+    second = np.add(CORNER, [0.4, 0.1, -0.2, 0.1, 0.0, 0.5])
+    for segments in (
+        [joint(CORNER, blend=0.04), line(AWAY, blend=0.04), joint(second)],
+        [line(AWAY, START, blend=0.04), joint(second, blend=0.04), line([0.0, 0.0, 0.15], second)],
+        [
+            joint(CORNER, blend=0.03),
+            line(AWAY, blend=0.03),
+            joint(second, blend=0.03),
+            line([0.0, 0.0, 0.15], second, blend=0.03),
+            joint(START),
+        ],
+    ):
+        plan = ikplan.plan(request(*segments))
+        exact = ikplan.plan(
+            request(*({k: v for k, v in s.items() if k != "blend"} for s in segments))
+        )
+        assert len(exact.certificate.stops) == len(segments) - 1
+        assert plan.certificate.stops == []
+        assert plan.duration < exact.duration
+        misses = np.array(plan.waypoints.position_error)
+        blends = [s.get("blend", 0.0) for s in segments]
+        assert (misses <= np.maximum(blends, 1e-6)).all()
+
+
 def test_limits_of_both_segments_hold_about_the_corner() -> None:
     segments = [joint(CORNER, blend=RADIUS), line(AWAY, limits={"tool_speed": 0.1})]
     plan = ikplan.plan(request(*segments))

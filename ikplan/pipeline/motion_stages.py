@@ -11,7 +11,7 @@ from ikplan.documents.segment import JointSegment, MoveSegment
 from ikplan.errors import Disconnected, InCollision, TimingFailed, Unreachable
 from ikplan.joint_path import JointPath
 from ikplan.limits.motion_limits import LimitedSegment, MotionLimits
-from ikplan.pipeline.timing_stage import Timing, time_motion
+from ikplan.pipeline.timing_stage import Timing, least_duration, time_motion
 from ikplan.planning import JointPathProblem, JointRoute, plan_joint_path
 from ikplan.planning.tracking.tracked_path import TrackingFailed
 from ikplan.robots import Robot
@@ -20,6 +20,8 @@ __all__ = ["LaidRoute", "MotionStages", "without_blends"]
 
 _FEW = 64
 """Of fewer segments, a path with blends is planned with exact corners too."""
+_BOUND = 2e-3
+"""How far above the least duration a timing without jerk limits may be, as a share."""
 
 
 class LaidRoute(NamedTuple):
@@ -103,25 +105,42 @@ class MotionStages:
         Raises:
             TimingFailed: None has a timing; that of the first.
         """
-        best: tuple[LaidRoute, Timing] | None = None
-        failures: list[TimingFailed] = []
-        for one in laid:
-            try:
-                timing = self._timed(problem, one.route, one.joint_path)
-            except TimingFailed as failure:
-                failures.append(failure)
+        # What a motion takes without jerk limits is quickly known, and with them it takes longer.
+        least = [self._least(problem, one) for one in laid] if len(laid) > 1 else [0.0]
+        best: tuple[float, int, Timing] | None = None
+        failures: dict[int, TimingFailed] = {}
+        for k in sorted(range(len(laid)), key=lambda k: (least[k], k)):
+            if best is not None and (1.0 - _BOUND) * least[k] >= best[0]:
                 continue
-            if best is None or timing.timed.duration < best[1].timed.duration:
-                best = one, timing
+            try:
+                timing = self._timed(problem, laid[k].route, laid[k].joint_path)
+            except TimingFailed as failure:
+                failures[k] = failure
+                continue
+            duration = timing.timed.duration
+            if best is None or (duration, k) < best[:2]:
+                best = duration, k, timing
         if best is None:
-            raise failures[0]
-        return best
+            raise failures[min(failures)]
+        return laid[best[1]], best[2]
 
-    def _timed(self, problem: JointPathProblem, route: JointRoute, path: JointPath) -> Timing:
-        segments = [
+    def _least(self, problem: JointPathProblem, laid: LaidRoute) -> float:
+        """Duration without jerk limits [s]; 0 where there is no timing."""
+        segments, check = self._limited(laid.route), problem.clock.check
+        try:
+            return least_duration(laid.joint_path, self.robot, self.limits, segments, check)
+        except TimingFailed:
+            return 0.0
+
+    def _limited(self, route: JointRoute) -> list[LimitedSegment]:
+        """The segments of a route that have limits of their own."""
+        return [
             LimitedSegment(x.field, x.first, x.last, self.limits_of[x.field])
             for x in route.segments
             if x.field in self.limits_of
         ]
+
+    def _timed(self, problem: JointPathProblem, route: JointRoute, path: JointPath) -> Timing:
+        segments = self._limited(route)
         sampling, check = self.request.sampling, problem.clock.check
         return time_motion(path, self.robot, self.limits, sampling, segments, check)

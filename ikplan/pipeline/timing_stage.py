@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -125,19 +125,7 @@ def time_motion(
         InvalidRequest: The motion is too long for the rate, or a joint moves whose limit is 0.
         TimingFailed: No timing under the limits: where, which joint, which limit.
     """
-    refuse_moving(robot, path, limits, 0.0, path.length)
-    if any(x.deceleration is not None for x in (limits, *(s.limits for s in segments))):
-        path = path.with_knots(turning_points(path))
-    constraints = _constraints(robot, limits)
-    joint_segments = []
-    for segment in segments:
-        start, end = (float(s) for s in path.s_waypoints[[segment.first, segment.last]])
-        if start < end:
-            refuse_moving(robot, path, segment.limits, start, end)
-            joint_segments.append(
-                SegmentJointLimits(start, end, joint_limits(robot, segment.limits))
-            )
-            constraints += _constraints(robot, segment.limits, limits, start, end)
+    path, joint_segments, constraints = _prepared(path, robot, limits, segments)
     free = time_joint_path(
         path,
         joint_limits(robot, limits),
@@ -165,6 +153,52 @@ def time_motion(
             zero_end_acceleration=not samples.ddq[[0, -1]].any(),
         ),
     )
+
+
+def least_duration(
+    path: JointPath,
+    robot: Robot,
+    limits: MotionLimits,
+    segments: Sequence[LimitedSegment] = (),
+    check: Check = unlimited,
+) -> float:
+    """Return the duration of a motion that no jerk limit slows [s]; arguments as above.
+
+    Raises:
+        InvalidRequest: A joint moves whose limit is 0.
+        TimingFailed: No timing under the limits.
+    """
+    smooth = replace(limits, jerk=None)
+    eased = [replace(x, limits=replace(x.limits, jerk=None)) for x in segments]
+    path, joint_segments, constraints = _prepared(path, robot, smooth, eased)
+    free = time_joint_path(
+        path,
+        joint_limits(robot, smooth),
+        segments=joint_segments,
+        constraints=constraints,
+        check=check,
+    )
+    return free.duration
+
+
+def _prepared(
+    path: JointPath, robot: Robot, limits: MotionLimits, segments: Sequence[LimitedSegment]
+) -> tuple[JointPath, list[SegmentJointLimits], list[PathConstraint]]:
+    """A path with the knots that its limits need, limits of its ranges, and of tool and torques."""
+    refuse_moving(robot, path, limits, 0.0, path.length)
+    if any(x.deceleration is not None for x in (limits, *(s.limits for s in segments))):
+        path = path.with_knots(turning_points(path))
+    constraints = _constraints(robot, limits)
+    joint_segments = []
+    for segment in segments:
+        start, end = (float(s) for s in path.s_waypoints[[segment.first, segment.last]])
+        if start < end:
+            refuse_moving(robot, path, segment.limits, start, end)
+            joint_segments.append(
+                SegmentJointLimits(start, end, joint_limits(robot, segment.limits))
+            )
+            constraints += _constraints(robot, segment.limits, limits, start, end)
+    return path, joint_segments, constraints
 
 
 def _constraints(

@@ -106,7 +106,8 @@ def _joined(tracked: TrackedArm, route: JointRoute, join: Join) -> tuple[JointRo
     if before is None or after is None:
         return None
     held = {*rests, *(w.index for w in route.waypoints)}
-    held |= {k for part in (*route.segments, *route.moves) for k in (part.first, part.last)}
+    held |= {k for part in route.segments for k in (part.first, part.last)}
+    held |= {k for move in route.moves for k in (move.first, move.last)}
     q, length = route.q, join.reference.length
     if join.begins:
         end = at + min(len(join.s), after - at + 1) - 1

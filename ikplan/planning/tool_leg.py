@@ -96,6 +96,7 @@ def path_tracker(problem: JointPathProblem) -> TolerantTracker:
         problem.path.tolerance,
         problem.clock,
         problem.contact,
+        posture=problem.posture,
     )
 
 

@@ -99,6 +99,10 @@ def _not_given(document: Document) -> dict[str, Any]:
             found[name] = True
         elif isinstance(value, Document) and (inner := _not_given(value)):
             found[name] = inner
+        elif isinstance(value, list) and value and isinstance(value[0], Document):
+            rows = {k: _not_given(x) for k, x in enumerate(value) if isinstance(x, Document)}
+            if rows := {k: row for k, row in rows.items() if row}:
+                found[name] = rows
     return found
 
 

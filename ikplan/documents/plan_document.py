@@ -10,6 +10,7 @@ from pydantic import Field
 from ikplan.arrays import Array
 from ikplan.documents.certificate import Certificate, Result
 from ikplan.documents.controller import ControllerInfo
+from ikplan.documents.poses import PostureReport
 from ikplan.documents.timing_report import MotionPolynomials, TimingReport
 from ikplan.documents.trajectory import OrderReport, Stats, Trajectory, WaypointResults
 
@@ -37,6 +38,9 @@ class PlanDocument(Result):
     )
     motion: MotionPolynomials | None = Field(
         None, description='The motion as polynomials; only with sampling.form "polynomial".'
+    )
+    posture: PostureReport | None = Field(
+        None, description="How far the motion keeps to `ik.posture`; null: none was given."
     )
     controller: ControllerInfo | None = Field(
         None, description="The robot's controller; null: none is known."

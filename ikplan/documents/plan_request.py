@@ -31,7 +31,14 @@ from ikplan.documents import (
 )
 from ikplan.documents.limits import LimitOptions, SamplingOptions
 from ikplan.documents.path import PathRequest
-from ikplan.documents.poses import Frame, Quaternion, Tolerance, Waypoint, unit_quaternion
+from ikplan.documents.poses import (
+    Frame,
+    Posture,
+    Quaternion,
+    Tolerance,
+    Waypoint,
+    unit_quaternion,
+)
 from ikplan.documents.scene import FixedJoints, GivenScene, Scene, ToolFrame
 
 __all__ = [
@@ -43,6 +50,7 @@ __all__ = [
     "LimitOptions",
     "PathRequest",
     "PlanRequest",
+    "Posture",
     "SamplingOptions",
     "Scene",
     "Tolerance",
@@ -124,6 +132,11 @@ class IkOptions(Document):
         description="Samples drawn at most in the search for the way of a move; for every 200 of "
         "them one shortcut is tried. null: 20,000. The time budget only ends a search, it never "
         "decides what it finds.",
+    )
+    posture: Annotated[Posture | None, IfGiven()] = Field(
+        None,
+        description="Which motions are preferred: near a configuration, within soft limits, with "
+        "weights of the joints; for plans. null: those of least joint motion, all joints alike.",
     )
 
     move_engine: Annotated[
@@ -254,6 +267,14 @@ class IkRequest(Document):
     )
 
     _check = field_validator("quaternion_xyzw")(unit_quaternion)
+
+    @model_validator(mode="after")
+    def _no_posture(self) -> IkRequest:
+        if self.ik.posture is not None:
+            raise ValueError(
+                "ik.posture is for plans; start says what the solution of a pose is near to"
+            )
+        return self
 
 
 MAX_POSES = 20_000

@@ -22,7 +22,7 @@ from pydantic import (
     model_validator,
 )
 
-from ikplan.documents import HASHED, Document, Floats, Vec3
+from ikplan.documents import HASHED, Document, Floats, IfGiven, Vec3
 from ikplan.documents.limits import SegmentLimits
 from ikplan.documents.poses import Frame, Quaternion, Waypoint, unit_quaternion
 from ikplan.documents.shape import Metres3
@@ -100,7 +100,8 @@ class ToolSegment(BaseSegment):
         ge=0,
         le=10,
         description="Radius of the ball around the corner at the end of the segment within which "
-        "the corner is rounded [m]; 0: exact, the motion stops there; null: as the path says.",
+        "the corner is rounded [m]; 0: exact, the motion stops there; null: as the path says, and "
+        "exact where a joint motion follows.",
     )
 
 
@@ -184,7 +185,7 @@ class SplineSegment(ToolSegment):
 class JointSegment(BaseSegment):
     """A joint motion; the tool's path is what follows from it.
 
-    Neighbouring joint segments are one joint spline through their ends.
+    Neighbouring joint segments are one joint spline through their ends, passed without a stop.
     """
 
     type: Literal["joint"] = Field(description="A joint motion.")
@@ -192,6 +193,11 @@ class JointSegment(BaseSegment):
         None, min_length=1, description="Joint values at the end, shape (dof,) [rad or m]."
     )
     to: Waypoint | None = Field(None, description="Or the pose of the tool at the end.")
+    blend: Annotated[Annotated[float, Field(ge=0, le=10)] | None, IfGiven()] = Field(
+        None,
+        description="Radius of the ball around the corner to the tool's path that follows, within "
+        "which the corner is rounded [m]; null or 0: exact, the motion stops there.",
+    )
 
     @model_validator(mode="after")
     def _one_target(self) -> JointSegment:

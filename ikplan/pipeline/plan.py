@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import contextlib
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
 
@@ -15,13 +15,17 @@ from ikplan.certificate.regions import RegionLeft
 from ikplan.collision.checker import CollisionChecker
 from ikplan.documents import parse
 from ikplan.documents.plan_request import PlanRequest, Scene
-from ikplan.documents.trajectory import WaypointResults
-from ikplan.errors import BudgetExceeded, Disconnected, IkplanError, InCollision, Unreachable
+from ikplan.errors import (
+    BudgetExceeded,
+    Disconnected,
+    IkplanError,
+    InCollision,
+    TimingFailed,
+    Unreachable,
+)
 from ikplan.ik.arguments import check_start
-from ikplan.ik.solve import pose_distance
-from ikplan.kinematics.arm import arm_of
 from ikplan.limits.motion_limits import MotionLimits
-from ikplan.pipeline.assemble import assemble_plan, joint_steps
+from ikplan.pipeline.assemble import assemble_plan, waypoint_results
 from ikplan.pipeline.collisions import requested_model, with_meshes
 from ikplan.pipeline.helpers import helped_by
 from ikplan.pipeline.identity import plan_id
@@ -32,13 +36,13 @@ from ikplan.pipeline.resolve import resolve_robot
 from ikplan.pipeline.timing_stage import joint_limits
 from ikplan.planning import (
     JointPathProblem,
-    JointRoute,
     Progress,
     find_repairs,
 )
 from ikplan.planning.moves.leave import leaving_contact
+from ikplan.planning.posture import motion_cost, preferred_configuration, softened
 from ikplan.planning.repair_kinds import merged_document
-from ikplan.planning.segment_number import segment_number
+from ikplan.planning.segment_times import segment_times
 from ikplan.planning.tracking.tracked_path import TrackingFailed
 from ikplan.plans.plan import Plan
 from ikplan.robots import Robot
@@ -117,6 +121,9 @@ def make_plan(
     start_free = request.start == "free"
     asked = None if request.start == "free" else request.start
     q_start = check_start(robot, robot.home if asked is None else asked)
+    posture = None if request.ik.posture is None else motion_cost(robot, request.ik.posture)
+    if start_free:
+        q_start = preferred_configuration(robot, request.ik.posture)
 
     with clock.stage("ik"):
         solver = pose_solver(robot, request.ik, _EXACT, _EXACT)
@@ -135,17 +142,16 @@ def make_plan(
         clock,
         explain=repairs,
         contact=contact,
+        posture=posture,
     )
+    stages = MotionStages(request, robot, limits, limits_of)
     try:
         if isinstance(request.scene, Scene) and request.scene.leave_contact:
             problem = leaving_contact(problem, contact)
-        stages = MotionStages(request, limits, limits_of)
-        if request.path.order == "given":
-            return _corrected(stages, problem, stages.timed(problem), model, known_id)
-        problem, motion, order = stages.in_best_order(problem)
-        plan = _corrected(stages, problem, motion, model, known_id)
-        return plan.model_copy(update={"order": order})
-    except (Unreachable, Disconnected, InCollision) as error:
+        return _within_soft_limits(stages, problem, model, known_id) or _ordered(
+            stages, problem, model, known_id
+        )
+    except (Unreachable, Disconnected, InCollision, TimingFailed) as error:
         if repairs:
             # The verdict stands, whether or not there is time left for repairs.
             with contextlib.suppress(BudgetExceeded):
@@ -157,7 +163,7 @@ def _repairs(
     request: PlanRequest,
     robot: Robot | None,
     problem: JointPathProblem,
-    error: Unreachable | Disconnected | InCollision,
+    error: Unreachable | Disconnected | InCollision | TimingFailed,
 ) -> list[dict[str, Any]]:
     """Changes of a request with which it is planned, timed and certified.
 
@@ -168,8 +174,45 @@ def _repairs(
     clearance = request.scene.clearance if isinstance(request.scene, Scene) else 0.0
     with clock.stage("planning"), clock.cutting(solver.cut, solver.search_evaluations):
         return find_repairs(
-            problem, error, lambda change: _survives(request, robot, change, clock), clearance
+            problem,
+            error,
+            lambda change: _survives(request, robot, change, clock),
+            clearance,
+            request.limits,
         )
+
+
+def _within_soft_limits(
+    stages: MotionStages, problem: JointPathProblem, model: CollisionModel | None, known_id: str
+) -> Plan | None:
+    """The plan within the soft limits of the request; None: it has none, or no plan within."""
+    robot = softened(problem.robot, stages.request)
+    if robot is None:
+        return None
+    with problem.clock.stage("ik"):
+        solver = pose_solver(robot, problem.options, _EXACT, _EXACT)
+    soft = replace(
+        problem,
+        robot=robot,
+        solver=solver,
+        limits=joint_limits(robot, stages.limits),
+        explain=False,
+    )
+    try:
+        return _ordered(stages, soft, model, known_id)
+    except (Unreachable, Disconnected, InCollision, TimingFailed, TrackingFailed):
+        return None
+
+
+def _ordered(
+    stages: MotionStages, problem: JointPathProblem, model: CollisionModel | None, known_id: str
+) -> Plan:
+    """The plan of a path in the order asked for."""
+    if stages.request.path.order == "given":
+        return _corrected(stages, problem, stages.timed(problem), model, known_id)
+    problem, motion, order = stages.in_best_order(problem)
+    plan = _corrected(stages, problem, motion, model, known_id)
+    return plan.model_copy(update={"order": order})
 
 
 def _corrected(
@@ -209,8 +252,8 @@ def _certified(
     Raises:
         InCollision: The proof fails elsewhere.
     """
-    request, robot = stages.request, problem.robot
-    route, path, timing = motion
+    request, robot = stages.request, stages.robot
+    route, path, timing, followed = motion
     # Configurations too close to tell apart are passed as one.
     passed = path.q_knots[path.knot_of_waypoint]
     waypoint_q = passed[[w.index for w in route.waypoints]]
@@ -220,14 +263,14 @@ def _certified(
             request,
             robot,
             stages.limits,
-            _waypoint_results(robot, route, waypoint_q, times, problem.start_free),
+            waypoint_results(robot, route, waypoint_q, times, problem.start_free),
             timing,
             problem.clock,
             q_start=None if problem.start_free else _begin(problem),
-            path=request.path,
+            path=followed,
             moves=[move.report for move in route.moves],
             model=model,
-            segment_times=_segment_times(route, times, problem.order),
+            segment_times=segment_times(route, times, problem.order),
             order=problem.order,
             leaving=_leaving(problem, motion),
             plan_id=known_id,
@@ -283,31 +326,6 @@ def _survives(
     return True
 
 
-def _segment_times(
-    route: JointRoute, times: NDArray[np.float64], order: Sequence[int] | None
-) -> list[tuple[float, float]] | None:
-    """When each segment of the request begins and ends, in the order passed [s]; None: none are."""
-    found: dict[int, tuple[float, float]] = {}
-    for part in route.segments:
-        number = segment_number(part.field)
-        if number is not None:
-            begin, end = float(times[part.first]), float(times[part.last])
-            known = found.get(number, (begin, end))
-            found[number] = min(begin, known[0]), max(end, known[1])
-    if not found:
-        ends = [float(times[w.index]) for w in route.waypoints]
-        return list(zip([0.0, *ends], ends, strict=False)) or None
-    last = begun = 0.0
-    rows = []
-    for number in range(max(found) + 1) if order is None else order:
-        begin, end = found.get(number, (last, last))
-        # One that leads nowhere, at a rounded corner, is passed after the next one has begun.
-        begun = max(begun, begin)
-        rows.append((begun, max(begun, end)))
-        last = rows[-1][1]
-    return rows
-
-
 def _segment_limits(
     robot: Robot, request: PlanRequest, limits: MotionLimits
 ) -> dict[str, MotionLimits]:
@@ -318,25 +336,3 @@ def _segment_limits(
         for field, segment in fields
         if segment.limits is not None
     }
-
-
-def _waypoint_results(
-    robot: Robot,
-    route: JointRoute,
-    q: NDArray[np.float64],
-    q_time: NDArray[np.float64],
-    start_free: bool,
-) -> WaypointResults:
-    """The rows of the waypoints: one for each asked for."""
-    arm = arm_of(robot)
-    errors = [pose_distance(arm, w.target, q_w) for w, q_w in zip(route.waypoints, q, strict=True)]
-    return WaypointResults(
-        q=q,
-        time=q_time[[w.index for w in route.waypoints]],
-        position_error=np.array([distance for distance, _ in errors]),
-        orientation_error=[
-            angle if w.target.oriented else None
-            for w, (_, angle) in zip(route.waypoints, errors, strict=True)
-        ],
-        elongation=joint_steps(q[0] if start_free else route.q[0], q),
-    )

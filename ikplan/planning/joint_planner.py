@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from ikplan.arrays import Array
-from ikplan.errors import Disconnected, InCollision, Unreachable
+from ikplan.errors import InCollision
 from ikplan.ik.arguments import check_start
 from ikplan.kinematics.target import Freedom, Target, pose_target
 from ikplan.path import (
@@ -18,8 +18,8 @@ from ikplan.path import (
     Pose,
     ToolLeg,
     ToolPath,
-    legs_of,
 )
+from ikplan.planning.joins import Join, with_joins
 from ikplan.planning.joint_route import (
     JointPathProblem,
     JointRoute,
@@ -42,72 +42,16 @@ from ikplan.planning.tool_leg import (
 from ikplan.planning.tool_pose import tool_pose
 from ikplan.planning.tracking.reference_path import points_around
 from ikplan.planning.tracking.start_copies import StartCopies
-from ikplan.planning.tracking.tracked_path import TrackedPath, TrackingFailed
+from ikplan.planning.tracking.tracked_path import TrackedPath
 from ikplan.planning.waypoints.ik_branches import branches
 from ikplan.planning.waypoints.in_collision import in_collision
 from ikplan.planning.waypoints.select import select_configurations
 from ikplan.planning.waypoints.waypoint_problem import WaypointProblem
 
-__all__ = ["plan_joint_path"]
+__all__ = ["JointPathPlanner"]
 
 
-def plan_joint_path(problem: JointPathProblem) -> JointRoute:
-    """Plan the configurations that a joint path passes.
-
-    Args:
-        problem: The path.
-
-    Returns:
-        The configurations; a joint path through them meets every waypoint and tracks every tool
-        path.
-
-    Raises:
-        InvalidRequest: The path makes no sense.
-        Unreachable: A waypoint, or a place on a tool path, has no solution.
-        Disconnected: No continuous motion follows a tool path.
-        InCollision: The start, or all that was found for a waypoint or a path, is in contact, or
-            no way was found for a move.
-        TrackingFailed: The same, where ``problem.explain`` is false.
-        BudgetExceeded: The time budget ran out.
-    """
-    planner = _JointPathPlanner(problem)
-    start = None
-    if not problem.start_free:
-        planner.check_start_free()
-        start = Pose(*tool_pose(problem, problem.q_start))
-    legs = legs_of(problem.path, start, planner.fk, problem.rounding, problem.order)
-    try:
-        return _planned(planner, legs)
-    except (Unreachable, Disconnected, InCollision, TrackingFailed):
-        if not any(isinstance(leg, ToolLeg) and leg.path.rounded for leg in legs):
-            raise
-    # The path itself may be passed where its rounded corners are not, and is what was asked for.
-    problem = replace(problem, rounding="none")
-    planner = _JointPathPlanner(problem)
-    return _planned(planner, legs_of(problem.path, start, planner.fk, "none", problem.order))
-
-
-def _planned(planner: _JointPathPlanner, legs: list[Leg]) -> JointRoute:
-    problem = planner.problem
-    problem.clock.set_total(sum(map(_waypoint_count, legs)))
-    for leg, after in zip(legs, [*legs[1:], None], strict=True):
-        if isinstance(leg, JointLeg):
-            planner.joint_leg(leg, after)
-        elif isinstance(leg, MoveLeg):
-            planner.move_leg(leg, after)
-        else:
-            planner.tool_leg(leg, last=after is None)
-        problem.clock.report(len(planner.waypoints))
-    return planner.route()
-
-
-def _waypoint_count(leg: Leg) -> int:
-    if isinstance(leg, MoveLeg):
-        return 1
-    return len(leg.waypoints) if isinstance(leg, JointLeg) else len(leg.path.waypoints)
-
-
-class _JointPathPlanner:
+class JointPathPlanner:
     """Plans one leg after the other."""
 
     def __init__(self, problem: JointPathProblem) -> None:
@@ -123,6 +67,7 @@ class _JointPathPlanner:
         self.moves: list[RouteMove] = []
         self.joint_steps: list[RouteJointStep] = []
         self.move_planner = MovePlanner(problem)
+        self.joins: list[Join] = []
         self.sharp = False
         self.slight = False
         self.opened: OpenPose | None = None
@@ -142,9 +87,10 @@ class _JointPathPlanner:
         passed = self.problem.places
         waypoints = sorted(self.waypoints, key=lambda w: passed.get(w.row, w.row))
         q, parts = np.ascontiguousarray(self.q), (self.segments, self.moves)
-        return JointRoute(
+        route = JointRoute(
             q, self.rest, waypoints, *parts, self.sharp, self.slight, self.joint_steps
         )
+        return with_joins(self.tracker, route, self.joins)
 
     @property
     def _last_q(self) -> Array:
@@ -189,6 +135,7 @@ class _JointPathPlanner:
             problem.explain,
             problem.contact,
             tuple(segment_to(waypoint) for waypoint in run),
+            problem.posture,
         )
 
     def _select(self, run: list[JointWaypoint]) -> None:
@@ -215,8 +162,7 @@ class _JointPathPlanner:
                 starts, copies = self._reached(chosen[0][None], waypoint), None
         except InCollision:
             starts, copies = self._reached(branches(problem, turns=True), waypoint), None
-        away = np.linalg.norm(starts - self._last_q, axis=1)
-        costs = away if self.q else np.zeros(len(starts))
+        costs = self.problem.away(starts, self._last_q) if self.q else np.zeros(len(starts))
         self.opened = OpenPose(waypoint, self._target(pose), starts, costs, problem, copies=copies)
 
     def move_leg(self, leg: MoveLeg, after: Leg | None) -> None:
@@ -225,11 +171,11 @@ class _JointPathPlanner:
         goals = self.move_planner.goals(leg, problems)
         last = leg.targets[0]
         if isinstance(after, ToolLeg) and last.q is None and self.problem.options.refine:
-            costs = np.linalg.norm(goals.q - self._last_q, axis=1)
+            costs = self.problem.away(goals.q, self._last_q)
             self.opened = OpenPose(last, goals.targets[0], goals.q, costs, problems[0], leg)
             return
         if not self.q:  # from a free start nothing leads to it
-            k = int(np.argmin(np.linalg.norm(goals.q - self._last_q, axis=1)))
+            k = int(np.argmin(self.problem.away(goals.q, self._last_q)))
             self._add(goals.q[k], last, goals.targets[k])
             return
         k = self._move(leg, goals.q)
@@ -278,13 +224,13 @@ class _JointPathPlanner:
                 if opened.move is None:
                     every = branches(opened.problem, turns=True)
                     starts = self._reached(every, opened.waypoint)
-                    costs = np.linalg.norm(starts - self._last_q, axis=1)
+                    costs = self.problem.away(starts, self._last_q)
                     ways = StartingWays(starts, costs, None, opened.problem)
                     continue
                 ways = ways.without(tracked.q[0])
                 if len(ways.starts) == 0:
                     raise
-        self._append(path, self.tracker.straighten(path, tracked) if last else tracked)
+        self._append(leg, self.tracker.straighten(path, tracked) if last else tracked)
         self.sharp |= path.sharp
         self.slight |= path.slight
 
@@ -295,7 +241,7 @@ class _JointPathPlanner:
             raise in_collision(contact, q[None], waypoint.row, waypoint.name, segment, proven=True)
 
     def _copies(self) -> StartCopies:
-        return StartCopies(self._last_q, counted=bool(self.q))
+        return StartCopies(self._last_q, bool(self.q), self.problem.posture)
 
     def _starts(self, path: ToolPath) -> StartingWays:
         """How the tool path may begin."""
@@ -312,9 +258,9 @@ class _JointPathPlanner:
         starts = branches(begin)
         return StartingWays(starts, np.zeros(len(starts)), self._copies(), begin)
 
-    def _append(self, path: ToolPath, tracked: TrackedPath) -> None:
+    def _append(self, leg: ToolLeg, tracked: TrackedPath) -> None:
         """Add the points of a tracked path; the motion rests where it begins and ends."""
-        joined = bool(self.q) and np.array_equal(self.q[-1], tracked.q[0])
+        path, joined = leg.path, bool(self.q) and np.array_equal(self.q[-1], tracked.q[0])
         if joined:
             self.q.pop()
         first = len(self.q)
@@ -327,6 +273,9 @@ class _JointPathPlanner:
             self.opened = None
         self.q += list(tracked.q)
         self.rest += [first, *(first + k for k in tracked.rest), len(self.q) - 1]
+        for corner, radius in ((first, leg.begin_blend), (len(self.q) - 1, leg.end_blend)):
+            if radius > 0.0:
+                self.joins.append(Join(corner, radius, path, tracked.s, first))
         for waypoint, k in zip(path.waypoints, tracked.waypoint, strict=True):
             pose = Pose(waypoint.R, waypoint.p)
             row = RouteWaypoint(waypoint.row, first + int(k), self._target(pose), waypoint.exact)

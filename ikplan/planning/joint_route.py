@@ -15,6 +15,7 @@ from ikplan.ik.solve import PoseSolver
 from ikplan.kinematics.target import Target
 from ikplan.limits import JointLimits
 from ikplan.path import Rounding, passed_rows
+from ikplan.planning.ladder.motion_cost import MotionCost, plain_cost
 from ikplan.robots import Robot
 from ikplan.time_budget import TimeBudget
 
@@ -54,6 +55,7 @@ class JointPathProblem:
         left_from: Configuration in contact from which a straight motion to ``q_start`` comes
             first, shape (dof,) [rad or m]; None: the motion begins at ``q_start``.
         left: Rows of the model's pairs that touch there; None: none do.
+        posture: What motions cost where a posture is preferred; None: joint motion alone counts.
     """
 
     robot: Robot
@@ -72,12 +74,27 @@ class JointPathProblem:
     ends: Mapping[str, tuple[Array, Target]] = field(default_factory=dict)
     left_from: Array | None = None
     left: Indices | None = None
+    posture: MotionCost | None = None
 
     @property
     def places(self) -> dict[int, int]:
         """Where each row of the waypoints is passed, where the path is not passed as written."""
         rows = [] if self.order is None else passed_rows(self.path, self.order)
         return {row: place for place, row in enumerate(rows)}
+
+    @property
+    def cost(self) -> MotionCost:
+        """What a motion costs."""
+        return plain_cost(self.robot.dof) if self.posture is None else self.posture
+
+    def away(self, q: Array, q_from: Array) -> Array:
+        """Return the weighted joint motion from one configuration to each of others.
+
+        Args:
+            q: The others, shape (c, dof) [rad or m].
+            q_from: The one, shape (dof,) [rad or m].
+        """
+        return np.asarray(np.linalg.norm(self.cost.weights * (q - q_from), axis=1))
 
 
 @dataclass(frozen=True)
@@ -155,6 +172,8 @@ class JointRoute:
         sharp: Whether sharp corners are rounded within the tolerance.
         slight: Whether others are, of a path of few pieces.
         joint_steps: The steps of joint legs, in order.
+        stopped: The same route with stops at the corners between joint motions and tool paths;
+            None: it passes none of them without.
     """
 
     q: Array
@@ -165,6 +184,7 @@ class JointRoute:
     sharp: bool = False
     slight: bool = False
     joint_steps: list[RouteJointStep] = field(default_factory=list)
+    stopped: JointRoute | None = None
 
     @property
     def length(self) -> float:

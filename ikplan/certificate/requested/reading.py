@@ -78,6 +78,7 @@ class _Reader:
         self._last_rows: dict[str, int] = {}
         self._open: PathReader | None = None
         self._begin_row: int | None = None
+        self._ball = 0.0
 
     def motion(self) -> RequestedMotion:
         """What has been read."""
@@ -144,12 +145,13 @@ class _Reader:
         self._tool().curve(segment, field, not first)
 
     def _joint_segment(self, segment: JointSegment, field: str) -> None:
-        self._close()
+        self._close(joint_after=True)
         begin = len(self._rows) - 1 if self._rows else None
         if segment.q is not None:
             self._end_joints(self._joint_values(segment.q))
         elif segment.to is not None:
             self._joint_to(self._frame.pose(segment.to))
+        self._ball = segment.blend or 0.0
         self._joint_segments.append(JointSegmentRange(field, begin, len(self._rows) - 1))
 
     def _move(self, segment: MoveSegment, field: str) -> None:
@@ -198,19 +200,29 @@ class _Reader:
             if self._at is None:
                 raise TypeError("a tool path begins at a pose: the planner refuses others")
             self._open = self._reader(self._at)
+            if self._ball > 0.0 and self._begin_row is not None:
+                self._passed_within(self._begin_row, self._ball)
         return self._open
 
     def _reader(self, begin: RequestedPose) -> PathReader:
         return PathReader(self._frame, begin, self._new_row, self._path.blend or 0.0)
 
-    def _close(self) -> None:
+    def _close(self, *, joint_after: bool = False) -> None:
         if self._open is None:
             return
         path, balls = self._open.path()
         for row, radius in balls.items():
-            self._rows[row] = replace(self._rows[row], ball=radius)
-        self._legs.append(ToolLeg(path, self._begin_row))
+            self._passed_within(row, radius)
+        end_ball = self._open.last_blend if joint_after else 0.0
+        self._legs.append(ToolLeg(path, self._begin_row, self._ball, end_ball))
         self._at, self._open, self._begin_row = self._open.at, None, len(self._rows) - 1
+        if end_ball > 0.0:
+            self._passed_within(self._begin_row, end_ball)
+        self._ball = 0.0
+
+    def _passed_within(self, row: int, radius: float) -> None:
+        """Let a waypoint be passed within a ball: its corner is rounded."""
+        self._rows[row] = replace(self._rows[row], ball=radius, q=None)
 
     def _new_row(self, pose: RequestedPose) -> int:
         return self._row(_waypoint(pose))

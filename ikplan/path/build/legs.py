@@ -76,9 +76,18 @@ class MoveLeg:
 
 @dataclass(frozen=True)
 class ToolLeg:
-    """A tool path, from where the leg before ended."""
+    """A tool path, from where the leg before ended.
+
+    Attributes:
+        path: The path.
+        begin_blend: Radius of the ball within which the corner from the joint motion before may be
+            rounded [m]; 0: the motion stops there.
+        end_blend: The same of the corner to the joint motion after.
+    """
 
     path: ToolPath
+    begin_blend: float = 0.0
+    end_blend: float = 0.0
 
 
 Leg = JointLeg | MoveLeg | ToolLeg
@@ -141,6 +150,8 @@ class _Walk:
         self._builder: PathBuilder | None = None
         self._joint_waypoints: list[JointWaypoint] = []
         self._undecided = ""
+        self._blend = self._begin_blend = 0.0
+        self._blend_field = self._begin_field = ""
         self.legs: list[Leg] = []
 
     def waypoints(self) -> None:
@@ -185,6 +196,8 @@ class _Walk:
             segment, field = segments[k], f"path.segments[{k}]"
             self._row.at = self._first_rows[k]
             first = leaves and position == 0 and path.begin is None
+            if isinstance(segment, MoveSegment):
+                self._refuse_blend("a move begins at rest")
             if isinstance(segment, JointSegment):
                 self._joint_segment(segment, field)
             elif isinstance(segment, MoveSegment):
@@ -197,7 +210,17 @@ class _Walk:
                 self._spline(segment, field, first)
             else:
                 self._curve(segment, field, first)
+        self._refuse_blend("the motion ends there")
         self._close()
+
+    def _refuse_blend(self, why: str) -> None:
+        """Refuse the blend of a joint segment without a corner at its end."""
+        if self._blend > 0.0:
+            raise InvalidRequest(
+                f"{self._blend_field}.blend: there is no corner: {why}",
+                field=f"{self._blend_field}.blend",
+                allowed="0 or null",
+            )
 
     def _spline(self, segment: SplineSegment, field: str, first: bool) -> None:
         poses = [self._frame.pose(waypoint) for waypoint in segment.through]
@@ -215,10 +238,12 @@ class _Walk:
         self._tool().add_curve(segment, field, first_is_waypoint=not first)
 
     def _joint_segment(self, segment: JointSegment, field: str) -> None:
+        self._close_tool(joint_after=True)
         if segment.q is not None:
             self._joint_to(f"{field}.q", q=np.array(segment.q), field=field)
         elif segment.to is not None:
             self._joint_to(f"{field}.to", pose=self._frame.pose(segment.to), field=field)
+        self._blend, self._blend_field = segment.blend or 0.0, field
 
     def _go_to(self, pose: Pose, name: str) -> None:
         """Begin the tool path at a pose: by a joint motion, or there if the start is free."""
@@ -280,6 +305,8 @@ class _Walk:
             if self._at is None:
                 raise TypeError("a tool path needs a pose to begin at")
             self._builder = self._new_builder(self._at)
+            self._begin_blend, self._begin_field = self._blend, self._blend_field
+            self._blend = 0.0
         return self._builder
 
     def _new_builder(self, begin: Pose) -> PathBuilder:
@@ -292,10 +319,35 @@ class _Walk:
         self._close_tool()
         self._close_joint()
 
-    def _close_tool(self) -> None:
+    def _close_tool(self, *, joint_after: bool = False) -> None:
         if self._builder is not None:
-            self.legs.append(ToolLeg(self._builder.finish()))
+            path = self._builder.finish(joint_after=joint_after)
+            end = (self._builder.last_blend or 0.0) if joint_after else 0.0
+            if self._begin_blend > 0.0 or end > 0.0:
+                self._refuse_radii(path, self._begin_blend, end)
+            self.legs.append(ToolLeg(path, self._begin_blend, end))
             self._at, self._builder = self._builder.end, None
+
+    def _refuse_radii(self, path: ToolPath, begin: float, end: float) -> None:
+        """Refuse blends to joint motions that do not fit on the part of the path at their corner.
+
+        Raises:
+            InvalidRequest: One does not; the largest that does.
+        """
+        stops = sorted({0.0, *path.waypoint_s.tolist(), *path.corners.tolist(), path.length})
+        stops = [s for s in stops if s <= 0.0 or s >= path.length or s > 1e-12]
+        rooms = stops[1] - stops[0], stops[-1] - stops[-2]
+        shared = 0.5 if len(stops) == 2 and begin > 0.0 and end > 0.0 else 1.0
+        last = path.segments[-1].field if path.segments else self._name
+        for radius, room, field in ((begin, rooms[0], self._begin_field), (end, rooms[1], last)):
+            if radius > shared * room * (1.0 + 1e-12):
+                raise InvalidRequest(
+                    f"{field}.blend: {radius:.6g} m does not fit at the corner between the joint "
+                    f"motion and the tool's path: the largest radius that fits is "
+                    f"{shared * room:.6g} m",
+                    field=f"{field}.blend",
+                    allowed=f"at most {shared * room:.9g}",
+                )
 
     def _close_joint(self) -> None:
         if not self._joint_waypoints:

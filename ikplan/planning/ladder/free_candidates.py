@@ -9,6 +9,7 @@ import numpy as np
 
 from ikplan.arrays import Array, Flags
 from ikplan.planning.ladder.ik_candidates import IkCandidates
+from ikplan.planning.ladder.motion_cost import MotionCost, posture_distances
 
 __all__ = ["keep_free", "shortest_free_sequence"]
 
@@ -33,6 +34,7 @@ def shortest_free_sequence(
     candidates: IkCandidates,
     q_start: Array,
     start_free: bool,
+    cost: MotionCost,
     is_free: Callable[[int, Array, Array], bool],
 ) -> Array | None:
     """Return the shortest sequence of candidates whose motions are free, or None.
@@ -45,6 +47,7 @@ def shortest_free_sequence(
         candidates: Solutions of each of n targets, one at least.
         q_start: Where the arm is, shape (dof,) [rad or m].
         start_free: Whether the motion begins at the first target.
+        cost: What a sequence costs.
         is_free: Whether the straight motion to target k, from one configuration to another, is
             free: ``is_free(k, q_before, q)``.
 
@@ -53,11 +56,14 @@ def shortest_free_sequence(
         the bounded number of checks.
     """
     rows = [candidates.q[k, :count] for k, count in enumerate(candidates.counts)]
-    lengths = [np.linalg.norm(rows[0] - q_start, axis=1)[None]]
+    lengths = [np.linalg.norm(cost.weights * (rows[0] - q_start), axis=1)[None]]
     if start_free:
         lengths[0] = np.zeros_like(lengths[0])
     for before, after in itertools.pairwise(rows):
-        lengths.append(np.linalg.norm(before[:, None] - after[None], axis=2))
+        steps = cost.weights * (before[:, None] - after[None])
+        lengths.append(np.linalg.norm(steps, axis=2))
+    for step, row in zip(lengths, rows, strict=True):
+        step += posture_distances(row, cost) / len(rows)
     proven: set[tuple[int, int, int]] = set()
     for _ in range(_ROUNDS):
         chosen = _shortest(lengths)

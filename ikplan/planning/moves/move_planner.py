@@ -13,6 +13,7 @@ from ikplan.ik.arguments import check_start
 from ikplan.kinematics.target import Target, pose_target
 from ikplan.path import JointWaypoint, MoveLeg
 from ikplan.planning.joint_route import JointPathProblem
+from ikplan.planning.ladder.motion_cost import posture_distances
 from ikplan.planning.moves.piece_check import piece_check
 from ikplan.planning.moves.region.tool_region import ToolRegion, tool_region
 from ikplan.planning.moves.region.way import inside
@@ -151,18 +152,19 @@ class MovePlanner:
         """
         problem, segment = self._problem, segment_number(leg.name)
         straight = np.linalg.norm(goals - q_start, axis=1)
+        extra = posture_distances(goals, problem.cost)
         region = self.region(leg)
         if region is not None and not inside(region, q_start[None])[0]:
             raise _outside(leg, "its begin is not")
         if problem.contact is None and region is None:
-            goal = int(np.argmin(straight))
+            goal = int(np.argmin(straight + extra))
             way = Way(np.vstack([q_start, goals[goal]]), goal, float(straight[goal]), 0)
             samples = 0
         else:
             way, samples = self._search(leg, q_start, goals, segment, region)
-        extra = problem.move_margins.get(leg.name, 0.0)
+        margin = problem.move_margins.get(leg.name, 0.0)
         check = piece_check(region, problem.contact, segment)
-        rounded = round_way(way.q, problem.limits, check, extra)
+        rounded = round_way(way.q, problem.limits, check, margin)
         report = MoveReport(
             field=leg.name,
             length=rounded.length,

@@ -8,6 +8,7 @@ from ikplan.arrays import Array
 from ikplan.collision.checker import CollisionChecker
 from ikplan.errors import InvalidRequest
 from ikplan.planning.joint_route import JointPathProblem
+from ikplan.planning.ladder.motion_cost import posture_distances
 from ikplan.planning.moves.ompl_engine import find_way_by_ompl
 from ikplan.planning.moves.region.tool_region import ToolRegion
 from ikplan.planning.moves.region.way import find_way_within
@@ -60,5 +61,6 @@ def way_of(
             planner = engine.removeprefix("ompl:")
             return find_way_by_ompl(planner, arrays, limits, q_start, goals, effort, seed, cut)
         if region is None:
-            return find_way(arrays, limits, q_start, goals, effort, seed, cut)
+            extra = posture_distances(goals, problem.cost)
+            return find_way(arrays, limits, q_start, goals, effort, seed, cut, extra)
         return find_way_within(arrays, region, limits, q_start, goals, effort, seed, cut)

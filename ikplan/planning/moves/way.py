@@ -56,6 +56,7 @@ def find_way(
     effort: int | None,
     seed: int,
     cut: Flags,
+    extra: Array | None = None,
 ) -> tuple[Way | None, int]:
     """Look for a short way from a start to any of some goals, every part proven to be free.
 
@@ -67,6 +68,7 @@ def find_way(
         effort: Samples drawn at most by a search; None: 20,000.
         seed: Seed of the random numbers.
         cut: Shape (1,): true ends a search.
+        extra: What ending at each goal costs besides the way, shape (g,); None: nothing.
 
     Returns:
         The way, None where none was found, and the samples drawn.
@@ -78,7 +80,9 @@ def find_way(
     # Kernels are compiled once, for arrays that may be written.
     q_start, goals = np.array(q_start), np.array(goals)
     straight = np.linalg.norm(goals - q_start, axis=1)
-    order = np.argsort(straight, kind="stable")
+    ends = np.zeros(len(goals)) if extra is None else extra
+    least = straight + ends
+    order = np.argsort(least, kind="stable")
     space = search_space(arrays, *limits, q_start, goals)
     best: Way | None = None
     for goal in order:
@@ -86,7 +90,7 @@ def find_way(
             q = np.vstack([q_start, goals[goal]])
             best = Way(q, int(goal), float(straight[goal]), 0)
             break
-    open_goals = [int(g) for g in order if best is None or straight[g] < straight[best.goal]]
+    open_goals = [int(g) for g in order if best is None or least[g] < least[best.goal]]
     samples = 0
     for search in range(_SEARCHES):
         if not open_goals:
@@ -98,10 +102,10 @@ def find_way(
         if found is None:
             break
         way = Way(found.q, open_goals[found.goal], found.found_length, used)
-        if best is None or way.length < best.length:
+        if best is None or way.length + ends[way.goal] < best.length + ends[best.goal]:
             best = way
-        bound = best.length
-        open_goals = [g for g in open_goals if g != way.goal and straight[g] < bound]
+        bound = best.length + ends[best.goal]
+        open_goals = [g for g in open_goals if g != way.goal and least[g] < bound]
     return best, samples
 
 

@@ -53,7 +53,7 @@ def select_least_motion(problem: WaypointProblem) -> Array:
     # One waypoint from a free start is met without motion by every solution: the nearest is chosen.
     choose_begin = problem.start_free and len(problem.targets) > 1
     for length, q in shortened_sequences(
-        arm, targets, candidates, problem.q_start, choose_begin, problem.clock
+        arm, targets, candidates, problem.q_start, choose_begin, problem.cost, problem.clock
     ):
         if length < best_length and problem.first_contact(q) is None:
             best, best_length = q, length
@@ -62,7 +62,7 @@ def select_least_motion(problem: WaypointProblem) -> Array:
         best = _around(problem, candidates)
     if problem.start_free:
         # Full turns of the whole motion leave it as long as it is.
-        best, _ = StartCopies(problem.q_start, counted=False).fitting(arm, best)
+        best, _ = StartCopies(problem.q_start, False, problem.posture).fitting(arm, best)
     return best
 
 
@@ -98,7 +98,9 @@ def _around(problem: WaypointProblem, candidates: IkCandidates) -> Array:
         problem.clock.check()
         return contact.first_contact(np.vstack([q_before, q]), problem.segment(k)) is None
 
-    found = shortest_free_sequence(candidates, problem.q_start, problem.start_free, is_free)
+    found = shortest_free_sequence(
+        candidates, problem.q_start, problem.start_free, problem.cost, is_free
+    )
     if found is None:
         straight = problem.first_contact(candidates.q[:, 0])
         assert straight is not None

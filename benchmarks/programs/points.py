@@ -14,7 +14,7 @@ from ikplan.plans.export.formats import Arm
 from ikplan.plans.export.program_text import points_of
 from ikplan.plans.plan import Plan
 from ikplan.plans.programs.certificate import ProgramCertificate
-from ikplan.plans.programs.ticks import ANY_TIMES
+from ikplan.plans.programs.times import ANY_TIMES
 from ikplan.robots import Robot
 
 __all__ = ["PLAYERS", "Judged", "judge"]

@@ -130,7 +130,7 @@ def _space(vertices: Array, triangles: Array, most: int) -> tuple[Array, Array]:
     grid = np.concatenate([grid, hull.points[hull.simplices].mean(axis=1)])
     grid = grid[_within(grid, hull.equations)]
     samples = np.concatenate([triangles.reshape(-1, 3), triangles.mean(axis=1)])
-    distance, _ = cKDTree(samples).query(grid)
+    distance = np.asarray(cKDTree(samples).query(grid)[0])
     far = distance > _NEAR
     grid, distance = grid[far], distance[far]
     outside = ~_wound(grid, triangles)
@@ -191,7 +191,7 @@ def _directions(search: Search) -> Array:
     half = grid[14:]  # one of each pair of opposite directions
     if not search.diagonals:
         half = half[np.abs(half).sum(axis=1) < 3]
-    return half / np.linalg.norm(half, axis=1)[:, None]
+    return np.asarray(half / np.linalg.norm(half, axis=1)[:, None])
 
 
 def _divided(part: _Part, points: Array, depth: Array, search: Search) -> list[_Part]:

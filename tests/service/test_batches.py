@@ -88,7 +88,7 @@ def test_a_bar_shows_how_many_lines_are_done(live_address, tmp_path, monkeypatch
     requests.write_bytes(lines(at(0.5), at(0.51)))
     out = str(tmp_path / "out.jsonl")
     assert main(["batch", str(requests), "--server", live_address, "-o", out]) == 0
-    assert "batch 2/2" in terminal.getvalue()
+    assert "1 line, 50.0 %" in terminal.getvalue()
 
 
 def test_a_request_may_be_json_already(client):

@@ -24,7 +24,7 @@ def progress_text(
         share: Share of the input of this run that is answered; 0: unknown.
         elapsed_s: Time of this run so far [s].
     """
-    parts = [f"{rows:,} lines"]
+    parts = [f"{rows:,} line{'s' * (rows != 1)}"]
     if share > 0.0:
         parts.append(f"{100.0 * share:.1f} %")
     parts.append(f"{rate:,.1f} lines/s")

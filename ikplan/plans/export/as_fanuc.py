@@ -21,7 +21,7 @@ from ikplan.plans.export.program_text import (
     points_of,
     refusal,
 )
-from ikplan.plans.programs.ticks import Times
+from ikplan.plans.programs.times import Times
 
 if TYPE_CHECKING:
     from ikplan.documents.plan_document import PlanDocument

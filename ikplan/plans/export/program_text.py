@@ -12,7 +12,7 @@ import numpy as np
 from ikplan.arrays import Array
 from ikplan.errors import InvalidRequest, RobotNotFound
 from ikplan.plans.export.formats import Arm
-from ikplan.plans.programs.ticks import ANY_TIMES, Times
+from ikplan.plans.programs.times import ANY_TIMES, Times
 
 if TYPE_CHECKING:
     from ikplan.documents.controller import LanguageInfo

@@ -15,7 +15,8 @@ from ikplan.plans.programs.certifying import certify, limits_of
 from ikplan.plans.programs.pace import slowed, whole_microseconds
 from ikplan.plans.programs.reference import Reference
 from ikplan.plans.programs.rows import RowChoice
-from ikplan.plans.programs.ticks import ANY_TIMES, Times, at_ticks
+from ikplan.plans.programs.ticks import at_ticks
+from ikplan.plans.programs.times import ANY_TIMES, Times
 
 if TYPE_CHECKING:
     from ikplan.documents.plan_document import PlanDocument

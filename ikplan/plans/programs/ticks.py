@@ -7,7 +7,6 @@ between them sharp. So the points move along the plan instead, to where it is at
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -22,27 +21,10 @@ from ikplan.plans.programs.pace import outwards
 if TYPE_CHECKING:
     from ikplan.documents.plan_document import PlanDocument
 
-__all__ = ["ANY_TIMES", "Times", "at_ticks"]
+__all__ = ["at_ticks"]
 
 _ROUNDS = 40
 _MORE = 1e-3
-
-
-@dataclass(frozen=True)
-class Times:
-    """What the steps of a program may take.
-
-    Attributes:
-        tick: Steps are whole multiples of this [us].
-        shortest: No step is shorter, but where that leaves a single one [s].
-    """
-
-    tick: int
-    shortest: float
-
-
-ANY_TIMES = Times(1, 0.0)
-"""Whole microseconds."""
 
 
 def at_ticks(

@@ -20,6 +20,7 @@ from ikplan.ik.solve import pose_distance
 from ikplan.kinematics.arm import arm_of
 from ikplan.limits.motion_limits import MotionLimits
 from ikplan.pipeline.assemble import assemble_plan, joint_steps
+from ikplan.pipeline.clearance_objective import keep_clear
 from ikplan.pipeline.collisions import requested_model, with_meshes
 from ikplan.pipeline.helpers import helped_by
 from ikplan.pipeline.identity import plan_id
@@ -120,7 +121,9 @@ def make_plan(
         solver = pose_solver(robot, request.ik, _EXACT, _EXACT)
     model = requested_model(robot, request.scene, request.fixed_joints, request.tool, always=True)
     contact = None
-    if model is not None and len(model.pairs):
+    if request.ik.objective == "clearance":
+        contact = keep_clear(robot, solver, model, CONTACT_MARGIN)
+    elif model is not None and len(model.pairs):
         contact = CollisionChecker(robot, model, CONTACT_MARGIN)
     problem = JointPathProblem(
         robot,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 import pinocchio as pin
@@ -16,10 +16,11 @@ from ikplan.documents.plan_request import IkOptions, IkRequest
 from ikplan.documents.pose_results import IkSolution
 from ikplan.documents.poses import Tolerance
 from ikplan.documents.scene import Scene, ToolFrame
-from ikplan.ik.arguments import check_start, target_of
+from ikplan.ik.arguments import check_objective, check_start, target_of
 from ikplan.ik.solve import PoseSolver, pose_distance, solve_pose
 from ikplan.kinematics.arm import arm_of
 from ikplan.path.rotation.so3 import rotation_of
+from ikplan.pipeline.clearance_objective import keep_clear
 from ikplan.pipeline.collisions import requested_model, with_meshes
 from ikplan.pipeline.helpers import helped_by
 from ikplan.pipeline.request_budget import RequestBudget
@@ -90,7 +91,8 @@ def solve_ik_request(
     tolerance = request.tolerance
     solver = pose_solver(robot, request.ik, tolerance.position, tolerance.orientation)
     model = requested_model(robot, request.scene, request.fixed_joints, request.tool, always=False)
-    return _free_pose(robot, solver, pose, request.start, model, tolerance, clock)
+    question = _Pose(pose, request.start, tolerance)
+    return _free_pose(robot, solver, question, model, clock, request.ik.objective)
 
 
 def solve_ik(
@@ -107,6 +109,7 @@ def solve_ik(
     tolerance_position: float = 1e-6,
     tolerance_orientation: float = 1e-6,
     scene: Mapping[str, Any] | Scene | None = None,
+    objective: str = "motion",
 ) -> IkSolution:
     """Find joint values that bring the tool to a pose, near to a start configuration.
 
@@ -124,9 +127,12 @@ def solve_ik(
         tolerance_orientation: Angle that counts as solved [rad].
         scene: What must not be touched, as in a request; mesh files are read relative to the
             working folder. ``{}``: the arm itself only. None: nothing is checked.
+        objective: What is least: "motion", the distance from the start; "clearance", how crowded
+            the configuration is by what ``scene`` names, see docs/solvers.md.
 
     Returns:
-        The nearest solution found; with a scene, the nearest found that is free of contact.
+        The nearest solution found; with a scene, the nearest found that is free of contact, or
+        the least crowded.
 
     Raises:
         InvalidRequest: An argument is wrong.
@@ -144,42 +150,60 @@ def solve_ik(
         tolerance_position,
         tolerance_orientation,
     )
-    if scene is None:
+    check_objective(objective)
+    model = None
+    if scene is not None:
+        resolved = resolve_scene(parse(Scene, scene), Path.cwd())
+        model = requested_model(robot, resolved, {}, ToolFrame(), always=False)
+    elif objective == "motion":
         return solve_pose(robot, solver, pose, start)
-    resolved = resolve_scene(parse(Scene, scene), Path.cwd())
-    model = requested_model(robot, resolved, {}, ToolFrame(), always=False)
     tolerance = Tolerance.model_construct(
         position=tolerance_position, orientation=tolerance_orientation
     )
-    return _free_pose(robot, solver, pose, start, model, tolerance, TimeBudget(_LONG_S))
+    question = _Pose(pose, start, tolerance)
+    return _free_pose(robot, solver, question, model, TimeBudget(_LONG_S), objective)
+
+
+class _Pose(NamedTuple):
+    """What is asked for: the pose, where the arm is, and the deviation that counts as none."""
+
+    pose: Any
+    start: ArrayLike | None
+    tolerance: Tolerance
 
 
 def _free_pose(
     robot: Robot,
     solver: PoseSolver,
-    pose: Any,
-    start: ArrayLike | None,
+    asked: _Pose,
     model: CollisionModel | None,
-    tolerance: Tolerance,
     clock: TimeBudget,
+    objective: str,
 ) -> IkSolution:
-    """The solution nearest to the start; of those free of contact where it is not."""
+    """The solution nearest to the start; of those free of contact, or the least crowded."""
+    contact = keep_clear(robot, solver, model) if objective == "clearance" else None
     with clock.stage("ik"), clock.cutting(solver.cut, solver.search_evaluations):
-        solution = solve_pose(robot, solver, pose, start)
+        solution = solve_pose(robot, solver, asked.pose, asked.start)
         if model is None or len(model.pairs) == 0:
             return solution
         from ikplan.collision.checker import CollisionChecker
+        from ikplan.planning.waypoints.clear_solutions import clearest_solution
         from ikplan.planning.waypoints.free_solutions import free_solutions
         from ikplan.planning.waypoints.waypoint_problem import WaypointProblem
 
-        contact = CollisionChecker(robot, model)
-        if contact.free(solution.q[None])[0]:
+        clearest = contact is not None and solver.refined
+        contact = contact or CollisionChecker(robot, model)
+        if not clearest and contact.free(solution.q[None])[0]:
             return solution
-        q_start = check_start(robot, robot.home if start is None else start)
+        q_start = check_start(robot, robot.home if asked.start is None else asked.start)
+        targets = [target_of(asked.pose)]
         problem = WaypointProblem(
-            robot, solver, [target_of(pose)], q_start, False, tolerance, clock, contact=contact
+            robot, solver, targets, q_start, False, asked.tolerance, clock, contact=contact
         )
-        return _solution(problem, free_solutions(problem, 0, q_start)[0])
+        if not clearest:
+            return _solution(problem, free_solutions(problem, 0, q_start)[0])
+        clock.count(solution.evaluations)
+        return _solution(problem, clearest_solution(problem, 0, q_start, solution.q))
 
 
 def _solution(problem: WaypointProblem, q: Array) -> IkSolution:

@@ -44,7 +44,7 @@ from ikplan.planning.tracking.start_copies import StartCopies
 from ikplan.planning.tracking.tracked_path import TrackedPath, TrackingFailed
 from ikplan.planning.waypoints.ik_branches import branches
 from ikplan.planning.waypoints.in_collision import in_collision
-from ikplan.planning.waypoints.select import select_configurations
+from ikplan.planning.waypoints.select import check_objective, select_configurations
 from ikplan.planning.waypoints.waypoint_problem import WaypointProblem
 
 __all__ = ["plan_joint_path"]
@@ -76,6 +76,7 @@ def plan_joint_path(problem: JointPathProblem) -> JointRoute:
         T = problem.robot.fk(problem.q_start)
         start = Pose(T.rotation.copy(), T.translation.copy())
     legs = legs_of(problem.path, start, planner.fk, problem.rounding)
+    check_objective(problem.options, legs)
     try:
         return _planned(planner, legs)
     except (Unreachable, Disconnected, InCollision, TrackingFailed):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
@@ -34,6 +34,7 @@ def shortest_free_sequence(
     q_start: Array,
     start_free: bool,
     is_free: Callable[[int, Array, Array], bool],
+    prices: Sequence[Array] | None = None,
 ) -> Array | None:
     """Return the shortest sequence of candidates whose motions are free, or None.
 
@@ -47,6 +48,8 @@ def shortest_free_sequence(
         start_free: Whether the motion begins at the first target.
         is_free: Whether the straight motion to target k, from one configuration to another, is
             free: ``is_free(k, q_before, q)``.
+        prices: What each candidate of each target costs beside the motion to it, as joint motion,
+            shape (c,) each; None: nothing.
 
     Returns:
         Configurations, shape (n, dof) [rad or m]; None: there is none, or it was not found within
@@ -58,6 +61,8 @@ def shortest_free_sequence(
         lengths[0] = np.zeros_like(lengths[0])
     for before, after in itertools.pairwise(rows):
         lengths.append(np.linalg.norm(before[:, None] - after[None], axis=2))
+    if prices is not None:
+        lengths = [step + price for step, price in zip(lengths, prices, strict=True)]
     proven: set[tuple[int, int, int]] = set()
     for _ in range(_ROUNDS):
         chosen = _shortest(lengths)

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from ikplan.arrays import Array
 from ikplan.planning.ladder.free_candidates import shortest_free_sequence
-from ikplan.planning.ladder.ik_candidates import IkCandidates
+from ikplan.planning.ladder.ik_candidates import IkCandidates, Targets
 from ikplan.planning.ladder.shortest_sequences import ik_candidates, shortened_sequences
 from ikplan.planning.tracking.start_copies import StartCopies
 from ikplan.planning.waypoints.free_solutions import free_solutions
@@ -17,7 +19,7 @@ from ikplan.planning.waypoints.waypoint_problem import (
     WaypointProblem,
 )
 
-__all__ = ["select_least_motion"]
+__all__ = ["free_sequence", "sampled_candidates", "select_least_motion"]
 
 
 def select_least_motion(problem: WaypointProblem) -> Array:
@@ -38,17 +40,8 @@ def select_least_motion(problem: WaypointProblem) -> Array:
         BudgetExceeded: The time budget ran out.
     """
     arm = problem.solver.arm
-    lower, upper = arm.search_bounds(problem.q_start)
     targets = stack_targets(problem.targets)
-    with problem.clock.stage("ik"):
-        seeds = _metaheuristic_seeds(problem, lower, upper)
-        candidates = ik_candidates(
-            arm, targets, problem.q_start, problem.clock, seeds, problem.solver.seed
-        )
-        problem.clock.check()
-        _rescue(problem, candidates)
-        if problem.contact is not None:
-            _keep_free(problem, candidates)
+    candidates = sampled_candidates(problem, targets)
     best, best_length = candidates.q[:, 0], np.inf
     # One waypoint from a free start is met without motion by every solution: the nearest is chosen.
     choose_begin = problem.start_free and len(problem.targets) > 1
@@ -59,11 +52,37 @@ def select_least_motion(problem: WaypointProblem) -> Array:
             best, best_length = q, length
         problem.clock.check({"q": best.tolist()})
     if problem.contact is not None and best_length == np.inf:
-        best = _around(problem, candidates)
+        best = free_sequence(problem, candidates)
     if problem.start_free:
         # Full turns of the whole motion leave it as long as it is.
         best, _ = StartCopies(problem.q_start, counted=False).fitting(arm, best)
     return best
+
+
+def sampled_candidates(problem: WaypointProblem, targets: Targets) -> IkCandidates:
+    """Return solutions of each target, one at least, none of them in contact.
+
+    Args:
+        problem: The targets.
+        targets: The same as arrays.
+
+    Raises:
+        Unreachable: A waypoint has no solution; names every such waypoint.
+        InCollision: All solutions of a waypoint found are in contact.
+        BudgetExceeded: The time budget ran out.
+    """
+    arm = problem.solver.arm
+    lower, upper = arm.search_bounds(problem.q_start)
+    with problem.clock.stage("ik"):
+        seeds = _metaheuristic_seeds(problem, lower, upper)
+        candidates = ik_candidates(
+            arm, targets, problem.q_start, problem.clock, seeds, problem.solver.seed
+        )
+        problem.clock.check()
+        _rescue(problem, candidates)
+        if problem.contact is not None:
+            _keep_free(problem, candidates)
+    return candidates
 
 
 def _keep_free(problem: WaypointProblem, candidates: IkCandidates) -> None:
@@ -85,8 +104,19 @@ def _keep_free(problem: WaypointProblem, candidates: IkCandidates) -> None:
         candidates.counts[k] = len(kept)
 
 
-def _around(problem: WaypointProblem, candidates: IkCandidates) -> Array:
-    """The shortest sequence of candidates between which the straight motions are free.
+def free_sequence(
+    problem: WaypointProblem, candidates: IkCandidates, prices: Sequence[Array] | None = None
+) -> Array:
+    """Return the shortest sequence of candidates between which the straight motions are free.
+
+    Args:
+        problem: The targets, and a check for contact.
+        candidates: Solutions of each target.
+        prices: What each candidate costs beside the motion, see
+            :func:`ikplan.planning.ladder.free_candidates.shortest_free_sequence`.
+
+    Returns:
+        One configuration per waypoint, shape (n, dof) [rad or m].
 
     Raises:
         InCollision: None was found.
@@ -98,7 +128,7 @@ def _around(problem: WaypointProblem, candidates: IkCandidates) -> Array:
         problem.clock.check()
         return contact.first_contact(np.vstack([q_before, q]), problem.segment(k)) is None
 
-    found = shortest_free_sequence(candidates, problem.q_start, problem.start_free, is_free)
+    found = shortest_free_sequence(candidates, problem.q_start, problem.start_free, is_free, prices)
     if found is None:
         straight = problem.first_contact(candidates.q[:, 0])
         assert straight is not None

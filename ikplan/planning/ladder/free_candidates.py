@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 
 import numpy as np
 
 from ikplan.arrays import Array, Flags
 from ikplan.planning.ladder.ik_candidates import IkCandidates
+from ikplan.planning.ladder.motion_cost import MotionCost, posture_distances
 
 __all__ = ["keep_free", "shortest_free_sequence"]
 
@@ -33,51 +34,53 @@ def shortest_free_sequence(
     candidates: IkCandidates,
     q_start: Array,
     start_free: bool,
-    is_free: Callable[[int, Array, Array], bool],
-    prices: Sequence[Array] | None = None,
+    cost: MotionCost,
+    price: Callable[[int, Array, Array], float],
 ) -> Array | None:
     """Return the shortest sequence of candidates whose motions are free, or None.
 
-    Motions are checked only where a shortest sequence uses them (lazy evaluation of edges,
+    Motions are looked at only where a shortest sequence uses them (lazy evaluation of edges,
     R. Bohlin and L. E. Kavraki, "Path planning using lazy PRM", 2000): one in contact is left
-    out, and the search goes on.
+    out, another becomes longer by its price, and the search goes on.
 
     Args:
         candidates: Solutions of each of n targets, one at least.
         q_start: Where the arm is, shape (dof,) [rad or m].
         start_free: Whether the motion begins at the first target.
-        is_free: Whether the straight motion to target k, from one configuration to another, is
-            free: ``is_free(k, q_before, q)``.
-        prices: What each candidate of each target costs beside the motion to it, as joint motion,
-            shape (c,) each; None: nothing.
+        cost: What a sequence costs.
+        price: What the straight motion to target k costs beside its length, from one
+            configuration to another: ``price(k, q_before, q)``, inf where it is in contact, at
+            least 0 [rad or m].
 
     Returns:
         Configurations, shape (n, dof) [rad or m]; None: there is none, or it was not found within
         the bounded number of checks.
     """
     rows = [candidates.q[k, :count] for k, count in enumerate(candidates.counts)]
-    lengths = [np.linalg.norm(rows[0] - q_start, axis=1)[None]]
+    lengths = [np.linalg.norm(cost.weights * (rows[0] - q_start), axis=1)[None]]
     if start_free:
         lengths[0] = np.zeros_like(lengths[0])
     for before, after in itertools.pairwise(rows):
-        lengths.append(np.linalg.norm(before[:, None] - after[None], axis=2))
-    if prices is not None:
-        lengths = [step + price for step, price in zip(lengths, prices, strict=True)]
-    proven: set[tuple[int, int, int]] = set()
+        steps = cost.weights * (before[:, None] - after[None])
+        lengths.append(np.linalg.norm(steps, axis=2))
+    for step, row in zip(lengths, rows, strict=True):
+        step += posture_distances(row, cost) / len(rows)
+    priced: set[tuple[int, int, int]] = set()
     for _ in range(_ROUNDS):
         chosen = _shortest(lengths)
         if chosen is None:
             return None
-        refused = False
+        dearer = False
         for k, (i, j) in enumerate(zip([0, *chosen], chosen, strict=False)):
-            if (k == 0 and start_free) or (k, i, j) in proven:
+            if (k == 0 and start_free) or (k, i, j) in priced:
                 continue
-            if not is_free(k, q_start if k == 0 else rows[k - 1][i], rows[k][j]):
-                lengths[k][i, j] = np.inf
-                refused = True
+            extra = price(k, q_start if k == 0 else rows[k - 1][i], rows[k][j])
+            priced.add((k, i, j))
+            if extra > 0.0:
+                lengths[k][i, j] += extra
+                dearer = True
                 break
-            proven.add((k, i, j))
-        if not refused:
+        if not dearer:
             return np.array([rows[k][j] for k, j in enumerate(chosen)])
     return None
 

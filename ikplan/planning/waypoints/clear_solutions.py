@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 
 from ikplan.arrays import Array
@@ -33,9 +31,7 @@ def crowding_at(contact: ContactCheck, q: Array, segment: int | None = None) -> 
     return out
 
 
-def clearest_solution(
-    problem: WaypointProblem, k: int, q_near: Array, nearest: Array, price: float = math.inf
-) -> Array:
+def clearest_solution(problem: WaypointProblem, k: int, q_near: Array, nearest: Array) -> Array:
     """Return the least crowded solution found of a waypoint, shape (dof,) [rad or m].
 
     Looked at are the one that is nearest, those that the last population of the search leads to,
@@ -46,7 +42,6 @@ def clearest_solution(
         k: Index of the waypoint.
         q_near: Where it should be near to, shape (dof,) [rad or m].
         nearest: The nearest solution, in contact or not, shape (dof,) [rad or m].
-        price: Joint motion that a crowding of 1 is worth [rad or m].
 
     Raises:
         InCollision: All that were found are in contact.
@@ -78,6 +73,4 @@ def clearest_solution(
     q = q[free] if free.any() else free_solutions(problem, k, q_near)
     crowded = crowding_at(contact, q, segment)
     away = np.linalg.norm(q - q_near, axis=1)
-    if math.isinf(price):
-        return np.array(q[np.lexsort((away, crowded))[0]])
-    return np.array(q[np.argmin(away + price * crowded)])
+    return np.array(q[np.lexsort((away, crowded))[0]])

@@ -2,29 +2,38 @@
 
 from __future__ import annotations
 
+import math
+from dataclasses import replace
+
 import numpy as np
 
 from ikplan.arrays import Array
 from ikplan.ik.restarts import nearest_turns
+from ikplan.planning.ladder.free_candidates import shortest_free_sequence
+from ikplan.planning.ladder.ik_candidates import IkCandidates
 from ikplan.planning.ladder.joint_length import joint_path_length
 from ikplan.planning.tracking.start_copies import StartCopies
-from ikplan.planning.waypoints.clear_solutions import clearest_solution, crowding_at
-from ikplan.planning.waypoints.least_motion import free_sequence, sampled_candidates
+from ikplan.planning.waypoints.clear_solutions import crowding_at
+from ikplan.planning.waypoints.least_motion import no_way, sampled_candidates
 from ikplan.planning.waypoints.stack import stack_targets
-from ikplan.planning.waypoints.waypoint_ik import solve_waypoint
 from ikplan.planning.waypoints.waypoint_problem import WaypointProblem
 
 __all__ = ["PRICE", "select_clear", "select_clear_greedily"]
 
 PRICE = 10.0
-"""Joint motion that a crowding of 1 at a waypoint is worth [rad or m]."""
+"""Joint motion that a crowding of 1 on the way to a waypoint is worth [rad or m]."""
+_STEP = 0.2
+"""Largest motion of a joint between two places of a motion that are looked at [rad or m]."""
+_MOST = 24
+"""Most places of a motion that are looked at."""
 
 
 def select_clear(problem: WaypointProblem) -> Array:
     """Choose the configurations of least joint motion and crowding over the whole path.
 
-    The cost of a sequence is its joint motion and ``PRICE`` times the crowding of each of its
-    configurations. It is not shortened after: that would take the clearance away again.
+    A motion costs its length and ``PRICE`` times the largest crowding on it; of a free start, the
+    first configuration costs its own. The sequence is not shortened after: that would take the
+    clearance away again.
 
     Args:
         problem: The targets, and a check for contact.
@@ -37,20 +46,11 @@ def select_clear(problem: WaypointProblem) -> Array:
         InCollision: All solutions of a waypoint found, or motions to it, are in contact.
         BudgetExceeded: The time budget ran out.
     """
-    assert problem.contact is not None
     arm = problem.solver.arm
     candidates = sampled_candidates(problem, stack_targets(problem.targets))
-    prices = [
-        PRICE * crowding_at(problem.contact, candidates.q[k, :count], problem.segment(k))
-        for k, count in enumerate(candidates.counts)
-    ]
-    best = free_sequence(problem, candidates, prices)
-    turned = best.copy()
-    for k in range(len(turned)):
-        if k > 0 or not problem.start_free:
-            q_before = turned[k - 1] if k > 0 else problem.q_start
-            nearest_turns(arm.chain, turned[k], q_before, arm.lower, arm.upper)
-    if _length(problem, turned) < _length(problem, best) and problem.first_contact(turned) is None:
+    best = _clearest_sequence(problem, candidates)
+    turned = _with_nearest_turns(problem, best)
+    if _cost(problem, turned) < _cost(problem, best):
         best = turned
     if problem.start_free:
         # Full turns of the whole motion leave it as long as it is.
@@ -69,19 +69,81 @@ def select_clear_greedily(problem: WaypointProblem) -> Array:
 
     Raises:
         Unreachable: A waypoint has no solution.
-        InCollision: All solutions of a waypoint found are in contact.
-        BudgetExceeded: The time budget ran out; carries the waypoints solved.
+        InCollision: All solutions of a waypoint found, or motions to it, are in contact.
+        BudgetExceeded: The time budget ran out.
     """
     q = np.empty((len(problem.targets), problem.robot.dof))
-    q_before = problem.q_start
-    with problem.clock.stage("ik"):
-        for k in range(len(problem.targets)):
-            problem.clock.check({"waypoints_solved": k, "q": q[:k].tolist()})
-            problem.clock.report(problem.first_row + k)
-            nearest = solve_waypoint(problem, k, q_before)
-            q[k] = q_before = clearest_solution(problem, k, q_before, nearest, PRICE)
+    before = problem
+    for k, target in enumerate(problem.targets):
+        problem.clock.report(problem.first_row + k)
+        one = replace(
+            before,
+            targets=[target],
+            first_row=problem.first_row + k,
+            segments=problem.segments[k : k + 1],
+        )
+        q[k] = select_clear(one)[0]
+        before = replace(problem, q_start=q[k], start_free=False)
     return q
 
 
-def _length(problem: WaypointProblem, q: Array) -> float:
-    return float(joint_path_length(q, problem.q_start, problem.start_free))
+def _clearest_sequence(problem: WaypointProblem, candidates: IkCandidates) -> Array:
+    """The cheapest sequence of candidates between which the straight motions are free.
+
+    Raises:
+        InCollision: None was found.
+    """
+
+    def price(k: int, q_before: Array, q: Array) -> float:
+        problem.clock.check()
+        return _price(problem, k, q_before, q)
+
+    def contact_only(k: int, q_before: Array, q: Array) -> float:
+        return math.inf if math.isinf(price(k, q_before, q)) else 0.0
+
+    if problem.start_free:
+        _clearest_first(problem, candidates)
+    for each in (price, contact_only):  # with prices the search may give up before its end
+        found = shortest_free_sequence(candidates, problem.q_start, problem.start_free, each)
+        if found is not None:
+            return found
+    raise no_way(problem, candidates)
+
+
+def _clearest_first(problem: WaypointProblem, candidates: IkCandidates) -> None:
+    """Keep of the first target, which no motion leads to, the least crowded solution, in place."""
+    assert problem.contact is not None
+    q = candidates.q[0, : candidates.counts[0]]
+    crowded = crowding_at(problem.contact, q, problem.segment(0))
+    away = np.linalg.norm(q - problem.q_start, axis=1)
+    candidates.q[0, 0] = q[np.lexsort((away, crowded))[0]].copy()
+    candidates.counts[0] = 1
+
+
+def _price(problem: WaypointProblem, k: int, q_before: Array, q: Array) -> float:
+    """What the straight motion to target k costs beside its length; inf: it is in contact."""
+    contact, segment = problem.contact, problem.segment(k)
+    assert contact is not None
+    if contact.first_contact(np.vstack([q_before, q]), segment) is not None:
+        return math.inf
+    places = min(math.ceil(float(np.abs(q - q_before).max()) / _STEP), _MOST)
+    share = np.arange(1, places + 1)[:, None] / max(places, 1)
+    rows = q_before + share * (q - q_before)
+    return PRICE * float(crowding_at(contact, rows, segment).max(initial=0.0))
+
+
+def _with_nearest_turns(problem: WaypointProblem, q: Array) -> Array:
+    """The same sequence with each joint at its copy nearest to the configuration before."""
+    arm, turned = problem.solver.arm, q.copy()
+    for k in range(int(problem.start_free), len(q)):
+        q_before = turned[k - 1] if k > 0 else problem.q_start
+        nearest_turns(arm.chain, turned[k], q_before, arm.lower, arm.upper)
+    return turned
+
+
+def _cost(problem: WaypointProblem, q: Array) -> float:
+    """Joint motion and price of a sequence."""
+    total = float(joint_path_length(q, problem.q_start, problem.start_free))
+    for k in range(int(problem.start_free), len(q)):
+        total += _price(problem, k, q[k - 1] if k > 0 else problem.q_start, q[k])
+    return total

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 import numpy as np
 
 from ikplan.arrays import Array
+from ikplan.errors import InCollision
 from ikplan.planning.ladder.free_candidates import shortest_free_sequence
 from ikplan.planning.ladder.ik_candidates import IkCandidates, Targets
 from ikplan.planning.ladder.shortest_sequences import ik_candidates, shortened_sequences
@@ -19,7 +18,7 @@ from ikplan.planning.waypoints.waypoint_problem import (
     WaypointProblem,
 )
 
-__all__ = ["free_sequence", "sampled_candidates", "select_least_motion"]
+__all__ = ["no_way", "sampled_candidates", "select_least_motion"]
 
 
 def select_least_motion(problem: WaypointProblem) -> Array:
@@ -52,7 +51,7 @@ def select_least_motion(problem: WaypointProblem) -> Array:
             best, best_length = q, length
         problem.clock.check({"q": best.tolist()})
     if problem.contact is not None and best_length == np.inf:
-        best = free_sequence(problem, candidates)
+        best = _around(problem, candidates)
     if problem.start_free:
         # Full turns of the whole motion leave it as long as it is.
         best, _ = StartCopies(problem.q_start, counted=False).fitting(arm, best)
@@ -104,19 +103,8 @@ def _keep_free(problem: WaypointProblem, candidates: IkCandidates) -> None:
         candidates.counts[k] = len(kept)
 
 
-def free_sequence(
-    problem: WaypointProblem, candidates: IkCandidates, prices: Sequence[Array] | None = None
-) -> Array:
-    """Return the shortest sequence of candidates between which the straight motions are free.
-
-    Args:
-        problem: The targets, and a check for contact.
-        candidates: Solutions of each target.
-        prices: What each candidate costs beside the motion, see
-            :func:`ikplan.planning.ladder.free_candidates.shortest_free_sequence`.
-
-    Returns:
-        One configuration per waypoint, shape (n, dof) [rad or m].
+def _around(problem: WaypointProblem, candidates: IkCandidates) -> Array:
+    """The shortest sequence of candidates between which the straight motions are free.
 
     Raises:
         InCollision: None was found.
@@ -124,19 +112,26 @@ def free_sequence(
     contact = problem.contact
     assert contact is not None
 
-    def is_free(k: int, q_before: Array, q: Array) -> bool:
+    def price(k: int, q_before: Array, q: Array) -> float:
         problem.clock.check()
-        return contact.first_contact(np.vstack([q_before, q]), problem.segment(k)) is None
+        free = contact.first_contact(np.vstack([q_before, q]), problem.segment(k)) is None
+        return 0.0 if free else np.inf
 
-    found = shortest_free_sequence(candidates, problem.q_start, problem.start_free, is_free, prices)
+    found = shortest_free_sequence(candidates, problem.q_start, problem.start_free, price)
     if found is None:
-        straight = problem.first_contact(candidates.q[:, 0])
-        assert straight is not None
-        row = problem.first_row + max(straight.step - (not problem.start_free), 0)
-        raise motion_in_collision(
-            contact, straight, row, f"the joint motion to waypoint {row}", problem.segment(0)
-        )
+        raise no_way(problem, candidates)
     return found
+
+
+def no_way(problem: WaypointProblem, candidates: IkCandidates) -> InCollision:
+    """Return the verdict where no sequence of candidates has free motions between them."""
+    assert problem.contact is not None
+    straight = problem.first_contact(candidates.q[:, 0])
+    assert straight is not None
+    row = problem.first_row + max(straight.step - (not problem.start_free), 0)
+    return motion_in_collision(
+        problem.contact, straight, row, f"the joint motion to waypoint {row}", problem.segment(0)
+    )
 
 
 def _metaheuristic_seeds(problem: WaypointProblem, lower: Array, upper: Array) -> Array:

@@ -6,6 +6,7 @@ import json
 import math
 from collections.abc import Iterable
 
+from catalogue.bodies.sources import shape_source
 from catalogue.facts import Arm, Facts, FactsJoint
 from catalogue.homes import pick_home
 from ikplan.robots.definition.defaults import DEFAULT_ACCELERATION
@@ -38,6 +39,8 @@ def robot_document(facts: Facts, arm: Arm) -> str:
         lines += _fact("acceleration limits", accelerations)
     if arm.counting is not None:
         lines += _fact("coupling", arm.counting.source)
+    for meshes in shape_source(arm.name):
+        lines += _fact("shapes of the links", f"meshes of {meshes.package}")
     lines += ["kinematics:", "  axes:", "    joints:"]
     lines += [f"      - {_origin(joint)}" for joint in arm.joints]
     tool = _flow(xyz=_triple(arm.tool.xyz), rpy=_turns(arm.tool.rpy))
@@ -61,6 +64,8 @@ def robot_document(facts: Facts, arm: Arm) -> str:
     if arm.controller is not None:
         block = facts.controllers[arm.controller].model_dump(mode="json", exclude_unset=True)
         lines.append(f"controller: {json.dumps(block, ensure_ascii=False)}")
+    if shape_source(arm.name):
+        lines += ["collision:", "  file: collision.json"]
     lines += ["notes:", *(f"  - {_text(note)}" for note in _notes(facts, arm))]
     return "\n".join(lines) + "\n"
 

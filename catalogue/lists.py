@@ -6,6 +6,7 @@ import json
 from collections import defaultdict
 from pathlib import Path
 
+from catalogue.bodies.sources import shape_source
 from catalogue.facts import Facts
 
 __all__ = ["listed"]
@@ -46,6 +47,14 @@ def _licences(facts: Facts) -> str:
                     "name": "libfranka",
                     "license": "Apache-2.0",
                     "where": "include/franka/rate_limiting.h",
+                }
+            )
+        for meshes in shape_source(arm.name):
+            sources.append(
+                {
+                    "name": f"meshes of {meshes.package}",
+                    "license": meshes.licence,
+                    "where": meshes.where,
                 }
             )
         rows = [

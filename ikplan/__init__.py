@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from ikplan.client import AsyncClient, AsyncPlanJob, Client, PlanJob
     from ikplan.documents.certificate import Certificate
     from ikplan.documents.plan_request import FkRequest, IkRequest, PlanRequest
-    from ikplan.documents.pose_results import FkResult, IkSolution
+    from ikplan.documents.pose_results import FkResult, IkBatchSolution, IkSolution
     from ikplan.documents.status import PlanStatus
     from ikplan.documents.timing_request import TimingRequest
     from ikplan.errors import (
@@ -41,10 +41,12 @@ if TYPE_CHECKING:
     from ikplan.gcode import read_gcode
     from ikplan.pipeline.move import move
     from ikplan.pipeline.plan import plan
+    from ikplan.pipeline.pose_batch.solve import solve_ik_batch
     from ikplan.pipeline.poses import solve_ik
     from ikplan.pipeline.retime import time_path, time_request
     from ikplan.plans.plan import Plan
     from ikplan.points import read_waypoints
+    from ikplan.reach.reach_map import ReachMap, reach_map
     from ikplan.robots import Robot, load_robot, robot_names
     from ikplan.scene.read_scene import read_scene
 else:
@@ -61,6 +63,7 @@ else:
             "Disconnected": "errors",
             "FkRequest": "documents.plan_request",
             "FkResult": "documents.pose_results",
+            "IkBatchSolution": "documents.pose_results",
             "IkRequest": "documents.plan_request",
             "IkSolution": "documents.pose_results",
             "IkplanError": "errors",
@@ -76,6 +79,7 @@ else:
             "PlanRequest": "documents.plan_request",
             "PlanStatus": "documents.status",
             "RateLimited": "errors",
+            "ReachMap": "reach.reach_map",
             "Robot": "robots",
             "RobotNotFound": "errors",
             "ServiceError": "errors",
@@ -87,11 +91,13 @@ else:
             "load_robot": "robots",
             "move": "pipeline.move",
             "plan": "pipeline.plan",
+            "reach_map": "reach.reach_map",
             "read_scene": "scene.read_scene",
             "read_gcode": "gcode",
             "read_waypoints": "points",
             "robot_names": "robots",
             "solve_ik": "pipeline.poses",
+            "solve_ik_batch": "pipeline.pose_batch.solve",
             "time_path": "pipeline.retime",
             "time_request": "pipeline.retime",
         },
@@ -108,6 +114,7 @@ __all__ = [
     "Disconnected",
     "FkRequest",
     "FkResult",
+    "IkBatchSolution",
     "IkRequest",
     "IkSolution",
     "IkplanError",
@@ -123,6 +130,7 @@ __all__ = [
     "PlanRequest",
     "PlanStatus",
     "RateLimited",
+    "ReachMap",
     "Robot",
     "RobotNotFound",
     "ServiceError",
@@ -135,11 +143,13 @@ __all__ = [
     "load_robot",
     "move",
     "plan",
+    "reach_map",
     "read_gcode",
     "read_scene",
     "read_waypoints",
     "robot_names",
     "solve_ik",
+    "solve_ik_batch",
     "time_path",
     "time_request",
 ]

@@ -386,13 +386,16 @@ class TimingFailed(NoPlan):
     Attributes:
         position: Where on the path, as a fraction 0..1 of its joint arc length, or None.
         joint: Name of the joint, or None.
-        limit: The limit that cannot be kept ("velocity", "acceleration", "position"), or None.
+        limit: The limit that cannot be kept ("velocity", "acceleration", "position", "torque"), or
+            None.
+        repairs: Changes of the request that were tried and make it feasible, as
+            ``{"change", "detail"}``.
     """
 
     slug = "timing-failed"
     title = "Timing failed"
     status = 422
-    fields = ("position", "joint", "limit")
+    fields = ("position", "joint", "limit", "repairs")
 
     def __init__(
         self,
@@ -401,11 +404,13 @@ class TimingFailed(NoPlan):
         position: float | None = None,
         joint: str | None = None,
         limit: str | None = None,
+        repairs: Sequence[Mapping[str, Any]] = (),
     ) -> None:
         super().__init__(detail)
         self.position = position
         self.joint = joint
         self.limit = limit
+        self.repairs = [dict(r) for r in repairs]
 
 
 class BudgetExceeded(NoPlan):

@@ -10,6 +10,7 @@ from typing import Any
 from ikplan.errors import Unreachable
 from ikplan.ik.registry import solvers
 from ikplan.pipeline.plan import plan
+from ikplan.pipeline.pose_batch.request import solve_ik_batch_request
 from ikplan.pipeline.poses import solve_ik_request
 from ikplan.pipeline.retime import time_request
 from ikplan.pipeline.warm_up import warm_up
@@ -36,10 +37,13 @@ def compile_part(part: str) -> None:
     """Compile the kernels of every request, those of this process's part first."""
     number, count, names = json.loads(part)
     names = names or [solver.name for solver in solvers()]
-    works = [("time", None)] + [(kind, name) for name in names for kind in ("ik", "plan")]
+    works = [("time", None), ("ik-batch", None)]
+    works += [(kind, name) for name in names for kind in ("ik", "plan")]
     for kind, name in _mine(works, number, count):
         if kind == "time":
             warm_up(time_request, "time", jerk=True)
+        elif kind == "ik-batch":
+            warm_up(solve_ik_batch_request, "ik-batch", "lm")
         elif kind == "ik":
             warm_up(solve_ik_request, "ik", name)
         else:

@@ -45,8 +45,10 @@ RANK = {
     "pipeline": 8,
     "client": 9,
     "workers": 9,
-    "cli": 10,
-    "ikplan_api": 11,
+    "reach": 9,
+    "batch": 10,
+    "cli": 11,
+    "ikplan_api": 12,
 }
 """The floor of each room. A room imports rooms of lower floors only, never one beside it: planning,
 timing and the certificate stand side by side."""

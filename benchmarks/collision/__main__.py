@@ -5,10 +5,12 @@ from __future__ import annotations
 import argparse
 import sys
 import time
+from pathlib import Path
 
 import numpy as np
 
 from benchmarks.collision import bodies, window
+from benchmarks.collision.before import beside_before
 from benchmarks.collision.cost import BOXES, DURATION, RATE, ProofCost, proof_costs
 from benchmarks.collision.falsify import OWN_BODIES, ROBOTS, falsify
 from benchmarks.collision.helices import helix_costs
@@ -93,11 +95,11 @@ def kernel(count: int, seed: int) -> bool:
     return good
 
 
-def bodies_against_meshes(count: int, seed: int) -> bool:
+def bodies_against_meshes(count: int, seed: int, robots: list[str]) -> bool:
     """Print what the planner's bodies miss and what they refuse for nothing."""
     print(f"{count} configurations a robot, {bodies.BOXES} boxes in each of {bodies.SCENES} scenes")
     good = True
-    for name in bodies.ROBOTS:
+    for name in robots:
         study = bodies.body_study(name, count, seed)
         print(
             f"  {name}: {study.touching} in contact by the meshes, missed {study.missed}; false "
@@ -160,24 +162,40 @@ def helices(repeats: int) -> bool:
     return good
 
 
+def off(checkout: Path, repeats: int) -> bool:
+    """Print what plans without checks cost beside an earlier checkout; whether 1.02 is kept."""
+    rows = beside_before(checkout, repeats)
+    ratios = [row.now / row.before for row in rows]
+    for row, ratio in zip(rows, ratios, strict=True):
+        print(f"  {row.name}: {row.before:.2f} ms before, {row.now:.2f} ms now, {ratio:.3f}")
+    mean = float(np.exp(np.mean(np.log(ratios))))
+    print(f"{len(rows)} requests, {repeats} plans each: geometric mean of the ratios {mean:.3f}")
+    return mean <= 1.02
+
+
 def main() -> int:
     """Run one study."""
     parser = argparse.ArgumentParser(prog="benchmarks.collision", description=__doc__)
-    studies = ("proof", "falsify", "kernel", "bodies", "lines", "window", "helices")
+    studies = ("proof", "falsify", "kernel", "bodies", "lines", "window", "helices", "off")
     parser.add_argument("study", choices=studies)
     parser.add_argument("--count", type=int, help="motions, configurations, lines, queries, ...")
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--own", action="store_true", help="falsify: the robots' own bodies")
+    parser.add_argument("--robots", nargs="+", default=bodies.ROBOTS, help="bodies: these robots")
+    parser.add_argument("--before", type=Path, help="off: folder of a checkout of earlier code")
     options = parser.parse_args()
+    if options.study == "off" and options.before is None:
+        parser.error("off: --before FOLDER is missing")
     count, seed = options.count, options.seed
     good = {
         "proof": lambda: proof(count or 20),
         "falsify": lambda: falsification(count or 1000, seed, own=options.own),
         "kernel": lambda: kernel(count or 1_000_000, seed),
-        "bodies": lambda: bodies_against_meshes(count or 100_000, seed),
+        "bodies": lambda: bodies_against_meshes(count or 100_000, seed, list(options.robots)),
         "lines": lambda: lines(count or 200, seed),
         "window": lambda: windows(count or 30, seed),
         "helices": lambda: helices(count or 15),
+        "off": lambda: off(options.before.absolute(), count or 15),
     }[options.study]()
     return 0 if good else 1
 

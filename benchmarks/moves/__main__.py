@@ -11,14 +11,27 @@ import numpy as np
 import ikplan
 from benchmarks.moves.ompl_peer import ompl_runs
 from benchmarks.moves.problems import Problem, read_problems
-from benchmarks.moves.search import Runs, least_distance, left_out, plan_runs, search_runs
+from benchmarks.moves.random_cells import arm_on_a_rail, random_problems
+from benchmarks.moves.search import (
+    Runs,
+    least_distance,
+    left_out,
+    plan_runs,
+    proof_times,
+    search_runs,
+)
+from ikplan.robots import Robot
 
 
 def main() -> int:
     """Run what the command line asks for; 1 where a plan is not proven or touches something."""
     parser = argparse.ArgumentParser(prog="python -m benchmarks.moves", description=__doc__)
-    parser.add_argument("--robots", nargs="+", default=["ur5", "panda"], choices=["ur5", "panda"])
+    parser.add_argument("--robots", nargs="+", default=["ur5", "panda"])
     parser.add_argument("--seeds", type=int, default=5, help="seeds of every search")
+    parser.add_argument(
+        "--cells", type=int, default=0, help="random cells instead; robots of the catalogue, rail"
+    )
+    parser.add_argument("--cell-seed", type=int, default=1, help="seed of the cells")
     parser.add_argument("--every", type=int, default=1, help="take every n-th problem only")
     parser.add_argument("--plans", type=int, default=1, help="seeds of whole plans")
     parser.add_argument("--falsify", type=int, default=20, help="plans looked at by coal")
@@ -28,9 +41,14 @@ def main() -> int:
 
 
 def _robot(name: str, options: argparse.Namespace) -> int:
-    robot = ikplan.load_robot(name)
-    problems, kept = read_problems(name)[:: options.every], []
-    print(f"\n{name}: {len(problems)} problems of MotionBenchMaker")
+    robot = arm_on_a_rail() if name == "rail" else ikplan.load_robot(name)
+    if options.cells:
+        problems = random_problems(robot, options.cells, options.cell_seed)
+        print(f"\n{name}: {len(problems)} random cells, seed {options.cell_seed}")
+    else:
+        problems = read_problems(name)[:: options.every]
+        print(f"\n{name}: {len(problems)} problems of MotionBenchMaker")
+    kept = []
     for problem in problems:
         pair = left_out(robot, problem)
         if pair is None:
@@ -43,14 +61,13 @@ def _robot(name: str, options: argparse.Namespace) -> int:
     _print("ikplan, every edge proven", search_runs(robot, kept, options.seeds))
     if options.ompl:
         _print("OMPL RRTConnect, sampled", ompl_runs(robot, kept, 1))
-    return sum(_plans(name, kept, seed, options.falsify) for seed in range(options.plans))
+    return sum(_plans(robot, kept, seed, options.falsify) for seed in range(options.plans))
 
 
-def _plans(name: str, problems: list[Problem], seed: int, falsify: int) -> int:
-    robot = ikplan.load_robot(name)
-    ikplan.move(name, None, robot.home + 0.01)  # compiles
+def _plans(robot: Robot, problems: list[Problem], seed: int, falsify: int) -> int:
+    plan_runs(robot, problems[:1], seed)  # compiles
     begin = time.process_time()
-    plans, failed = plan_runs(name, problems, seed)
+    plans, failed = plan_runs(robot, problems, seed)
     spent = (time.process_time() - begin) / max(len(problems), 1)
     for line in failed:
         print(f"  not solved: {line}")
@@ -65,6 +82,9 @@ def _plans(name: str, problems: list[Problem], seed: int, falsify: int) -> int:
         + ", ".join(f"{stage} {value:.1f} ms" for stage, value in times.items())
     )
     solved = [p for p in problems if not any(line.startswith(f"{p.name}:") for line in failed)]
+    if plans:
+        proof = np.percentile(proof_times(robot, solved, plans), [50, 95])
+        print(f"  proof of the timed motion, processor time: {proof[0]:.1f} / {proof[1]:.1f} ms")
     chosen = range(0, len(plans), max(1, len(plans) // falsify)) if falsify else ()
     least = [least_distance(robot, solved[k], plans[k]) for k in chosen]
     touching = sum(distance <= 0.0 for distance in least)

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 import ikplan
 from benchmarks.collision.oracle import Oracle
 from benchmarks.moves.problems import Problem, checker_of, model_of
-from ikplan.certificate.clearance import JointCurve
+from ikplan.certificate.clearance import JointCurve, prove_clearance
 from ikplan.collision.check import ContactArrays
 from ikplan.errors import InCollision
 from ikplan.planning.moves.connect import connect, is_free
@@ -19,10 +19,12 @@ from ikplan.planning.moves.shorten import path_length, shorten
 from ikplan.planning.moves.space import search_space
 from ikplan.robots import Robot
 
-__all__ = ["Runs", "least_distance", "left_out", "plan_runs", "search_runs"]
+__all__ = ["Runs", "least_distance", "left_out", "plan_runs", "proof_times", "search_runs"]
 
 Array = NDArray[np.float64]
 EFFORT, SHORTCUTS = 20_000, 100
+_WARM_UP = 5
+"""Problems that are searched once before any is timed."""
 STEP = 5e-4
 """Joint step at which a finished motion is looked at by coal [rad]."""
 
@@ -75,8 +77,15 @@ def _search(arrays: ContactArrays, robot: Robot, problem: Problem, seed: int, ru
 def search_runs(robot: Robot, problems: list[Problem], seeds: int) -> Runs:
     """Search for a way in every problem, without timing and proof of the timed motion."""
     runs = Runs()
-    if problems:  # compiles
-        _search(checker_of(robot, problems[0]).arrays(None), robot, problems[0], 0, Runs())
+    for problem in problems[:_WARM_UP]:  # compiles
+        _search(checker_of(robot, problem).arrays(None), robot, problem, 0, Runs())
+    if problems:
+        arrays = checker_of(robot, problems[0]).arrays(None)
+        space = search_space(
+            arrays, robot.lower, robot.upper, problems[0].start, problems[0].goal[None]
+        )
+        rng, cut = np.random.default_rng(0), np.zeros(1, dtype=np.bool_)
+        connect(space, problems[0].start, problems[0].goal[None], 10, rng, cut, arrays.scratch)
     for problem in problems:
         arrays = checker_of(robot, problem).arrays(None)
         for seed in range(seeds):
@@ -84,7 +93,29 @@ def search_runs(robot: Robot, problems: list[Problem], seeds: int) -> Runs:
     return runs
 
 
-def plan_runs(name: str, problems: list[Problem], seed: int) -> tuple[list[ikplan.Plan], list[str]]:
+def proof_times(robot: Robot, problems: list[Problem], plans: list[ikplan.Plan]) -> list[float]:
+    """Return the processor time of the proof of each plan's timed motion [ms]."""
+    spent = []
+    for problem, plan in zip(problems, plans, strict=True):
+        model, trajectory = model_of(robot, problem), plan.trajectory
+        begin = time.process_time()
+        curve = (
+            JointCurve.of_motion(plan.motion)
+            if plan.motion is not None
+            else JointCurve.of_samples(
+                np.asarray(trajectory.time), np.asarray(trajectory.q), np.asarray(trajectory.dq)
+            )
+        )
+        prove_clearance(robot, model, curve)
+        spent.append(1e3 * (time.process_time() - begin))
+    return spent
+
+
+def plan_runs(
+    name: str | Robot,
+    problems: list[Problem],
+    seed: int,
+) -> tuple[list[ikplan.Plan], list[str]]:
     """Plan every problem; return the plans and the names of those not solved."""
     plans, failed = [], []
     for problem in problems:

@@ -18,6 +18,7 @@ from ikplan.kinematics.target import Target, pose_target
 from ikplan.planning import TimeBudget, WaypointProblem, select_configurations
 from ikplan.planning.ladder.ik_candidates import sample_ik_solutions
 from ikplan.planning.ladder.ladder_graph import diverse_shortest_paths
+from ikplan.planning.ladder.motion_cost import plain_cost
 from ikplan.planning.ladder.path_shortening import shorten_sequence
 from ikplan.planning.waypoints.stack import stack_targets
 
@@ -167,10 +168,28 @@ def least_motion(case: Case, n: int, restarts: int) -> tuple[list[Array], int]:
         evaluations += int(candidates.evaluations[0])
         polished = []
         for q in diverse_shortest_paths(
-            case.arm.chain, candidates, q_start, False, lower, upper, 24, 0.6, 0.1
+            case.arm.chain,
+            candidates,
+            q_start,
+            False,
+            lower,
+            upper,
+            plain_cost(case.arm.dof),
+            24,
+            0.6,
+            0.1,
         ):
             length, spent = shorten_sequence(
-                case.arm.chain, targets, q, q_start, False, lower, upper, 200, 1e-7
+                case.arm.chain,
+                targets,
+                q,
+                q_start,
+                False,
+                lower,
+                upper,
+                plain_cost(case.arm.dof),
+                200,
+                1e-7,
             )
             evaluations += spent
             polished.append((float(length), q))

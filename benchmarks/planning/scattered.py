@@ -18,6 +18,7 @@ from ikplan.kinematics.target import pose_target
 from ikplan.planning.ladder.equivalent_configurations import with_equivalents
 from ikplan.planning.ladder.ik_candidates import sample_ik_solutions
 from ikplan.planning.ladder.joint_length import joint_path_length
+from ikplan.planning.ladder.motion_cost import plain_cost
 from ikplan.planning.ladder.path_shortening import shorten_sequence
 from ikplan.planning.waypoints.stack import stack_targets
 from ikplan.robots import Robot, load_robot
@@ -91,7 +92,16 @@ def _reference(robot: Robot, poses: list[pin.SE3]) -> float:
     best = np.inf
     for q in _shortest(rows, q_start, 12):
         length, _ = shorten_sequence(
-            arm.chain, targets, q, q_start, False, arm.lower, arm.upper, 200, 1e-9
+            arm.chain,
+            targets,
+            q,
+            q_start,
+            False,
+            arm.lower,
+            arm.upper,
+            plain_cost(arm.dof),
+            200,
+            1e-9,
         )
         best = min(best, length)
     return best

@@ -20,7 +20,7 @@ from ikplan.certificate.elongation import elongation_lower_bound
 from ikplan.certificate.limits import measured_limits, measured_positions
 from ikplan.certificate.offsets import Allowance
 from ikplan.certificate.polyline import polyline_deviation
-from ikplan.certificate.requested import RequestedMotion, read_motion
+from ikplan.certificate.requested import RequestedMotion, broken_order, read_motion
 from ikplan.certificate.segments import segment_checks, timed_segments
 from ikplan.certificate.singular_value import least_singular_value
 from ikplan.certificate.stops import false_stops, stops
@@ -51,7 +51,10 @@ def certify(claim: Claim) -> Certificate:
     motion: RequestedMotion | None = None
     matched: list[MatchedLeg] = []
     if claim.path is not None:
-        motion = read_motion(claim.robot, claim.path, claim.q_start)
+        wrong = [] if claim.order is None else broken_order(claim.path, claim.order)
+        violations += wrong
+        order = None if wrong else claim.order
+        motion = read_motion(claim.robot, claim.path, claim.q_start, order)
         matched = _check_path(claim, motion, fields, violations)
     elif claim.joint_waypoints is not None:
         found, exceeded = polyline_deviation(claim, claim.joint_waypoints)

@@ -56,6 +56,8 @@ class Claim:
         joint_waypoints: Joint values that a timing asks for, shape (n, dof); None: a path is.
         joint_tolerance: How far from the polyline through them the motion may be; None: it is
             measured only.
+        order: Numbers of the parts of the path in the order in which they are said to be passed,
+            which is that of the waypoints too; None: as it is written.
     """
 
     robot: Robot
@@ -72,3 +74,4 @@ class Claim:
     stop_time: Array = field(default_factory=lambda: np.zeros(0))
     joint_waypoints: Array | None = None
     joint_tolerance: PathNearness | None = None
+    order: tuple[int, ...] | None = None

@@ -46,7 +46,8 @@ def left_out(
     path, s = part.leg.path, part.s
     if len(s) < 2:
         return 0.0, 0.0
-    ahead = np.maximum.accumulate(s)
+    # Of what need not be followed, nothing can be left out.
+    ahead = np.clip(np.maximum.accumulate(s), *part.leg.followed)
     steps = np.diff(tool.p[part.sample], axis=0)
     way = np.sqrt((steps * steps).sum(axis=1))
     box = float(np.linalg.norm(allowance.box_position))

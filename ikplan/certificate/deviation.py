@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -49,12 +50,21 @@ class TimedLeg:
         s: Path length of the begin and of each waypoint, shape (k,), k >= 2 [m].
         time: When each is passed, shape (k,) [s].
         row: Row of each waypoint, -1: the first sample, shape (k,).
+        begin_ball: Length of its begin that need not be followed, within the ball about it [m].
+        end_ball: The same of its end.
     """
 
     path: RequestedPath
     s: Array
     time: Array
     row: Indices
+    begin_ball: float = 0.0
+    end_ball: float = 0.0
+
+    @property
+    def followed(self) -> tuple[float, float]:
+        """Path lengths between which the path itself is followed [m]."""
+        return self.begin_ball, self.path.length - self.end_ball
 
 
 @dataclass(frozen=True, eq=False)
@@ -88,7 +98,7 @@ def _timed(claim: Claim, leg: ToolLeg) -> TimedLeg:
     s = np.array([0.0, *(s for s, _ in leg.path.waypoints)])
     row = np.array([begin, *(row for _, row in leg.path.waypoints)])
     time = np.where(row < 0, claim.time[0], claim.waypoint_time[row])
-    return TimedLeg(leg.path, s, time, row)
+    return TimedLeg(leg.path, s, time, row, leg.begin_ball, leg.end_ball)
 
 
 def match_legs(claim: Claim, legs: list[TimedLeg], tool: Tool) -> list[MatchedLeg]:
@@ -107,12 +117,52 @@ def match_legs(claim: Claim, legs: list[TimedLeg], tool: Tool) -> list[MatchedLe
         sample = np.flatnonzero((claim.time >= leg.time[0]) & (claim.time <= leg.time[-1]))
         if len(sample) == 0:
             continue
-        samples = _samples(leg, tool, claim.time[sample], sample, allowance)
+        balls = _in_balls(leg, tool.p[sample], allowance.position)
+        on = np.isnan(balls.s)
+        s, distance = balls.s, balls.distance
+        oriented, angle = np.zeros(len(s), dtype=np.bool_), np.zeros(len(s))
+        if not on.any():  # what is to be followed is left out as a whole
+            distance[:] = max(leg.followed[1] - leg.followed[0], 0.0)
+            matched.append(MatchedLeg(leg, sample, s, oriented, distance, angle))
+            continue
+        samples = _samples(leg, tool, claim.time[sample[on]], sample[on], allowance)
         match = match_samples(leg.path, allowance, samples)
-        matched.append(
-            MatchedLeg(leg, sample, match.s, match.oriented, match.distance, match.angle)
-        )
+        s[on], distance[on] = match.s, match.distance
+        oriented[on], angle[on] = match.oriented, match.angle
+        matched.append(MatchedLeg(leg, sample, s, oriented, distance, angle))
     return matched
+
+
+class _Balls(NamedTuple):
+    """The samples where a joint motion goes over into a path: those in the ball next to its end.
+
+    Attributes:
+        s: About where they are, nan of all others, shape (m,) [m].
+        distance: How far they are outside of the ball, shape (m,) [m].
+    """
+
+    s: Array
+    distance: Array
+
+
+def _in_balls(leg: TimedLeg, p: Array, tolerance: float) -> _Balls:
+    """Return which samples, shape (m, 3), are in the balls at both ends of a path."""
+    found = _Balls(np.full(len(p), np.nan), np.zeros(len(p)))
+    length = leg.path.length
+    for place, radius, order in (
+        (0.0, leg.begin_ball, np.arange(len(p))),
+        (length, leg.end_ball, np.arange(len(p))[::-1]),
+    ):
+        if radius == 0.0:
+            continue
+        piece = leg.path.piece_at(np.array([place]))
+        corner = leg.path.derivatives(piece, place - leg.path.begins[piece]).p
+        away = np.linalg.norm(p[order] - corner, axis=1)
+        out = np.flatnonzero(away > radius + tolerance)
+        run = order[: out[0] if len(out) else len(order)]
+        found.s[run] = abs(place - radius)
+        found.distance[run] = np.maximum(away[: len(run)] - radius, 0.0)
+    return found
 
 
 def _samples(

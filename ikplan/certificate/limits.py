@@ -69,9 +69,9 @@ def measured_limits(
     of_tool: dict[str, Array] = {}
     if np.isfinite(limits.tool_speed).any():
         of_tool["speed"] = tool_speed_ratios(robot, q, dq, limits.tool_speed)
-    if np.isfinite(limits.tool_acceleration).any():
+    if np.isfinite((*limits.tool_acceleration, limits.tool_tangential)).any():
         of_tool["acceleration"] = tool_acceleration_ratios(
-            robot, q, dq, ddq, limits.tool_acceleration
+            robot, q, dq, ddq, limits.tool_acceleration, limits.tool_tangential
         )
     for kind, ratios in of_tool.items():
         at = int(np.argmax(ratios))
@@ -177,23 +177,43 @@ def tool_speed_ratios(robot: Robot, q: Array, dq: Array, limit: tuple[float, flo
 
 
 def tool_acceleration_ratios(
-    robot: Robot, q: Array, dq: Array, ddq: Array, limit: tuple[float, float]
+    robot: Robot,
+    q: Array,
+    dq: Array,
+    ddq: Array,
+    limit: tuple[float, float],
+    tangential: float = np.inf,
 ) -> Array:
     """Ratios to the tool's acceleration limits; the arguments are those of the speeds'.
 
+    Args:
+        robot: The robot, with its tool.
+        q: Joint values, shape (m, dof) [rad or m].
+        dq: Joint velocities, shape (m, dof).
+        ddq: Joint accelerations, shape (m, dof).
+        limit: Linear and angular limit of the norms [m/s^2, rad/s^2], may be inf.
+        tangential: Limit of the rate at which the linear speed changes [m/s^2], may be inf.
+
     Returns:
-        The larger of the linear and the angular ratio, shape (m,).
+        The largest of the linear, the angular and the tangential ratio, shape (m,).
     """
     model, frame = _with_tool_frame(robot)
     data, coupling = model.createData(), robot.coupling
-    accelerations = np.empty((len(q), 6))
+    accelerations, velocities = np.empty((len(q), 6)), np.empty((len(q), 6))
     motions = zip(robot.configurations(q), dq @ coupling.T, ddq @ coupling.T, strict=True)
     for i, motion in enumerate(motions):
         pin.forwardKinematics(model, data, *motion)
+        velocities[i] = pin.getFrameVelocity(model, data, frame, pin.ReferenceFrame.LOCAL).vector
         accelerations[i] = pin.getFrameClassicalAcceleration(
             model, data, frame, pin.ReferenceFrame.LOCAL
         ).vector
-    return _larger(accelerations, limit)
+    v, a = velocities[:, :3], accelerations[:, :3]
+    speed = np.linalg.norm(v, axis=1)
+    # A tool at rest sets out, or has come to rest, along its acceleration.
+    moves = speed > _STILL
+    along = np.linalg.norm(a, axis=1)
+    along[moves] = np.abs((v[moves] * a[moves]).sum(axis=1)) / speed[moves]
+    return np.asarray(np.maximum(_larger(accelerations, limit), along / tangential))
 
 
 def _with_tool_frame(robot: Robot) -> tuple[pin.Model, int]:

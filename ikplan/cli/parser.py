@@ -10,6 +10,7 @@ from collections.abc import Callable, Sequence
 from typing import Any, NoReturn
 
 import ikplan
+from ikplan.cli.batch_options import add_batch
 from ikplan.cli.options import (
     add_changes,
     add_json,
@@ -18,9 +19,9 @@ from ikplan.cli.options import (
     add_robot,
     add_robot_frames,
     add_scene,
-    add_server,
     add_talk,
 )
+from ikplan.cli.reach_options import add_reach
 from ikplan.cli.terminal.exit_codes import NO_PLAN
 from ikplan.errors import InvalidRequest
 
@@ -186,28 +187,71 @@ def make_parser() -> argparse.ArgumentParser:
     add_talk(plan)
     plan.set_defaults(run=_command("planning", "plan"))
 
+    move = commands.add_parser(
+        "move",
+        help="move around obstacles to joint values or a tool pose",
+        description="A single move: ikplan plan has whole paths. Between its ends the tool goes "
+        "anywhere; the finished motion is proven to be free of contact.",
+    )
+    move.add_argument("robot", metavar="ROBOT", help="a name or a file")
+    move.add_argument(
+        "--start",
+        nargs="+",
+        type=float,
+        metavar="Q",
+        help="joint values at the start [rad or m]; absent: the robot's home",
+    )
+    move.add_argument(
+        "--goal",
+        action="append",
+        nargs="+",
+        type=float,
+        metavar="Q",
+        help="joint values to go to [rad or m]; given several times: to the one with the shortest "
+        "way found",
+    )
+    move.add_argument(
+        "--position",
+        nargs=3,
+        type=float,
+        metavar=("X", "Y", "Z"),
+        help="or the tool position to go to, in the base [m]",
+    )
+    move.add_argument(
+        "--quaternion",
+        nargs=4,
+        type=float,
+        metavar=("X", "Y", "Z", "W"),
+        help="with --position: tool orientation; absent: any",
+    )
+    add_scene(move)
+    move.add_argument("--effort", type=int, help="samples drawn at most in the search")
+    move.add_argument("--seed", type=int, help="seed of the search")
+    add_changes(move)
+    add_outputs(move)
+    add_robot_frames(move)
+    add_json(move)
+    add_talk(move)
+    move.set_defaults(run=_command("planning", "move"))
+
     many = commands.add_parser(
         "batch",
-        help="make many plans: JSON lines in, JSON lines out",
-        description="Every line is a request as for ikplan plan, and answered by a line: "
+        help="answer many requests: JSON lines in, a row for each out",
+        description="Every line is a request, and answered by a row: "
         '{"index": 0, "status": 200, "plan": ...} or {..., "problem": ...}, in their order. '
         f"Exit code {NO_PLAN}: done, but not every request has a plan.",
     )
-    many.add_argument("requests", metavar="FILE", help="JSON lines, or - for standard input")
-    many.add_argument(
-        "-o", "--output", metavar="FILE", help="write the lines there, not to standard output"
-    )
-    add_server(many)
-    add_robot(many)
-    many.add_argument(
-        "--workers",
-        type=int,
-        default=0,
-        metavar="N",
-        help="without a service: plans made at the same time; 0: one a processor",
-    )
-    add_talk(many)
+    add_batch(many)
     many.set_defaults(run=_command("batch", "batch"), plot=None, plot_timing=None)
+
+    reach = commands.add_parser(
+        "reach",
+        help="map which poses a robot reaches",
+        description="Positions on a grid, orientations spread evenly; Parquet with a row for each "
+        "pose, and a figure.",
+    )
+    add_reach(reach)
+    reach.set_defaults(run=_command("reach", "reach"))
 
     time = commands.add_parser("time", help="time a joint path: no planning")
     time.add_argument("robot", nargs="?", metavar="ROBOT", help="a name, with joint values")

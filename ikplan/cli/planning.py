@@ -1,4 +1,4 @@
-"""``ikplan plan``."""
+"""``ikplan plan`` and ``ikplan move``."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from ikplan.plans.plan import Plan
     from ikplan.robots import Robot
 
-__all__ = ["plan"]
+__all__ = ["move", "plan"]
 
 
 def plan(options: argparse.Namespace) -> None:
@@ -40,6 +40,50 @@ def plan(options: argparse.Namespace) -> None:
     made, document = _repaired(options, document, robot)
     draw(made, options, document, PlanRequest, robot)
     report(made, options)
+
+
+def move(options: argparse.Namespace) -> None:
+    """Make the plan of one move, here or by a service, and write it.
+
+    Raises:
+        InvalidRequest: No goal is given, or more than one kind of it.
+    """
+    check_outputs(options)
+    document = _move_document(options)
+    tell_start(options, "loading")
+    robot = name_robot(options, document)
+    set_scene(options, document)
+    set_values(document, options.set)
+    check_formats(options, info_of(options, document, robot) if options.output else None)
+    made = _make(options, document, robot)
+    draw(made, options, document, PlanRequest, robot)
+    report(made, options)
+
+
+def _move_document(options: argparse.Namespace) -> dict[str, Any]:
+    """The request of one move."""
+    goals, position = options.goal or [], options.position
+    if bool(goals) == (position is not None) or (options.quaternion and position is None):
+        raise InvalidRequest(
+            "give either --goal, once or several times, or --position with or without --quaternion",
+            field="command line",
+        )
+    segment: dict[str, Any] = {"type": "move"}
+    if position is not None:
+        segment["to"] = {"position": position, "quaternion_xyzw": options.quaternion}
+    elif len(goals) == 1:
+        segment["q"] = goals[0]
+    else:
+        segment["any"] = [{"q": goal} for goal in goals]
+    ik = {"effort": options.effort, "seed": options.seed}
+    options.robot_override = options.robot
+    return {
+        "robot": options.robot,
+        "start": options.start,
+        "path": {"segments": [segment]},
+        "ik": {key: value for key, value in ik.items() if value is not None},
+        "sampling": {} if options.rate is None else {"rate_hz": options.rate},
+    }
 
 
 def _document(options: argparse.Namespace) -> Any:

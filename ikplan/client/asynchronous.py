@@ -15,8 +15,8 @@ from ikplan.client.jobs import AsyncPlanJob
 from ikplan.client.retrying import Patience
 from ikplan.client.streams import BATCH, batch_body, read_event, read_line
 from ikplan.client.wire import EVENTS, PROBLEM, Call, client_headers, read, unreachable
-from ikplan.documents.plan_request import FkRequest, IkRequest, PlanRequest
-from ikplan.documents.pose_results import FkResult, IkSolution
+from ikplan.documents.plan_request import FkRequest, IkBatchRequest, IkRequest, PlanRequest
+from ikplan.documents.pose_results import FkResult, IkBatchSolution, IkSolution
 from ikplan.documents.scene import Scene
 from ikplan.documents.status import PlanStatus
 from ikplan.documents.timing_request import TimingRequest
@@ -229,6 +229,10 @@ class AsyncClient:
             Unreachable: There are none.
         """
         return await self._send(calls.ik(request))
+
+    async def ik_batch(self, request: Mapping[str, Any] | IkBatchRequest) -> IkBatchSolution:
+        """Find joint values for many poses, see :func:`ikplan.solve_ik_batch`."""
+        return await self._send(calls.ik_batch(request))
 
     async def fk(self, request: Mapping[str, Any] | FkRequest) -> FkResult:
         """Place the tool of given joint values."""

@@ -11,8 +11,8 @@ from urllib.parse import quote
 from pydantic import BaseModel
 
 from ikplan.client.wire import Call, encode
-from ikplan.documents.plan_request import FkRequest, IkRequest, PlanRequest
-from ikplan.documents.pose_results import FkResult, IkSolution
+from ikplan.documents.plan_request import FkRequest, IkBatchRequest, IkRequest, PlanRequest
+from ikplan.documents.pose_results import FkResult, IkBatchSolution, IkSolution
 from ikplan.documents.status import PlanStatus
 from ikplan.documents.timing_request import TimingRequest
 from ikplan.errors import InvalidRobot, ServiceUnavailable
@@ -26,6 +26,7 @@ __all__ = [
     "fk",
     "get_plan",
     "ik",
+    "ik_batch",
     "peek",
     "plan",
     "plan_path",
@@ -101,6 +102,11 @@ def _not_yet(body: bytes) -> Plan:
 def ik(request: Mapping[str, Any] | IkRequest) -> Call[IkSolution]:
     """Solve one pose."""
     return Call("POST", "/v1/ik", IkSolution.model_validate_json, encode(request))
+
+
+def ik_batch(request: Mapping[str, Any] | IkBatchRequest) -> Call[IkBatchSolution]:
+    """Solve many poses."""
+    return Call("POST", "/v1/ik/batch", IkBatchSolution.model_validate_json, encode(request))
 
 
 def fk(request: Mapping[str, Any] | FkRequest) -> Call[FkResult]:

@@ -36,8 +36,13 @@ class Bodies(NamedTuple):
             its carrier, shape (k, 12) [m].
         half: Half the edges of that box, shape (k, 3) [m].
         carrier: Link of the chain that carries each piece, 0 for the base, shape (k,).
-        pairs: Two pieces each, that of the lower carrier first, shape (m, 2).
+        moving: Indices of the pieces that a link carries.
+        pairs: Two pieces each, that of the lower carrier first, shape (m, 2). Those of whole
+            bodies with several pieces are the last; their parts are among those before.
         pair_of: Row of the model's pairs that each belongs to, shape (m,).
+        parts: First and last (exclusive) of the pairs that are a pair's parts, shape (m, 2); both
+            0 where it has none.
+        tops: The pairs that are no parts, in the order of the model's pairs.
         clearance: Least gap asked for [m].
     """
 
@@ -53,8 +58,11 @@ class Bodies(NamedTuple):
     box: Array
     half: Array
     carrier: Indices
+    moving: Indices
     pairs: Indices
     pair_of: Indices
+    parts: Indices
+    tops: Indices
     clearance: float
 
 
@@ -74,10 +82,10 @@ def flat_bodies(robot: Robot, chain: Chain, model: CollisionModel) -> Bodies:
     for body in model.bodies:
         rows = []
         T = to_chain[body.carrier]
-        for piece, about in zip(body.pieces, bounds_of(body, T), strict=True):
+        for about in bounds_of(body, T):
             rows.append(len(radius))
             first.append(first[-1] + len(about.points))
-            radius.append(piece.radius)
+            radius.append(about.radius)
             bounds.append(about)
             spheres.append(about.spheres)
             first_sphere.append(first_sphere[-1] + len(about.spheres))
@@ -86,14 +94,7 @@ def flat_bodies(robot: Robot, chain: Chain, model: CollisionModel) -> Bodies:
     points = [about.points for about in bounds]
     sphere = np.array([about.sphere for about in bounds], dtype=np.float64).reshape(-1, 4)
     capsule = np.array([about.capsule for about in bounds], dtype=np.float64).reshape(-1, 7)
-    pairs, pair_of = [], []
-    for row, (a, b) in enumerate(np.asarray(model.pairs, dtype=np.int64).reshape(-1, 2)):
-        if model.bodies[a].carrier > model.bodies[b].carrier:
-            a, b = b, a
-        for i in pieces_of[a]:
-            for j in pieces_of[b]:
-                pairs.append((i, j))
-                pair_of.append(row)
+    pairs = _pairs_of_pieces(model, pieces_of)
     return Bodies(
         np.ascontiguousarray(np.vstack(points) if points else np.empty((0, 3))),
         np.array(first, dtype=np.int64),
@@ -107,9 +108,44 @@ def flat_bodies(robot: Robot, chain: Chain, model: CollisionModel) -> Bodies:
         np.array([about.box for about in bounds], dtype=np.float64).reshape(-1, 12),
         np.array([about.half for about in bounds], dtype=np.float64).reshape(-1, 3),
         np.array(carrier, dtype=np.int64),
-        np.array(pairs, dtype=np.int64).reshape(-1, 2),
-        np.array(pair_of, dtype=np.int64),
+        np.flatnonzero(np.array(carrier, dtype=np.int64)),
+        *pairs,
         model.clearance,
+    )
+
+
+def _pairs_of_pieces(
+    model: CollisionModel, pieces_of: list[list[int]]
+) -> tuple[Indices, Indices, Indices, Indices]:
+    """Return the pairs of pieces, the model's pair of each, their parts and the tops.
+
+    Args:
+        model: The bodies and pairs.
+        pieces_of: The pieces of each body; after several comes what is about all of them.
+    """
+    pairs, pair_of, tops = list[tuple[int, int]](), list[int](), list[int]()
+    whole, whole_of, parts = list[tuple[int, int]](), list[int](), list[tuple[int, int]]()
+    for row, (a, b) in enumerate(np.asarray(model.pairs, dtype=np.int64).reshape(-1, 2)):
+        if model.bodies[a].carrier > model.bodies[b].carrier:
+            a, b = b, a
+        begin = len(pairs)
+        for i in pieces_of[a][: len(model.bodies[a].pieces)]:
+            for j in pieces_of[b][: len(model.bodies[b].pieces)]:
+                pairs.append((i, j))
+                pair_of.append(row)
+        if len(pairs) == begin + 1:
+            tops.append(begin)
+        elif len(pairs) > begin:
+            tops.append(-1 - len(whole))
+            whole.append((pieces_of[a][-1], pieces_of[b][-1]))
+            whole_of.append(row)
+            parts.append((begin, len(pairs)))
+    first = len(pairs)
+    return (
+        np.array(pairs + whole, dtype=np.int64).reshape(-1, 2),
+        np.array(pair_of + whole_of, dtype=np.int64),
+        np.array([(0, 0)] * first + parts, dtype=np.int64).reshape(-1, 2),
+        np.array([row if row >= 0 else first - 1 - row for row in tops], dtype=np.int64),
     )
 
 

@@ -69,6 +69,9 @@ class ContactCheck(Protocol):
     ) -> list[tuple[str, str] | None]:
         """Return for each configuration a pair that is nearer than allowed, or None."""
 
+    def tool_contact(self, q: Array, segment: int | None = None) -> tuple[str, str] | None:
+        """Return a pair that is in contact wherever the tool is as at q, shape (dof,), or None."""
+
     def first_contact(self, q: Array, segment: int | None = None) -> Contact | None:
         """Return where straight joint motions from row to row first meet a body, or None."""
 

@@ -24,6 +24,10 @@ _OVERLAPS = 1e-9
 """Distance of hulls up to which they overlap [m]."""
 
 
+_DECIDED = 1e-6
+"""How much nearer than allowed two bodies are where that is no matter of rounding [m]."""
+
+
 class CollisionChecker:
     """Compiled checks of one arm against one model; one thread at a time.
 
@@ -63,6 +67,42 @@ class CollisionChecker:
         other._margin = self._margin + extra
         return other
 
+    def touching(self, q: Array, segment: int | None = None) -> Indices:
+        """Return the rows of the model's pairs that are nearer than allowed, in their order.
+
+        Args:
+            q: Joint values, shape (dof,) [rad or m].
+            segment: The segment it belongs to.
+        """
+        found = np.empty(len(self._all))
+        q = np.ascontiguousarray(q, dtype=np.float64)
+        gaps(self._chain, self._bodies, self.active(segment), q, np.inf, self._scratch, found)
+        near = found <= self.model.clearance + self._margin
+        return np.unique(self._bodies.pair_of[near])
+
+    def tool_contact(self, q: Array, segment: int | None = None) -> tuple[str, str] | None:
+        """Return a pair in contact of which one moves with the tool and the other stands still.
+
+        Such a pair is in contact in every configuration that has the tool in the same place.
+
+        Args:
+            q: Joint values, shape (dof,) [rad or m].
+            segment: The segment it belongs to.
+        """
+        tip = len(self._chain.prismatic)
+        exact = self.wider(-self._margin - _DECIDED)
+        for row in exact.touching(q, segment):
+            a, b = (self.model.bodies[k] for k in np.asarray(self.model.pairs).reshape(-1, 2)[row])
+            if {a.carrier, b.carrier} == {0, tip}:
+                return a.name, b.name
+        return None
+
+    def ignoring(self, rows: Indices) -> CollisionChecker:
+        """Return the same check without some rows of the model's pairs."""
+        other = copy.copy(self)
+        other._all = self._all & ~np.isin(self._bodies.pair_of, rows)
+        return other
+
     def active(self, segment: int | None) -> Flags:
         """Return which pairs of pieces count in a segment, shape (m,); None: all of them."""
         if segment is None or not self._windowed:
@@ -76,7 +116,7 @@ class CollisionChecker:
         )
         pairs = np.asarray(self.model.pairs).reshape(-1, 2)
         together = there[pairs[:, 0]] & there[pairs[:, 1]]
-        return np.asarray(together[self._bodies.pair_of])
+        return np.asarray(together[self._bodies.pair_of] & self._all)
 
     def pairs_in_contact(
         self, q: Array, segment: int | None = None

@@ -174,6 +174,19 @@ def _closest(S: Array, count: int, v: Array, T: Array, w: Array) -> int:
 
 
 @leaf_kernel
+def _along(sweep: Array, x: float, y: float, z: float) -> float:
+    """Return the most that a swept set moves along a unit vector [m]; see :func:`gap_between`."""
+    if sweep[8] == 0.0:
+        return 0.0
+    turn_x = sweep[4] * z - sweep[5] * y
+    turn_y = sweep[5] * x - sweep[3] * z
+    turn_z = sweep[3] * y - sweep[4] * x
+    turned = math.sqrt(turn_x * turn_x + turn_y * turn_y + turn_z * turn_z)
+    straight = abs(sweep[0] * x + sweep[1] * y + sweep[2] * z) + turned * sweep[6]
+    return float(min(straight + sweep[7], sweep[8]))
+
+
+@leaf_kernel
 def gap_between(
     points: Array,
     range_a: tuple[int, int],
@@ -184,9 +197,10 @@ def gap_between(
     p_b: Array,
     need: float,
     enough: float,
+    sweep: Array,
     axis: Array,
     work: Array,
-) -> tuple[float, float]:
+) -> tuple[float, float, bool]:
     """Bound the distance of the hulls of two sets of points.
 
     Args:
@@ -197,16 +211,21 @@ def gap_between(
         range_b: The same of the second set.
         R_b: Rotation of its frame.
         p_b: Origin of its frame [m].
-        need: The search ends once the distance is known to be larger [m].
+        need: The search ends once the distance is known to be larger by what the second set can
+            move along the line between them [m].
         enough: The search ends once the distance is known to be at most this [m], or to be
             between the two.
+        sweep: How the second set moves against the first, shape (9,): the motion of its centre and
+            its turn at a constant speed, its radius about the centre, how far it deviates from
+            that, and how far it moves at most.
         axis: In, out: a vector from the second set towards the first, shape (3,); where the last
             search for the pair ended is a good begin of the next.
         work: Work space, shape (12, 3).
 
     Returns:
-        Lower and upper bound of the distance [m]; (0, 0) where they touch or overlap, and a lower
-        bound of 0 where the search does not converge.
+        Lower and upper bound of the distance [m], 0 and 0 where they touch or overlap, a lower
+        bound of 0 where the search does not converge; and whether the distance is known to be
+        larger than needed.
     """
     S, T = work[0:4], work[4:10]
     v, w = work[10], work[11]
@@ -237,23 +256,28 @@ def gap_between(
             T[0, k] = a + p_a[k] - b - p_b[k]
             along += T[0, k] * v[k]
         bound = along / length
+        moved = need + _along(sweep, v[0] / length, v[1] / length, v[2] / length)
         if bound > lower:
             lower = bound
             for k in range(3):
                 axis[k] = v[k] / length
-            if lower > need or (lower > enough and upper <= need):
-                return lower, upper
+        if bound > moved:
+            for k in range(3):
+                axis[k] = v[k] / length
+            return lower, upper, True
+        if lower > enough and upper <= moved:
+            return lower, upper, False
         for r in range(count):
             known = known or (T[0, 0] == S[r, 0] and T[0, 1] == S[r, 1] and T[0, 2] == S[r, 2])
         if count > 0 and (known or length - bound <= _RELATIVE * length):
-            return lower, upper
+            return lower, upper, False
         for k in range(3):
             S[count, k] = T[0, k]
         count = _closest(S, count + 1, v, T, w)
         square = v[0] * v[0] + v[1] * v[1] + v[2] * v[2]
         if count == 4 or square <= _TOUCHING:
-            return 0.0, 0.0
+            return 0.0, 0.0, False
         upper = min(upper, math.sqrt(square))
-        if upper <= enough or (lower > enough and upper <= need):
-            return lower, upper
-    return 0.0, upper
+        if upper <= enough or (lower > enough and upper <= moved):
+            return lower, upper, False
+    return 0.0, upper, False

@@ -2,21 +2,21 @@
 
 A motion is proven by halving: at the middle of an interval a pair whose gap is larger than what its
 outer body can move within the interval is free throughout; other pairs are looked at again in both
-halves. What a body can move is summed from its carrier inwards, about the joint axes at the middle:
-a joint that turns by up to d moves a point at distance r from its axis by at most d r.
+halves.
 """
 
 from __future__ import annotations
 
-from ikplan._jit import kernel, leaf_kernel
+from ikplan._jit import leaf_kernel
 from ikplan.arrays import Array, Flags, Indices
 from ikplan.collision.bodies import Bodies
-from ikplan.collision.contact import first_pair
-from ikplan.collision.pair_gaps import bounded_gap, move_pieces, pair_gap, place_pieces, sphere_gap
-from ikplan.collision.scratch import Queue, Scratch, new_queue
+from ikplan.collision.contact import any_pair, first_pair
+from ikplan.collision.pair_gaps import place_pieces, sphere_gap, swept_gap
+from ikplan.collision.scratch import Queue, Scratch
+from ikplan.collision.sweep import cover_proven, move_links, move_piece, spheres_moved, sweep_pair
 from ikplan.kinematics.chain import Chain
 
-__all__ = ["curve_contacts", "motion_contact"]
+__all__ = ["curve_contacts", "motion_contact", "motion_free", "reach_of"]
 
 
 _LOOSE = 0.015
@@ -27,27 +27,34 @@ _SHARE = 0.7
 _FINEST = 2e-5
 """Motion of the outer body within an interval below which it is not halved any more [m]."""
 
+_NO_ROOM = -2
+
 
 @leaf_kernel
-def _reach_of(chain: Chain, queue: Queue, t: float, h: float) -> None:
-    """Write the configuration at a share t, and how far each serial joint moves within h of it.
+def reach_of(chain: Chain, queue: Queue, t: float, h: float) -> None:
+    """Write the configuration at a share t, and how each serial joint moves within h of it.
 
     The motion is ``c0 + c1 t + c2 t^2 + c3 t^3``: within h of t no joint value moves by more than
     h times the sum of the largest absolute values that the terms of its derivative take there.
     """
+    step = queue.step
     c = queue.curve
     for d in range(c.shape[1]):
         queue.q[d] = c[0, d] + t * (c[1, d] + t * (c[2, d] + t * c[3, d]))
-        rate = abs(c[1, d] + t * (2.0 * c[2, d] + 3.0 * t * c[3, d]))
-        rate += h * abs(2.0 * c[2, d] + 6.0 * t * c[3, d]) + 3.0 * h * h * abs(c[3, d])
-        queue.step[d] = h * rate
+        speed = c[1, d] + t * (2.0 * c[2, d] + 3.0 * t * c[3, d])
+        turn = abs(2.0 * c[2, d] + 6.0 * t * c[3, d])
+        step[0, d] = h * (abs(speed) + h * turn + 3.0 * h * h * abs(c[3, d]))
+        step[1, d] = h * speed
+        step[2, d] = h * h * (turn + 6.0 * h * abs(c[3, d]))
     for i in range(chain.prismatic.shape[0]):
         if chain.coupled:
-            queue.reach[i] = 0.0
+            queue.reach[i] = queue.speed[i] = queue.turn[i] = 0.0
             for d in range(c.shape[1]):
-                queue.reach[i] += abs(chain.coupling[i, d]) * queue.step[d]
+                queue.reach[i] += abs(chain.coupling[i, d]) * step[0, d]
+                queue.speed[i] += chain.coupling[i, d] * step[1, d]
+                queue.turn[i] += abs(chain.coupling[i, d]) * step[2, d]
         else:
-            queue.reach[i] = queue.step[i]
+            queue.reach[i], queue.speed[i], queue.turn[i] = step[0, i], step[1, i], step[2, i]
 
 
 @leaf_kernel
@@ -57,55 +64,68 @@ def _halve(
     active: Flags,
     need: float,
     w: Scratch,
-    queue: Queue,
+    middle: float,
+    half: float,
 ) -> tuple[int, float]:
-    """Prove the motion of a queue by halving, widest intervals first; see :func:`motion_contact`.
+    """Prove an interval of the motion in the queue by halving, widest intervals first.
 
     Returns:
-        What :func:`motion_contact` returns, or -2 where the queue has no more room.
+        What :func:`motion_contact` returns, or ``_NO_ROOM`` and 0 where the queue is full.
     """
-    size = 0
-    for row in range(bodies.pairs.shape[0]):
-        if active[row]:
-            queue.rows[size] = row
+    queue, size = w.queue, 0
+    for top in bodies.tops:
+        if active[top]:
+            queue.rows[size] = top
             size += 1
-    queue.middle[0], queue.half[0] = 0.5, 0.5
+    queue.middle[0], queue.half[0] = middle, half
     queue.begin[0], queue.end[0] = 0, size
     at, nodes = 0, 1
     while at < nodes:
         t, h = queue.middle[at], queue.half[at]
-        _reach_of(chain, queue, t, h)
+        reach_of(chain, queue, t, h)
         place_pieces(chain, bodies, queue.q, w)
-        move_pieces(chain, bodies, queue.reach, w)
+        move_links(chain, queue, w)
         left = size
-        if size + queue.end[at] - queue.begin[at] > queue.rows.shape[0]:
-            return -2, 0.0
-        for k in range(queue.begin[at], queue.end[at]):
-            row = queue.rows[k]
+        # All in one loop: a call with these arguments costs more than most of its steps.
+        k, part, last_part = queue.begin[at], 0, 0
+        while part < last_part or k < queue.end[at]:
+            if part < last_part:
+                row = part
+                part += 1
+            else:
+                row = queue.rows[k]
+                k += 1
             i, j = bodies.pairs[row, 0], bodies.pairs[row, 1]
-            motion = w.motion[j, bodies.carrier[i]]
+            if w.moved[j] != w.now[0]:
+                move_piece(chain, bodies, queue, j, w)
             apart = sphere_gap(bodies, i, j, w)
+            if apart > need + w.motion[j, bodies.carrier[i]]:
+                continue
+            sweep_pair(bodies, i, j, w)
+            motion = spheres_moved(i, j, w)
             if apart > need + motion:
                 continue
-            # Not in contact here, and so far from being proven that it is not worth a closer look.
-            if apart > need and motion > apart + _SHARE * (bodies.bound[i] + bodies.bound[j]):
-                queue.rows[size] = row
-                size += 1
-                continue
-            bound = bounded_gap(bodies, i, j, need + motion, w)
-            if bound > need + motion:
-                continue
-            if bound <= need or need + motion < bound + _LOOSE:
-                lower, upper = pair_gap(bodies, row, need + motion, need, w)
-                if lower > need + motion:
+            # Looked at closely unless it is not in contact here and far from being proven.
+            if not (apart > need and motion > apart + _SHARE * (bodies.bound[i] + bodies.bound[j])):
+                bound, proven = cover_proven(bodies, i, j, need, w)
+                if proven:
                     continue
-                if upper <= need or not lower > need or motion < _FINEST:
-                    return row, t
+                if bodies.parts[row, 1] > 0:
+                    part, last_part = bodies.parts[row, 0], bodies.parts[row, 1]
+                    continue
+                if bound <= need or need + motion < bound + _LOOSE:
+                    lower, upper, proven = swept_gap(bodies, row, need, need, w.sweep, w)
+                    if proven:
+                        continue
+                    if upper <= need or not lower > need or w.sweep[8] < _FINEST:
+                        return row, t
+            if size == queue.rows.shape[0]:
+                return _NO_ROOM, 0.0
             queue.rows[size] = row
             size += 1
         if size > left:
             if nodes + 2 > queue.middle.shape[0]:
-                return -2, 0.0
+                return _NO_ROOM, 0.0
             for side in range(2):
                 queue.middle[nodes] = t + (0.5 if side else -0.5) * h
                 queue.half[nodes] = 0.5 * h
@@ -115,22 +135,38 @@ def _halve(
     return -1, 0.0
 
 
-@kernel
+@leaf_kernel
 def _proven(
     chain: Chain, bodies: Bodies, active: Flags, need: float, w: Scratch
 ) -> tuple[int, float]:
-    """Prove the motion in the queue of the work space, in a larger queue where it has no room."""
-    row, share = _halve(chain, bodies, active, need, w, w.queue)
-    room = 4
-    while row == -2:
-        larger = new_queue(chain, bodies, w.queue.q.shape[0], room)
-        larger.curve[:] = w.queue.curve
-        row, share = _halve(chain, bodies, active, need, w, larger)
-        room *= 4
-    return row, share
+    """Prove the motion in the queue of the work space, in parts where it has no room for all."""
+    later = w.queue.later
+    later[0, 0], later[0, 1] = 0.5, 0.5
+    waiting = 1
+    while waiting > 0:
+        waiting -= 1
+        t, h = later[waiting, 0], later[waiting, 1]
+        row, share = _halve(chain, bodies, active, need, w, t, h)
+        if row >= 0:
+            return row, share
+        if row == _NO_ROOM:
+            for side in range(2):
+                later[waiting, 0] = t + (0.5 if side == 0 else -0.5) * h
+                later[waiting, 1] = 0.5 * h
+                waiting += 1
+    return -1, 0.0
 
 
-@kernel
+@leaf_kernel
+def _set_line(q_begin: Array, q_end: Array, w: Scratch) -> None:
+    """Write the motion between two configurations into the queue."""
+    curve = w.queue.curve
+    for d in range(q_begin.shape[0]):
+        curve[0, d], curve[1, d] = q_begin[d], q_end[d] - q_begin[d]
+        curve[2, d] = curve[3, d] = 0.0
+
+
+@leaf_kernel
 def motion_contact(
     chain: Chain,
     bodies: Bodies,
@@ -159,14 +195,29 @@ def motion_contact(
     at_end = first_pair(chain, bodies, active, need, q_end, w)
     if at_end >= 0:
         return at_end, 1.0
-    curve = w.queue.curve
-    for d in range(q_begin.shape[0]):
-        curve[0, d], curve[1, d] = q_begin[d], q_end[d] - q_begin[d]
-        curve[2, d] = curve[3, d] = 0.0
+    _set_line(q_begin, q_end, w)
     return _proven(chain, bodies, active, need, w)
 
 
-@kernel
+@leaf_kernel
+def motion_free(
+    chain: Chain,
+    bodies: Bodies,
+    active: Flags,
+    margin: float,
+    q_begin: Array,
+    q_end: Array,
+    w: Scratch,
+) -> bool:
+    """Whether a straight joint motion is proven to be free; see :func:`motion_contact`."""
+    need = bodies.clearance + margin
+    if any_pair(chain, bodies, active, need, q_end, w) >= 0:
+        return False
+    _set_line(q_begin, q_end, w)
+    return _proven(chain, bodies, active, need, w)[0] < 0
+
+
+@leaf_kernel
 def curve_contacts(
     chain: Chain,
     bodies: Bodies,

@@ -1,4 +1,4 @@
-"""Where the pieces are at a configuration, how far two are apart and how far each can move."""
+"""Where the pieces are at a configuration, and how far two are apart."""
 
 from __future__ import annotations
 
@@ -11,10 +11,19 @@ from ikplan.collision.capsules import segment_distance
 from ikplan.collision.coverings import sphere_box_gap
 from ikplan.collision.frames import link_frames
 from ikplan.collision.gjk import gap_between
+from ikplan.collision.inlining import inlined_kernel
 from ikplan.collision.scratch import Scratch
 from ikplan.kinematics.chain import Chain
 
-__all__ = ["bounded_gap", "move_pieces", "pair_gap", "place_pieces", "sphere_gap"]
+__all__ = [
+    "bounded_gap",
+    "pair_gap",
+    "place_pieces",
+    "place_rest",
+    "sphere_gap",
+    "spheres_meet",
+    "swept_gap",
+]
 
 
 @leaf_kernel
@@ -25,12 +34,8 @@ def place_pieces(chain: Chain, bodies: Bodies, q: Array, w: Scratch) -> None:
     """
     link_frames(chain, q, w.R, w.p)
     w.now[0] += 1
-    for i in range(bodies.radius.shape[0]):
+    for i in bodies.moving:
         c = bodies.carrier[i]
-        if c == 0:  # the base does not move
-            for k in range(3):
-                w.centre[i, k] = bodies.centre[i, k]
-            continue
         for k in range(3):
             w.centre[i, k] = (
                 w.p[c, k]
@@ -41,7 +46,7 @@ def place_pieces(chain: Chain, bodies: Bodies, q: Array, w: Scratch) -> None:
 
 
 @leaf_kernel
-def _place_rest(bodies: Bodies, i: int, w: Scratch) -> None:
+def place_rest(bodies: Bodies, i: int, w: Scratch) -> None:
     """Write the capsule, the box and the spheres of a piece, unless they are there already."""
     c = bodies.carrier[i]
     if w.placed[i] == w.now[0] or (c == 0 and w.placed[i] > 0):
@@ -86,6 +91,17 @@ def sphere_gap(bodies: Bodies, i: int, j: int, w: Scratch) -> float:
 
 
 @leaf_kernel
+def spheres_meet(bodies: Bodies, i: int, j: int, need: float, w: Scratch) -> bool:
+    """Whether the gap of the spheres about two pieces is not larger than needed."""
+    square = 0.0
+    for k in range(3):
+        step = w.centre[i, k] - w.centre[j, k]
+        square += step * step
+    far = bodies.bound[i] + bodies.bound[j] + need
+    return bool(square <= far * far)
+
+
+@inlined_kernel
 def bounded_gap(bodies: Bodies, i: int, j: int, need: float, w: Scratch) -> float:
     """Return a lower bound of the gap of two pieces whose spheres meet [m], without their hulls.
 
@@ -95,16 +111,16 @@ def bounded_gap(bodies: Bodies, i: int, j: int, need: float, w: Scratch) -> floa
     the call costs more than that.
     """
     best = -math.inf
-    _place_rest(bodies, i, w)
+    place_rest(bodies, i, w)
     if bodies.carrier[i] == 0:
         x, y, z = w.centre[j, 0], w.centre[j, 1], w.centre[j, 2]
         about = bodies.bound[j] + bodies.radius[i]
         best = max(best, float(sphere_box_gap(x, y, z, w.box[i], bodies.half[i]) - about))
         if best > need:
             return best
-        _place_rest(bodies, j, w)
+        place_rest(bodies, j, w)
     else:
-        _place_rest(bodies, j, w)
+        place_rest(bodies, j, w)
         around = bodies.around[i] + bodies.around[j]
         best = max(best, float(segment_distance(w.ends, i, j) - around))
         if best > need:
@@ -125,6 +141,15 @@ def pair_gap(
     bodies: Bodies, row: int, need: float, enough: float, w: Scratch
 ) -> tuple[float, float]:
     """Bound the gap of a pair at the placed configuration; see :func:`gap_between`."""
+    lower, upper, _ = swept_gap(bodies, row, need, enough, w.still, w)
+    return lower, upper
+
+
+@inlined_kernel
+def swept_gap(
+    bodies: Bodies, row: int, need: float, enough: float, sweep: Array, w: Scratch
+) -> tuple[float, float, bool]:
+    """Bound the gap of a pair that moves; see :func:`gap_between`."""
     i, j = bodies.pairs[row, 0], bodies.pairs[row, 1]
     a, b = bodies.carrier[i], bodies.carrier[j]
     reach = bodies.radius[i] + bodies.radius[j]
@@ -132,39 +157,10 @@ def pair_gap(
     if axis[0] == 0.0 and axis[1] == 0.0 and axis[2] == 0.0:
         for k in range(3):
             axis[k] = w.centre[i, k] - w.centre[j, k]
-    lower, upper = gap_between(
+    lower, upper, proven = gap_between(
         bodies.points,
         (bodies.first[i], bodies.first[i + 1]), w.R[a], w.p[a],
         (bodies.first[j], bodies.first[j + 1]), w.R[b], w.p[b],
-        need + reach, enough + reach, axis, w.work,
+        need + reach, enough + reach, sweep, axis, w.work,
     )  # fmt: skip
-    return lower - reach, upper - reach
-
-
-@leaf_kernel
-def move_pieces(chain: Chain, bodies: Bodies, reach: Array, w: Scratch) -> None:
-    """Write how far each piece can move against each link inwards of its carrier [m].
-
-    Args:
-        chain: The chain.
-        bodies: The bodies.
-        reach: How far each serial joint moves from the placed configuration, shape (n,).
-        w: Work space; its ``motion`` is written.
-    """
-    for i in range(bodies.radius.shape[0]):
-        total = 0.0
-        outer = bodies.carrier[i]
-        w.motion[i, outer] = 0.0
-        for back in range(outer):
-            joint = outer - back
-            if chain.prismatic[joint - 1]:
-                total += reach[joint - 1]
-            elif reach[joint - 1] > 0.0:
-                along, square = 0.0, 0.0
-                for k in range(3):
-                    d = w.centre[i, k] - w.p[joint, k]
-                    along += d * w.R[joint, k, 2]
-                    square += d * d
-                arm = math.sqrt(max(square - along * along, 0.0)) + bodies.bound[i]
-                total += reach[joint - 1] * (arm + total)
-            w.motion[i, joint - 1] = total
+    return lower - reach, upper - reach, proven

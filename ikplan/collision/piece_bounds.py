@@ -12,8 +12,12 @@ from ikplan.arrays import Array
 from ikplan.collision.capsules import enclosing_capsule
 from ikplan.collision.coverings import covering_spheres, enclosing_box
 from ikplan.scene.body import Body
+from ikplan.scene.hulls import hull_of
 
 __all__ = ["PieceBounds", "bounds_of"]
+
+_ROUNDING = 1e-9
+"""Added to the radius about several pieces, since a hull may lack points by its rounding [m]."""
 
 
 class PieceBounds(NamedTuple):
@@ -21,6 +25,7 @@ class PieceBounds(NamedTuple):
 
     Attributes:
         points: Its points, shape (n, 3) [m].
+        radius: What it reaches beyond their hull [m].
         sphere: Centre and radius of a sphere about it, shape (4,) [m].
         capsule: Both ends and the radius of a capsule about it, shape (7,) [m].
         spheres: Spheres that cover it: centre and radius, shape (s, 4) [m].
@@ -29,6 +34,7 @@ class PieceBounds(NamedTuple):
     """
 
     points: Array
+    radius: float
     sphere: Array
     capsule: Array
     spheres: Array
@@ -37,7 +43,7 @@ class PieceBounds(NamedTuple):
 
 
 def bounds_of(body: Body, T: pin.SE3) -> tuple[PieceBounds, ...]:
-    """Return the pieces of a body and their bounds.
+    """Return the bounds of the pieces of a body and, last, where it has several, of all together.
 
     Args:
         body: The body.
@@ -51,26 +57,41 @@ def bounds_of(body: Body, T: pin.SE3) -> tuple[PieceBounds, ...]:
 def _bounds(body: Body, rotation: bytes, translation: bytes) -> tuple[PieceBounds, ...]:
     R, p = np.frombuffer(rotation).reshape(3, 3, order="F"), np.frombuffer(translation)
     standing = body.carrier == 0  # what stands is bounded by its box
-    found = []
-    for piece in body.pieces:
-        points = np.asarray(piece.points, dtype=np.float64) @ R.T + p
-        middle = 0.5 * (points.min(axis=0) + points.max(axis=0))
-        reach = float(np.linalg.norm(points - middle, axis=1).max())
-        begin, end, wide = (middle, middle, reach) if standing else enclosing_capsule(points)
-        ball = np.append(middle, reach)
-        cover = ball[None] if standing else covering_spheres(points)
-        axes, centre, half = enclosing_box(points)
-        found.append(
-            PieceBounds(
-                points,
-                ball + np.array([0.0, 0.0, 0.0, piece.radius]),
-                np.concatenate([begin, end, [wide + piece.radius]]),
-                cover + np.array([0.0, 0.0, 0.0, piece.radius]),
-                np.append(axes.ravel(), centre),
-                half,
-            )
-        )
+    placed = [np.asarray(piece.points, dtype=np.float64) @ R.T + p for piece in body.pieces]
+    found = [
+        _bounds_of_piece(points, piece.radius, standing)
+        for points, piece in zip(placed, body.pieces, strict=True)
+    ]
+    if len(placed) > 1:
+        widest = max(piece.radius for piece in body.pieces) + _ROUNDING
+        found.append(_bounds_of_piece(_corners(np.concatenate(placed)), widest, standing))
     return tuple(found)
+
+
+def _corners(points: Array) -> Array:
+    """Return the corners of the hull of some points, or all of them where they are flat."""
+    hull = hull_of(points)
+    return points if hull is None else np.asarray(points[hull.vertices])
+
+
+def _bounds_of_piece(points: Array, radius: float, standing: bool) -> PieceBounds:
+    middle = 0.5 * (points.min(axis=0) + points.max(axis=0))
+    reach = float(np.linalg.norm(points - middle, axis=1).max())
+    begin, end, wide = (middle, middle, reach) if standing else enclosing_capsule(points)
+    cover = np.append(middle, reach)[None] if standing else covering_spheres(points)
+    # Their centres move as little as the points only where they are as near to the middle.
+    reach = max(reach, float(np.linalg.norm(cover[:, :3] - middle, axis=1).max()))
+    ball = np.append(middle, reach)
+    axes, centre, half = enclosing_box(points)
+    return PieceBounds(
+        points,
+        radius,
+        ball + np.array([0.0, 0.0, 0.0, radius]),
+        np.concatenate([begin, end, [wide + radius]]),
+        cover + np.array([0.0, 0.0, 0.0, radius]),
+        np.append(axes.ravel(), centre),
+        half,
+    )
 
 
 _link_bounds = functools.lru_cache(maxsize=1024)(_bounds)

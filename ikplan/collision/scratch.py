@@ -11,7 +11,14 @@ from ikplan.arrays import Array, Indices
 from ikplan.collision.bodies import Bodies
 from ikplan.kinematics.chain import Chain
 
-__all__ = ["Queue", "Scratch", "new_queue", "new_scratch"]
+__all__ = ["Queue", "Scratch", "new_scratch"]
+
+_INTERVALS = 256
+"""Intervals that are looked at together at most."""
+_OPEN = 8
+"""How often every pair may be open in them."""
+_WAITING = 128
+"""More intervals than can wait: a motion is never halved so often."""
 
 
 class Queue(NamedTuple):
@@ -23,8 +30,12 @@ class Queue(NamedTuple):
         begin: First of its open pairs in ``rows``, shape (k,).
         end: Last of them (exclusive), shape (k,).
         rows: Open pairs of all intervals.
+        later: Middle and half length of intervals that are looked at when these are done, shape
+            (l, 2).
         reach: How far each serial joint moves from the middle of an interval, shape (n,).
-        step: How far each joint value does, shape (dof,).
+        speed: How far it moves at its speed in the middle, shape (n,).
+        turn: Most of its acceleration times the square of half the interval, shape (n,).
+        step: The three of each joint value, shape (3, dof).
         q: The configuration in the middle, shape (dof,).
         curve: Coefficients of the motion by its share, lowest power first, shape (4, dof).
     """
@@ -34,7 +45,10 @@ class Queue(NamedTuple):
     begin: Indices
     end: Indices
     rows: Indices
+    later: Array
     reach: Array
+    speed: Array
+    turn: Array
     step: Array
     q: Array
     curve: Array
@@ -52,7 +66,15 @@ class Scratch(NamedTuple):
         box: Axes and centre of the boxes in the base, shape (k, 12) [m].
         placed: When the rest of each piece was placed last, shape (k,).
         now: Shape (1,): a number for the configuration that the links are at.
+        moved: When the motion of each piece was bounded last, shape (k,).
         motion: How far each piece can move against each link, shape (k, n + 1) [m].
+        bend: How far from a straight line at a constant speed, shape (k, n + 1) [m].
+        spin: How far each link turns at its speed in the middle, shape (n + 1, 3) [rad].
+        moment: What that moves its points is ``spin x point - moment``, shape (n + 1, 3) [m].
+        sweep: How the outer piece of a pair moves against the inner one, shape (9,): at its centre
+            and how it turns at its speed, its radius, its bend, and how far it moves at most.
+        still: The same of a pair that does not move.
+        last: Shape (1,): the pair that was in contact last, -1 at first.
         axis: Separating axis of each pair when it was last looked at, shape (m, 3).
         work: For the distance of two pieces, shape (12, 3).
         queue: For the proof of a motion.
@@ -66,24 +88,34 @@ class Scratch(NamedTuple):
     box: Array
     placed: Indices
     now: Indices
+    moved: Indices
     motion: Array
+    bend: Array
+    spin: Array
+    moment: Array
+    sweep: Array
+    still: Array
+    last: Indices
     axis: Array
     work: Array
     queue: Queue
 
 
 @kernel
-def new_queue(chain: Chain, bodies: Bodies, dof: int, room: int) -> Queue:
-    """Return a queue with room for 64 intervals times ``room``."""
+def _new_queue(chain: Chain, bodies: Bodies, dof: int) -> Queue:
+    """Return a queue with room for some intervals."""
     n = chain.prismatic.shape[0]
     return Queue(
-        np.zeros(64 * room),
-        np.zeros(64 * room),
-        np.zeros(64 * room, dtype=np.int64),
-        np.zeros(64 * room, dtype=np.int64),
-        np.zeros(4 * room * bodies.pairs.shape[0], dtype=np.int64),
+        np.zeros(_INTERVALS),
+        np.zeros(_INTERVALS),
+        np.zeros(_INTERVALS, dtype=np.int64),
+        np.zeros(_INTERVALS, dtype=np.int64),
+        np.zeros(_OPEN * bodies.pairs.shape[0], dtype=np.int64),
+        np.zeros((_WAITING, 2)),
         np.zeros(n),
-        np.zeros(dof),
+        np.zeros(n),
+        np.zeros(n),
+        np.zeros((3, dof)),
         np.zeros(dof),
         np.zeros((4, dof)),
     )
@@ -96,14 +128,21 @@ def new_scratch(chain: Chain, bodies: Bodies) -> Scratch:
     return Scratch(
         np.zeros((n, 3, 3)),
         np.zeros((n, 3)),
-        np.zeros((bodies.radius.shape[0], 3)),
+        bodies.centre.copy(),  # what stands is there already
         np.zeros((bodies.radius.shape[0], 6)),
         np.zeros((bodies.spheres.shape[0], 3)),
         np.zeros((bodies.radius.shape[0], 12)),
         np.zeros(bodies.radius.shape[0], dtype=np.int64),
         np.zeros(1, dtype=np.int64),
+        np.zeros(bodies.radius.shape[0], dtype=np.int64),
         np.zeros((bodies.radius.shape[0], n)),
+        np.zeros((bodies.radius.shape[0], n)),
+        np.zeros((n, 3)),
+        np.zeros((n, 3)),
+        np.zeros(9),
+        np.zeros(9),
+        np.full(1, -1, dtype=np.int64),
         np.zeros((bodies.pairs.shape[0], 3)),
         np.zeros((12, 3)),
-        new_queue(chain, bodies, chain.coupling.shape[1], 2),
+        _new_queue(chain, bodies, chain.coupling.shape[1]),
     )

@@ -3,6 +3,7 @@
 from ikplan.documents.base import (
     HASHED,
     MAX_NUMBER,
+    Booleans,
     Document,
     Floats,
     IfGiven,
@@ -22,6 +23,7 @@ from ikplan.documents.base import (
 __all__ = [
     "HASHED",
     "MAX_NUMBER",
+    "Booleans",
     "Document",
     "Floats",
     "IfGiven",

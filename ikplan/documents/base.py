@@ -13,6 +13,7 @@ from typing import Annotated, Any, NoReturn, TypeVar, get_args
 
 import numpy as np
 import orjson
+from numpy.typing import NDArray
 from pydantic import (
     BaseModel,
     BeforeValidator,
@@ -24,12 +25,12 @@ from pydantic import (
     WithJsonSchema,
 )
 
-from ikplan.arrays import Array
 from ikplan.documents.json_text import load_json, shortened
 from ikplan.errors import InvalidRequest, near_names
 
 __all__ = [
     "MAX_NUMBER",
+    "Booleans",
     "Document",
     "Floats",
     "IfGiven",
@@ -82,11 +83,15 @@ def _not_given(document: Document) -> dict[str, Any]:
     found: dict[str, Any] = {}
     for name, field in type(document).model_fields.items():
         value = getattr(document, name)
-        if any(isinstance(mark, IfGiven) for mark in field.metadata):
-            if value == field.get_default(call_default_factory=True):
-                found[name] = True
+        marked = any(isinstance(mark, IfGiven) for mark in field.metadata)
+        if marked and value == field.get_default(call_default_factory=True):
+            found[name] = True
         elif isinstance(value, Document) and (inner := _not_given(value)):
             found[name] = inner
+        elif isinstance(value, list) and value and isinstance(value[0], Document):
+            rows = {k: _not_given(x) for k, x in enumerate(value) if isinstance(x, Document)}
+            if rows := {k: row for k, row in rows.items() if row}:
+                found[name] = rows
     return found
 
 
@@ -111,9 +116,9 @@ _ARRAYS = object()
 """Context in which arrays are left as they are."""
 
 
-def _array(ndim: int, schema: dict[str, Any]) -> Any:
-    def load(value: Any) -> Array:
-        array = np.array(value, dtype=np.float64)
+def _array(ndim: int, schema: dict[str, Any], dtype: type[np.generic] = np.float64) -> Any:
+    def load(value: Any) -> NDArray[Any]:
+        array = np.array(value, dtype=dtype)
         if array.size == 0 and array.ndim < ndim:
             array = array.reshape((0,) * ndim)
         if array.ndim != ndim:
@@ -122,7 +127,7 @@ def _array(ndim: int, schema: dict[str, Any]) -> Any:
         return array
 
     return Annotated[
-        Array,
+        NDArray[Any],
         PlainValidator(load),
         PlainSerializer(lambda a, info: a if info.context is _ARRAYS else a.tolist()),
         WithJsonSchema(schema),
@@ -134,6 +139,8 @@ Vector = _array(1, _NUMBERS)
 """A float64 array of shape (n,) in Python, a list of numbers in JSON."""
 Matrix = _array(2, {"type": "array", "items": _NUMBERS})
 """A float64 array of shape (n, m) in Python, a list of rows in JSON."""
+Booleans = _array(1, {"type": "array", "items": {"type": "boolean"}}, np.bool_)
+"""An array of booleans of shape (n,) in Python, a list in JSON."""
 
 
 def write_json(document: BaseModel) -> bytes:

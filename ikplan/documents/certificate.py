@@ -6,7 +6,7 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from ikplan.documents.clearance import Clearance
 
-__all__ = ["Certificate", "LimitPlace", "Result", "SegmentCertificate"]
+__all__ = ["Certificate", "LimitPlace", "RegionCertificate", "Result", "SegmentCertificate"]
 
 
 class Result(BaseModel):
@@ -53,6 +53,21 @@ class SegmentCertificate(Result):
         None, description="Largest linear or angular tool acceleration over its limit; <= 1."
     )
     tool_acceleration_time: float | None = Field(None, description="Time of that sample [s].")
+
+
+class RegionCertificate(Result):
+    """The proof that the tool stays in the region of a move; null: none of that kind is asked."""
+
+    field: str = Field(description="The move in the request.")
+    begin: float = Field(description="When it begins [s].")
+    end: float = Field(description="When it ends [s].")
+    cone_left: float | None = Field(
+        description="At every instant, the axis of the tool is inside the cone by this at least "
+        "[rad]."
+    )
+    box_left: float | None = Field(
+        description="At every instant, the tool is inside the box by this at least [m]."
+    )
 
 
 class Certificate(Result):
@@ -125,6 +140,9 @@ class Certificate(Result):
     )
     segments: list[SegmentCertificate] = Field(
         [], description="The same of each segment that has limits of its own."
+    )
+    regions: list[RegionCertificate] = Field(
+        [], description="Of each move with a region, the proof that the tool stays in it."
     )
     min_singular_value: float = Field(
         description="Smallest singular value of the tool Jacobian on the samples, in the rows that "

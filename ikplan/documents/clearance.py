@@ -4,7 +4,14 @@ from __future__ import annotations
 
 from pydantic import BaseModel, ConfigDict, Field
 
-__all__ = ["AllowedPair", "BodySource", "Clearance", "NearestPlace", "SegmentClearance"]
+__all__ = [
+    "AllowedPair",
+    "BodySource",
+    "Clearance",
+    "LeftContact",
+    "NearestPlace",
+    "SegmentClearance",
+]
 
 
 class _Result(BaseModel):
@@ -64,6 +71,13 @@ class BodySource(_Result):
     excess: float = Field(description="How far the shape checked reaches beyond it [m].")
 
 
+class LeftContact(_Result):
+    """Contact at the start that the request asks to leave."""
+
+    pairs: list[list[str]] = Field(description="Names of the bodies that touch at the start.")
+    until: float = Field(description="From when on it is proven that they do not [s].")
+
+
 class Clearance(NearestPlace):
     """What the proof between samples says of the whole motion."""
 
@@ -79,6 +93,9 @@ class Clearance(NearestPlace):
     segments: list[SegmentClearance] = Field([], description="The same of each segment.")
     allowed: list[AllowedPair] = Field([], description="Pairs that may touch.")
     sources: list[BodySource] = Field([], description="Where each shape is from.")
+    left: LeftContact | None = Field(
+        None, description="Contact at the start that is left; null: there is none."
+    )
     unchecked: list[str] = Field(
         [], description="Links without a shape, of which nothing is known."
     )

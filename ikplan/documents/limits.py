@@ -11,7 +11,15 @@ from pydantic import AfterValidator, BeforeValidator, Discriminator, Field, Tag
 
 from ikplan.documents import Document, IfGiven, Number, Vec3, as_list
 
-__all__ = ["LimitOptions", "OwnLimits", "Payload", "SamplingOptions", "SegmentLimits", "ToolRate"]
+__all__ = [
+    "LimitOptions",
+    "OwnLimits",
+    "Payload",
+    "SamplingOptions",
+    "SegmentLimits",
+    "ToolAcceleration",
+    "ToolRate",
+]
 
 MAX_RATE_HZ = 10_000.0
 
@@ -76,8 +84,30 @@ class ToolRate(Document):
     )
 
 
+class ToolAcceleration(ToolRate):
+    """A limit of the norms of the tool frame's accelerations, and of how its speed changes."""
+
+    linear: Positive | None = Field(
+        None,
+        description="Norm of the linear acceleration, its centripetal share in curves included "
+        "[m/s^2]; null: no limit.",
+    )
+    angular: Positive | None = Field(
+        None, description="Norm of the angular acceleration [rad/s^2]; null: no limit."
+    )
+    tangential: Annotated[Positive | None, IfGiven()] = Field(
+        None,
+        description="Tangential linear acceleration: the rate at which the speed of the tool "
+        "changes, speeding up and slowing down, whatever its way curves [m/s^2]; null: no limit.",
+    )
+
+
 ToolLimit = Annotated[
     Annotated[Positive, Tag("[number]")] | Annotated[ToolRate, Tag("[object]")],
+    Discriminator(lambda v: "[object]" if _tag(v) == "[object]" else "[number]"),
+]
+ToolAccelerationLimit = Annotated[
+    Annotated[Positive, Tag("[number]")] | Annotated[ToolAcceleration, Tag("[object]")],
     Discriminator(lambda v: "[object]" if _tag(v) == "[object]" else "[number]"),
 ]
 
@@ -114,6 +144,12 @@ class _Limits(Document):
         description="Lowest joint accelerations, negative [rad/s^2 or m/s^2]; null: as far below "
         "zero as the highest ones are above.",
     )
+    deceleration: Annotated[PerJoint | None, IfGiven()] = Field(
+        None,
+        description="Highest rates at which joints may slow down, whichever way they move, one "
+        "each or one for all [rad/s^2 or m/s^2], inside the robot's own limits; `acceleration` is "
+        "then how fast they may speed up. null: as `acceleration`.",
+    )
     torque: Torque = Field(
         False,
         description="true: keep the robot's torque limits; a list: the strictest of those and "
@@ -127,9 +163,10 @@ class _Limits(Document):
     tool_speed: ToolLimit | None = Field(
         None, description="Highest speed of the tool frame; a number is the linear one [m/s]."
     )
-    tool_acceleration: ToolLimit | None = Field(
+    tool_acceleration: ToolAccelerationLimit | None = Field(
         None,
-        description="Highest acceleration of the tool frame; a number is the linear one [m/s^2].",
+        description="Highest acceleration of the tool frame; a number is the norm of the linear "
+        "one, the centripetal share included [m/s^2].",
     )
 
 
@@ -164,12 +201,6 @@ class LimitOptions(_Limits):
         max_length=64,
         description="Limits of single joints by name, position limits among them, as if they were "
         "the robot's own: none may be wider, and scales are shares of these. null: the robot's.",
-    )
-    deceleration: Annotated[PerJoint | None, IfGiven()] = Field(
-        None,
-        description="Highest rates at which joints may slow down, whichever way they move, one "
-        "each or one for all [rad/s^2 or m/s^2], inside the robot's own limits; `acceleration` is "
-        "then how fast they may speed up. null: as `acceleration`.",
     )
     jerk: WholeJerk | None = Field(
         None,

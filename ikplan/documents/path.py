@@ -187,6 +187,19 @@ class PathRequest(Document):
     tolerance: PathTolerance = Field(
         default_factory=PathTolerance, description="Deviation allowed from the path."
     )
+    order: Annotated[Literal["given", "free"], IfGiven()] = Field(
+        "given",
+        description='"given": the path is passed as it is written; "free": its tasks are done in '
+        "the fastest order found, which never takes longer, or moves the joints farther, than the "
+        "given one. Waypoints "
+        "with joint motions between them are a task each; of segments, a task begins at each move "
+        "or joint motion, and what is carried keeps those it is carried over together.",
+    )
+    stay_last: Annotated[Annotated[int, Field(ge=0, le=MAX_SEGMENTS)], IfGiven()] = Field(
+        0,
+        description="How many of the last waypoints or segments stay the last ones where the "
+        "order is free.",
+    )
 
     @model_serializer(mode="wrap")
     def _written(
@@ -211,4 +224,15 @@ class PathRequest(Document):
             raise ValueError("begin is for segments; waypoints begin at the first of them")
         if self.waypoints and self.blend and self.interpolation != "line":
             raise ValueError('blend is for lines only: set interpolation to "line"')
+        if self.order == "free" and self.waypoints and self.interpolation != "joint":
+            raise ValueError(
+                'the order of waypoints is free with interpolation "joint" only; '
+                "write what belongs together as segments that begin with a move"
+            )
+        parts = len(self.waypoints or self.segments or ())
+        if self.stay_last and (self.order == "given" or self.stay_last > parts):
+            raise ValueError(
+                f'stay_last is for order "free", and at most {parts}: how many of the last parts '
+                "stay where they are"
+            )
         return self

@@ -10,8 +10,9 @@ from pydantic import Field
 from ikplan.arrays import Array
 from ikplan.documents.certificate import Certificate, Result
 from ikplan.documents.controller import ControllerInfo
+from ikplan.documents.poses import PostureReport
 from ikplan.documents.timing_report import MotionPolynomials, TimingReport
-from ikplan.documents.trajectory import Stats, Trajectory, WaypointResults
+from ikplan.documents.trajectory import OrderReport, Stats, Trajectory, WaypointResults
 
 __all__ = ["PlanDocument"]
 
@@ -27,6 +28,9 @@ class PlanDocument(Result):
         description='Unit of each column of q: "rad" for a turning joint, "m" for a sliding one.'
     )
     waypoints: WaypointResults
+    order: OrderReport | None = Field(
+        None, description="The order found; null: the path was passed as it is written."
+    )
     trajectory: Trajectory
     certificate: Certificate
     timing: TimingReport | None = Field(
@@ -34,6 +38,9 @@ class PlanDocument(Result):
     )
     motion: MotionPolynomials | None = Field(
         None, description='The motion as polynomials; only with sampling.form "polynomial".'
+    )
+    posture: PostureReport | None = Field(
+        None, description="How far the motion keeps to `ik.posture`; null: none was given."
     )
     controller: ControllerInfo | None = Field(
         None, description="The robot's controller; null: none is known."

@@ -9,22 +9,39 @@ from __future__ import annotations
 import math
 from typing import Annotated, Any, Literal
 
-from pydantic import Discriminator, Field, PlainValidator, Tag, field_validator, model_validator
+from pydantic import (
+    BeforeValidator,
+    Discriminator,
+    Field,
+    PlainValidator,
+    Tag,
+    field_validator,
+    model_validator,
+)
 
-from ikplan.documents import Document, Floats, IfGiven, Vec3, content_hash
+from ikplan.documents import Document, Floats, IfGiven, Vec3, as_list, content_hash
 from ikplan.documents.limits import LimitOptions, SamplingOptions
 from ikplan.documents.path import PathRequest
-from ikplan.documents.poses import Frame, Quaternion, Tolerance, Waypoint, unit_quaternion
+from ikplan.documents.poses import (
+    Frame,
+    Posture,
+    Quaternion,
+    Tolerance,
+    Waypoint,
+    unit_quaternion,
+)
 from ikplan.documents.scene import FixedJoints, GivenScene, Scene, ToolFrame
 
 __all__ = [
     "FkRequest",
     "Frame",
+    "IkBatchRequest",
     "IkOptions",
     "IkRequest",
     "LimitOptions",
     "PathRequest",
     "PlanRequest",
+    "Posture",
     "SamplingOptions",
     "Scene",
     "Tolerance",
@@ -112,6 +129,20 @@ class IkOptions(Document):
         description="Samples drawn at most in the search for the way of a move; for every 200 of "
         "them one shortcut is tried. null: 20,000. The time budget only ends a search, it never "
         "decides what it finds.",
+    )
+    posture: Annotated[Posture | None, IfGiven()] = Field(
+        None,
+        description="Which motions are preferred: near a configuration, within soft limits, with "
+        "weights of the joints; for plans. null: those of least joint motion, all joints alike.",
+    )
+
+    move_engine: Annotated[
+        Literal["ikplan", "ompl:RRTConnect", "ompl:AORRTC", "ompl:BITstar"], IfGiven()
+    ] = Field(
+        "ikplan",
+        description="What searches for the way of a move: ikplan's own search, or a planner of "
+        "OMPL, which has to be installed; `effort` is then the number of its iterations at most, "
+        "all of which AORRTC and BIT* use for shorter ways.",
     )
 
     @model_validator(mode="after")
@@ -221,9 +252,86 @@ class IkRequest(Document):
     )
     ik: IkOptions = Field(default_factory=IkOptions)
     tolerance: Tolerance = Field(default_factory=lambda: Tolerance(position=1e-6, orientation=1e-6))
+    verdict: bool = Field(
+        True,
+        description="Whether a pose without a solution is explained; false: a bare no, which "
+        "takes a fraction of the time. The method lm gives up after 200 restarts then.",
+    )
     budget_s: float = Field(10.0, gt=0, le=3600, description="Time budget of the solver [s].")
 
     _check = field_validator("quaternion_xyzw")(unit_quaternion)
+
+    @model_validator(mode="after")
+    def _no_posture(self) -> IkRequest:
+        if self.ik.posture is not None:
+            raise ValueError(
+                "ik.posture is for plans; start says what the solution of a pose is near to"
+            )
+        return self
+
+
+MAX_POSES = 20_000
+"""Most poses of one request."""
+
+
+def _starts_tag(value: object) -> str:
+    nested = isinstance(value, list) and bool(value) and isinstance(value[0], list)
+    return "[rows]" if nested else "[values]"
+
+
+Starts = Annotated[
+    Annotated[Floats, Tag("[values]")] | Annotated[list[Floats], Tag("[rows]")],
+    Discriminator(_starts_tag),
+    BeforeValidator(as_list),
+]
+
+
+class IkBatchRequest(Document):
+    """Tool poses whose joint values are asked for."""
+
+    robot: str = Field(min_length=1, max_length=200, description="Name of a robot.")
+    poses: Annotated[list[Waypoint], BeforeValidator(as_list)] = Field(
+        min_length=1,
+        max_length=MAX_POSES,
+        description="Poses of the tool in the robot's base; all with an orientation, or none.",
+    )
+    start: Starts | None = Field(
+        None,
+        description="Joint values to stay close to [rad or m], for all poses or a row for each; "
+        "null: the robot's home.",
+    )
+    tool: ToolFrame = Field(
+        default_factory=ToolFrame,
+        description="The tool frame (TCP), in the tip frame, and the shape of the tool.",
+    )
+    scene: Annotated[GivenScene | None, IfGiven()] = Field(
+        None,
+        description="What stands around the arm and what it carries, or the id of a scene that "
+        "the service holds; null: no collisions are checked.",
+    )
+    fixed_joints: FixedJoints = Field(
+        {},
+        description="Values of joints beside the chain, such as a gripper's fingers [rad or m]; "
+        "absent: as the robot's description has them.",
+    )
+    ik: IkOptions = Field(default_factory=lambda: IkOptions(method="lm"))
+    tolerance: Tolerance = Field(default_factory=lambda: Tolerance(position=1e-6, orientation=1e-6))
+    verdict: bool = Field(
+        True,
+        description="Whether poses without a solution are explained; false: a bare no, which "
+        "takes a fraction of the time. The method lm gives up after 200 restarts then.",
+    )
+    budget_s: float = Field(10.0, gt=0, le=3600, description="Time budget of all poses [s].")
+
+    @model_validator(mode="after")
+    def _of_one_kind(self) -> IkBatchRequest:
+        oriented = sum(pose.quaternion_xyzw is not None for pose in self.poses)
+        if oriented not in (0, len(self.poses)):
+            raise ValueError("all poses have an orientation, or none")
+        each = isinstance(self.start, list) and self.start and isinstance(self.start[0], list)
+        if each and self.start is not None and len(self.start) != len(self.poses):
+            raise ValueError(f"{len(self.poses)} poses have {len(self.start)} starts")
+        return self
 
 
 def json_schema() -> dict[str, Any]:

@@ -1,4 +1,4 @@
-"""The documents of poses and tolerances, shared by every request.
+"""The documents of poses, tolerances and preferred postures, shared by requests.
 
 SI units: metres, radians. Quaternions are ``xyzw``.
 """
@@ -8,11 +8,19 @@ from __future__ import annotations
 import math
 from typing import Annotated
 
-from pydantic import BeforeValidator, Field, field_validator
+from pydantic import BeforeValidator, Field, field_validator, model_validator
 
-from ikplan.documents import Document, Vec3, as_list
+from ikplan.documents import Document, Floats, Vec3, as_list
 
-__all__ = ["Frame", "Quaternion", "Tolerance", "Waypoint", "unit_quaternion"]
+__all__ = [
+    "Frame",
+    "Posture",
+    "PostureReport",
+    "Quaternion",
+    "Tolerance",
+    "Waypoint",
+    "unit_quaternion",
+]
 
 Quaternion = Annotated[list[float], BeforeValidator(as_list), Field(min_length=4, max_length=4)]
 
@@ -60,3 +68,68 @@ class Tolerance(Document):
 
     position: float = Field(1e-4, ge=1e-8, le=1, description="Position tolerance [m].")
     orientation: float = Field(1e-3, ge=1e-8, le=3.2, description="Orientation tolerance [rad].")
+
+
+_Weights = Annotated[
+    list[Annotated[float, Field(ge=1e-3, le=1e3)]],
+    BeforeValidator(as_list),
+    Field(min_length=1, max_length=1000),
+]
+
+
+class Posture(Document):
+    """Which of the motions that do what is asked is preferred.
+
+    The planner minimises the sum of the weighted joint distances plus ``pull`` times the mean
+    weighted distance from the preferred configuration over the path.
+    """
+
+    q: Floats | None = Field(
+        None,
+        min_length=1,
+        description="Preferred configuration, shape (dof,) [rad or m]: branches, full turns and "
+        "self-motion near to it are preferred, and a free start begins near to it. null: none.",
+    )
+    weights: _Weights | None = Field(
+        None,
+        description="How much the motion of each joint counts, 0.001 to 1000, shape (dof,); null: "
+        "1 each.",
+    )
+    lower: Floats | None = Field(
+        None,
+        min_length=1,
+        description="Lower soft limits, shape (dof,) [rad or m]: a motion within the soft limits "
+        "is taken wherever one is found. Joint values that the request gives count as inside. "
+        "null: none.",
+    )
+    upper: Floats | None = Field(
+        None, min_length=1, description="Upper soft limits, shape (dof,) [rad or m]; null: none."
+    )
+    pull: float = Field(
+        1.0,
+        ge=0,
+        le=100,
+        description="What the mean distance from the preferred configuration, or where there is "
+        "none from the soft limits, counts against as much joint motion.",
+    )
+
+    @model_validator(mode="after")
+    def _something(self) -> Posture:
+        if all(field is None for field in (self.q, self.weights, self.lower, self.upper)):
+            raise ValueError("a posture has at least one of q, weights, lower and upper")
+        return self
+
+
+class PostureReport(Document):
+    """How far a motion keeps to the posture that its request prefers."""
+
+    mean_distance: float | None = Field(
+        description="Mean weighted distance of the samples from the preferred configuration "
+        "[rad or m]; null: none was given."
+    )
+    soft_limits_kept: bool | None = Field(
+        description="Whether every sample is within the soft limits; null: none were given."
+    )
+    outside: dict[str, float] = Field(
+        description="Joints that leave their soft limits, and by how much at most [rad or m]."
+    )

@@ -131,6 +131,12 @@ class Scene(Document):
     attached: Annotated[
         list[AttachedBody], Field(max_length=MAX_ATTACHED), BeforeValidator(as_list)
     ] = Field([], description="What the tool carries, in the tool frame.")
+    leave_contact: Annotated[bool, IfGiven()] = Field(
+        False,
+        description="Whether a start in contact is left by a short straight joint motion, during "
+        "which the bodies that touch at the start may touch; the certificate says which and until "
+        "when. False: such a start is refused.",
+    )
 
     @model_validator(mode="after")
     def _bounded(self) -> Scene:

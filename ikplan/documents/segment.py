@@ -10,11 +10,22 @@ from __future__ import annotations
 import math
 from typing import Annotated, Any, Literal
 
-from pydantic import Discriminator, Field, Tag, field_validator, model_validator
+from pydantic import (
+    AfterValidator,
+    Discriminator,
+    Field,
+    SerializationInfo,
+    SerializerFunctionWrapHandler,
+    Tag,
+    field_validator,
+    model_serializer,
+    model_validator,
+)
 
-from ikplan.documents import Document, Floats, Vec3
+from ikplan.documents import HASHED, Document, Floats, IfGiven, Vec3
 from ikplan.documents.limits import SegmentLimits
-from ikplan.documents.poses import Quaternion, Waypoint, unit_quaternion
+from ikplan.documents.poses import Frame, Quaternion, Waypoint, unit_quaternion
+from ikplan.documents.shape import Metres3
 
 __all__ = [
     "ArcSegment",
@@ -23,10 +34,13 @@ __all__ = [
     "JointSegment",
     "JointTarget",
     "LineSegment",
+    "MoveRegion",
     "MoveSegment",
     "MoveTarget",
     "OrientationRule",
+    "RegionBox",
     "SplineSegment",
+    "ToolCone",
     "ToolSegment",
 ]
 
@@ -86,7 +100,8 @@ class ToolSegment(BaseSegment):
         ge=0,
         le=10,
         description="Radius of the ball around the corner at the end of the segment within which "
-        "the corner is rounded [m]; 0: exact, the motion stops there; null: as the path says.",
+        "the corner is rounded [m]; 0: exact, the motion stops there; null: as the path says, and "
+        "exact where a joint motion follows.",
     )
 
 
@@ -170,7 +185,7 @@ class SplineSegment(ToolSegment):
 class JointSegment(BaseSegment):
     """A joint motion; the tool's path is what follows from it.
 
-    Neighbouring joint segments are one joint spline through their ends.
+    Neighbouring joint segments are one joint spline through their ends, passed without a stop.
     """
 
     type: Literal["joint"] = Field(description="A joint motion.")
@@ -178,6 +193,11 @@ class JointSegment(BaseSegment):
         None, min_length=1, description="Joint values at the end, shape (dof,) [rad or m]."
     )
     to: Waypoint | None = Field(None, description="Or the pose of the tool at the end.")
+    blend: Annotated[Annotated[float, Field(ge=0, le=10)] | None, IfGiven()] = Field(
+        None,
+        description="Radius of the ball around the corner to the tool's path that follows, within "
+        "which the corner is rounded [m]; null or 0: exact, the motion stops there.",
+    )
 
     @model_validator(mode="after")
     def _one_target(self) -> JointSegment:
@@ -204,6 +224,48 @@ MoveTarget = Annotated[
 ]
 
 
+_Direction = Annotated[Vec3, AfterValidator(direction)]
+
+
+class ToolCone(Document):
+    """A cone that an axis of the tool stays in."""
+
+    axis: Literal["tool_x", "tool_y", "tool_z"] = Field("tool_z", description="Axis of the tool.")
+    direction: _Direction = Field(description="Axis of the cone, in the path frame.")
+    angle: float = Field(gt=0, le=3.141592653589793, description="Half angle of the cone [rad].")
+
+
+class RegionBox(Document):
+    """A box that the tool stays in."""
+
+    frame: Frame = Field(description="Its middle and its axes, in the path frame.")
+    size: Metres3 = Field(description="Its full edges [m].")
+
+    @field_validator("size")
+    @classmethod
+    def _wide(cls, size: list[float]) -> list[float]:
+        if min(size) <= 0.0:
+            raise ValueError("the edges of a box are above 0")
+        return size
+
+
+class MoveRegion(Document):
+    """Where the tool stays on a move."""
+
+    cone: ToolCone | None = Field(
+        None, description="A cone that an axis of the tool stays in, to keep it upright; null: any."
+    )
+    box: RegionBox | None = Field(
+        None, description="A box that the tool's position stays in; null: anywhere."
+    )
+
+    @model_validator(mode="after")
+    def _one_at_least(self) -> MoveRegion:
+        if self.cone is None and self.box is None:
+            raise ValueError("give a cone, a box or both")
+        return self
+
+
 class MoveSegment(BaseSegment):
     """A joint motion around what is in the way; it begins and ends at rest.
 
@@ -227,6 +289,22 @@ class MoveSegment(BaseSegment):
         "the shortest way found. What follows is a move or a joint motion: a tool path would not "
         "know where it begins.",
     )
+
+    within: MoveRegion | None = Field(
+        None,
+        description="Where the tool stays on the way, proven along the timed motion; null: "
+        "anywhere.",
+    )
+
+    @model_serializer(mode="wrap")
+    def _written(
+        self, write: SerializerFunctionWrapHandler, info: SerializationInfo
+    ) -> dict[str, Any]:
+        """Write the move; for its hash, one without a region as before there were regions."""
+        written: dict[str, Any] = write(self)
+        if info.context and info.context.get(HASHED) and self.within is None:
+            del written["within"]
+        return written
 
     @model_validator(mode="after")
     def _one_target(self) -> MoveSegment:

@@ -7,7 +7,7 @@ from pydantic import Field
 from ikplan.documents import Matrix, Vector
 from ikplan.documents.certificate import Result
 
-__all__ = ["MoveReport", "Stats", "Trajectory", "WaypointResults"]
+__all__ = ["MoveReport", "OrderReport", "Stats", "Trajectory", "WaypointResults"]
 
 
 class WaypointResults(Result):
@@ -48,6 +48,29 @@ class MoveReport(Result):
     corners: int = Field(description="Corners of the shortened way.")
     stops: int = Field(description="Corners at which the motion stops, being too narrow to round.")
     samples: int = Field(description="Samples drawn in the search; 0: a straight motion was free.")
+
+
+class OrderReport(Result):
+    """The order found for a path whose order is free."""
+
+    parts: list[int] = Field(
+        description="Numbers of the segments of the request, or of its waypoints where it has "
+        "those, in the order in which they are passed."
+    )
+    waypoints: list[int] = Field(
+        description="For each row of `waypoints`, which row it would be in the given order."
+    )
+    duration: float = Field(description="How long the motion takes [s].")
+    given_duration: float | None = Field(
+        description="How long it takes in the given order [s]; null: it has no plan in that order."
+    )
+    gain: float | None = Field(
+        description="By which share of it the motion is faster; 0: the given order is kept."
+    )
+    length: float = Field(description="Joint distance along the motion [rad or m].")
+    given_length: float | None = Field(
+        description="That of the motion in the given order [rad or m]."
+    )
 
 
 class Stats(Result):

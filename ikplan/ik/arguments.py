@@ -113,11 +113,13 @@ _ANY_ROTATION.setflags(write=False)
 
 
 def target_of(pose: Any) -> Target:
-    """Return the target of a ``pinocchio.SE3`` or a position, shape (3,) [m].
+    """Return the target of a ``pinocchio.SE3`` or a position, shape (3,) [m]; a target as it is.
 
     Raises:
         InvalidRequest: It is neither, not finite, too far away, or its rotation is none.
     """
+    if isinstance(pose, Target):
+        return pose
     R_wanted = getattr(pose, "rotation", None)
     oriented = R_wanted is not None
     try:

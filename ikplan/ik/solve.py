@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
-from pinocchio import Quaternion
+from pinocchio import SE3, Quaternion
 
 from ikplan.arrays import Array, Flags
 from ikplan.collision.check import ContactArrays
@@ -23,6 +23,7 @@ from ikplan.ik.crowding import surroundings
 from ikplan.ik.levenberg_marquardt import target_error
 from ikplan.ik.metaheuristic_seeds import Searcher
 from ikplan.ik.nearest_solutions import nearest_solutions
+from ikplan.ik.poses.kernels import solve_lm_pose
 from ikplan.ik.registry import find_solver
 from ikplan.ik.restarts import solve_lm
 from ikplan.ik.solver import Solver
@@ -33,10 +34,25 @@ from ikplan.robots.reach import unit_hint, with_hint
 if TYPE_CHECKING:
     from ikplan.robots import Robot
 
-__all__ = ["NoSolution", "PoseSolver", "Solved", "solve_pose", "target_as_data"]
-
+__all__ = [
+    "BARE_NO",
+    "BARE_RESTARTS",
+    "NoSolution",
+    "PoseSolver",
+    "Solved",
+    "refusal",
+    "solve_pose",
+    "target_as_data",
+]
 
 _RESCUE_RESTARTS = 2000
+BARE_RESTARTS = 200
+"""Restarts before a target is given up without a verdict: of 100,000 random reachable poses each,
+7 of panda, 2 of z1 and none of iiwa14, ur5 and xarm7 are missed."""
+BARE_NO = "no solution was found, and no verdict was asked for"
+"""The reason of a pose that is given up without a verdict."""
+_FEW_RESTARTS = 20
+"""Restarts of the first try of a pose: 99.8 % of random reachable ones need no more."""
 _SPREAD = 72
 """Evenly spread seeds beside those of the method: what makes the nearest solution the nearest."""
 _SLIDES = 8
@@ -91,6 +107,7 @@ class PoseSolver:
         refined: Whether seeds are refined.
         tolerance_position: Distance that counts as solved [m].
         tolerance_orientation: Angle that counts as solved [rad].
+        verdict: Whether a target without a solution is explained; else it costs little.
         searcher: The metaheuristic, set up for the arm; None for a method without one.
     """
 
@@ -103,6 +120,7 @@ class PoseSolver:
     refined: bool = True
     tolerance_position: float = 1e-6
     tolerance_orientation: float = 1e-6
+    verdict: bool = True
 
     def __post_init__(self) -> None:
         check_options(self.method, self.seed, self.population, self.iterations, self.params)
@@ -110,6 +128,7 @@ class PoseSolver:
         self._solver, self._values = _prepared(
             self.method, tuple((name, type(value), value) for name, value in self.params.items())
         )
+        self._few_restarts = min(_FEW_RESTARTS, int(self._values.get("restarts", _FEW_RESTARTS)))
         self.searcher: Searcher | None = None
         if self._solver.searches:
             self.searcher = Searcher(
@@ -188,7 +207,9 @@ class PoseSolver:
 
     def _solve_by_refinement(self, target: Target, q_start: Array) -> Solved:
         lower, upper = self.arm.search_bounds(q_start)
-        restarts = int(self._values.get("restarts", _RESCUE_RESTARTS))
+        restarts = _RESCUE_RESTARTS if self.verdict else BARE_RESTARTS
+        if self.searcher is None and (self.verdict or "restarts" in self.params):
+            restarts = int(self._values.get("restarts", restarts))
         iterations = self.iterations if isinstance(self.iterations, int) else 40
         q = np.empty(self.arm.dof)
         distance, angle, evaluations = solve_lm(
@@ -202,13 +223,16 @@ class PoseSolver:
             upper,
             self.tolerance_position,
             self.tolerance_orientation,
-            restarts if self.searcher is None else _RESCUE_RESTARTS,
+            restarts,
             iterations if self.searcher is None else 40,
             self.seed,
             self.method != "lm",
             q,
         )
         if distance > self.tolerance_position or angle > self.tolerance_orientation:
+            if not self.verdict:
+                found = float(distance), float(angle) if target.oriented else None
+                raise NoSolution(ClosestApproach(q, *found, [], BARE_NO), evaluations)
             closest, spent = explain_unreachable(self.arm, target, q, q_start)
             evaluations += spent
             q, distance, angle = closest.q, closest.position_error, closest.orientation_error or 0.0
@@ -216,6 +240,32 @@ class PoseSolver:
             if distance > self.tolerance_position or angle > self.tolerance_orientation:
                 raise NoSolution(closest, evaluations)
         return Solved(q[None], np.array([distance]), np.array([angle]), evaluations)
+
+    def solve_first(self, T: Array, q_start: Array, q: Array) -> tuple[float, float, float, int]:
+        """Try a pose from few seeds, in a tenth of the time that :meth:`solve` takes around it.
+
+        Args:
+            T: Tool pose wanted, homogeneous, shape (4, 4).
+            q_start: Configuration to stay near to, shape (dof,) [rad or m].
+            q: Out: the solution that :meth:`solve` would find, shape (dof,) [rad or m].
+
+        Returns:
+            As :func:`solve_lm_pose`; infinities where :meth:`solve` is to be asked.
+        """
+        lower, upper = self.arm.search_bounds(q_start)
+        return solve_lm_pose(
+            *self.arm.chain,
+            T,
+            q_start,
+            lower,
+            upper,
+            self.tolerance_position,
+            self.tolerance_orientation,
+            self._few_restarts,
+            self.iterations if isinstance(self.iterations, int) else 40,
+            self.seed,
+            q,
+        )
 
     def _solve_raw(self, searcher: Searcher, target: Target, q_start: Array) -> Solved:
         lower, upper = self.arm.search_bounds(q_start)
@@ -237,21 +287,49 @@ def solve_pose(
     robot: Robot, solver: PoseSolver, pose: Any, start: ArrayLike | None = None
 ) -> IkSolution:
     """Find joint values with a solver that is set up already, see :func:`ikplan.solve_ik`."""
+    q_start = np.array(robot.home) if start is None else check_start(robot, start)
+    if solver.method == "lm" and isinstance(pose, SE3):
+        q = np.empty(len(q_start))
+        found = solver.solve_first(pose.homogeneous, q_start, q)
+        if found[0] < math.inf:
+            return _solution(q, *found)
     target = target_of(pose)
-    q_start = check_start(robot, robot.home if start is None else start)
     try:
         solved = solver.solve(target, q_start)
     except NoSolution as verdict:
-        error = unreachable(robot, verdict.closest, 0, "the pose", target)
-        raise with_hint(error, unit_hint(robot, [target.p.tolist()])) from verdict
+        raise refusal(robot, verdict.closest, target) from verdict
     q = solved.q[0]
     difference = q - q_start
-    return IkSolution.model_construct(
-        q=q,
-        position_error=float(solved.position_error[0]),
-        orientation_error=float(solved.orientation_error[0]) if target.oriented else None,
-        elongation=math.sqrt(float(difference @ difference)),
-        evaluations=solved.evaluations,
+    return _solution(
+        q,
+        float(solved.position_error[0]),
+        float(solved.orientation_error[0]) if target.oriented else None,
+        math.sqrt(float(difference @ difference)),
+        solved.evaluations,
+    )
+
+
+def refusal(robot: Robot, closest: ClosestApproach, target: Target) -> Unreachable:
+    """Return the error of a single pose without a solution, with a hint about its unit."""
+    error = unreachable(robot, closest, 0, "the pose", target)
+    return with_hint(error, unit_hint(robot, [target.p.tolist()]))
+
+
+def _solution(
+    q: Array,
+    position_error: float,
+    orientation_error: float | None,
+    elongation: float,
+    evaluations: int,
+) -> IkSolution:
+    return IkSolution.quick(
+        {
+            "q": q,
+            "position_error": position_error,
+            "orientation_error": orientation_error,
+            "elongation": elongation,
+            "evaluations": evaluations,
+        }
     )
 
 

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from ikplan.arrays import Array
-from ikplan.documents.limits import LEAST, LimitOptions, SegmentLimits, ToolRate
+from ikplan.documents.limits import LEAST, LimitOptions, SegmentLimits, ToolAcceleration, ToolRate
 from ikplan.errors import InvalidRequest
 from ikplan.robots import Robot
 
@@ -37,6 +37,7 @@ class MotionLimits:
         payload_position: Its centre in the tool frame, shape (3,) [m].
         tool_speed: Linear and angular speed of the tool [m/s, rad/s]; inf: no limit.
         tool_acceleration: Linear and angular acceleration [m/s^2, rad/s^2]; inf: no limit.
+        tool_tangential: Rate at which the tool's linear speed changes [m/s^2]; inf: no limit.
         jerk_source: Who gave the jerk limits: "request" (the maker's hold too) or "controller";
             None: there are none.
     """
@@ -53,6 +54,7 @@ class MotionLimits:
     tool_acceleration: tuple[float, float]
     jerk_source: str | None = None
     deceleration: Array | None = None
+    tool_tangential: float = np.inf
 
     @property
     def largest_acceleration(self) -> Array:
@@ -140,6 +142,7 @@ class MotionLimits:
             payload_position=centre,
             tool_speed=_stricter(self.tool_speed, _tool(options.tool_speed)),
             tool_acceleration=_stricter(self.tool_acceleration, _tool(options.tool_acceleration)),
+            tool_tangential=min(self.tool_tangential, _tangential(options.tool_acceleration)),
             jerk_source=jerk_source,
         )
 
@@ -152,7 +155,7 @@ class MotionLimits:
         field: str,
     ) -> Array | None:
         """Merge how fast joints may slow down; None: as fast as they may speed up."""
-        given = options.deceleration if isinstance(options, LimitOptions) else None
+        given = options.deceleration
         if given is None and self.deceleration is None:
             return None
         known = self.deceleration
@@ -234,6 +237,12 @@ def _torque(robot: Robot, asked: bool | list[float], field: str) -> Array:
 
 def _stricter(one: tuple[float, float], other: tuple[float, float]) -> tuple[float, float]:
     return (min(one[0], other[0]), min(one[1], other[1]))
+
+
+def _tangential(limit: Any) -> float:
+    """Tangential limit; inf where there is none."""
+    asked = limit.tangential if isinstance(limit, ToolAcceleration) else None
+    return np.inf if asked is None else float(asked)
 
 
 def _tool(limit: Any) -> tuple[float, float]:

@@ -9,20 +9,28 @@ from numpy.typing import NDArray
 
 from ikplan._version import __version__
 from ikplan.certificate import Claim, RequestedSegment, certify
+from ikplan.certificate.clearance.leaving import Leaving
+from ikplan.certificate.regions import has_regions, prove_regions
+from ikplan.certificate.requested import read_motion
 from ikplan.documents.path import PathRequest
 from ikplan.documents.plan_request import PlanRequest
+from ikplan.documents.poses import PostureReport
 from ikplan.documents.timing_request import PathNearness, TimingRequest
 from ikplan.documents.trajectory import MoveReport, Stats, WaypointResults
+from ikplan.ik.solve import pose_distance
+from ikplan.kinematics.arm import arm_of
 from ikplan.limits.motion_limits import MotionLimits
-from ikplan.pipeline.collisions import prove_motion
-from ikplan.pipeline.hints import stop_hints
+from ikplan.pipeline.collisions import handed_out, prove_motion
+from ikplan.pipeline.hints import default_hints, stop_hints
 from ikplan.pipeline.timing_stage import Timing
+from ikplan.planning import JointRoute
+from ikplan.planning.posture import report_posture
 from ikplan.plans.plan import Plan
 from ikplan.robots import Robot
 from ikplan.scene.body import CollisionModel
 from ikplan.time_budget import TimeBudget
 
-__all__ = ["assemble_plan", "joint_steps"]
+__all__ = ["assemble_plan", "joint_steps", "waypoint_results"]
 
 Array = NDArray[np.float64]
 
@@ -36,6 +44,45 @@ def joint_steps(q_before: Array, q: Array) -> Array:
     """
     steps = np.diff(np.vstack([q_before[None], q]), axis=0)
     return np.asarray(np.linalg.norm(steps, axis=1))
+
+
+def waypoint_results(
+    robot: Robot,
+    route: JointRoute,
+    q: Array,
+    q_time: Array,
+    start_free: bool,
+) -> WaypointResults:
+    """Return the rows of the waypoints: one for each asked for.
+
+    Args:
+        robot: The robot, with the request's tool.
+        route: The joint route.
+        q: Configurations at the waypoints, shape (n, dof) [rad or m].
+        q_time: When each configuration of the route is passed, shape (k,) [s].
+        start_free: Whether the motion may begin anywhere.
+    """
+    arm = arm_of(robot)
+    errors = [pose_distance(arm, w.target, q_w) for w, q_w in zip(route.waypoints, q, strict=True)]
+    return WaypointResults(
+        q=q,
+        time=q_time[[w.index for w in route.waypoints]],
+        position_error=np.array([distance for distance, _ in errors]),
+        orientation_error=[
+            angle if w.target.oriented else None
+            for w, (_, angle) in zip(route.waypoints, errors, strict=True)
+        ],
+        elongation=joint_steps(q[0] if start_free else route.q[0], q),
+    )
+
+
+def _posture_report(
+    request: PlanRequest | TimingRequest, robot: Robot, q: Array
+) -> PostureReport | None:
+    """How far samples, shape (m, dof), keep to the posture of a request."""
+    return (
+        report_posture(robot, request.ik.posture, q) if isinstance(request, PlanRequest) else None
+    )
 
 
 def assemble_plan(
@@ -54,6 +101,8 @@ def assemble_plan(
     segment_times: Sequence[tuple[float, float]] | None = None,
     joint_waypoints: Array | None = None,
     tolerance: PathNearness | None = None,
+    order: tuple[int, ...] | None = None,
+    leaving: Leaving | None = None,
     hints: Sequence[str] = (),
     plan_id: str,
 ) -> Plan:
@@ -71,15 +120,19 @@ def assemble_plan(
         segments: Parts of a joint path with limits of their own.
         moves: Reports of the moves around obstacles.
         model: Bodies that must not touch; None: nothing is checked.
-        segment_times: When each segment begins and ends [s], for attached bodies.
+        segment_times: When each segment begins and ends, in the order passed [s], for attached
+            bodies.
         joint_waypoints: Joint values that a timing asks for, shape (n, dof); None: a path is.
         tolerance: How far from the polyline through them the motion may be; None: not asked.
+        order: Numbers of the parts of the path in the order passed; None: as it is written.
+        leaving: Pairs that touch at the start, which is left, and until when they may.
         hints: What takes time and need not, in words.
         plan_id: The id of the plan.
 
     Raises:
         BudgetExceeded: The time budget ran out.
         InCollision: Bodies come nearer than allowed.
+        RegionLeft: The tool leaves the region of a move.
         CertificateViolated: The trajectory broke a promise: a bug.
     """
     samples = timing.samples
@@ -100,11 +153,23 @@ def assemble_plan(
                 stop_time=timing.timed.stop_times,
                 joint_waypoints=joint_waypoints,
                 joint_tolerance=tolerance,
+                order=order,
             )
         )
+        if path is not None and has_regions(path):
+            motion = read_motion(robot, path, q_start, order)
+            curve = handed_out(timing)
+            regions = prove_regions(robot, path, motion, waypoints.time, curve)
+            certificate = certificate.model_copy(update={"regions": regions})
         if model is not None:
-            clearance = prove_motion(robot, model, timing, segment_times)
+            clearance = prove_motion(robot, model, timing, segment_times, order, leaving)
             certificate = certificate.model_copy(update={"clearance": clearance})
+    asked = request.path if isinstance(request, PlanRequest) else None
+    told = [
+        *hints,
+        *stop_hints(certificate, path, asked),
+        *default_hints(robot, request.limits),
+    ]
     return Plan(
         id=plan_id,
         version=__version__,
@@ -114,8 +179,9 @@ def assemble_plan(
         waypoints=waypoints,
         trajectory=timing.trajectory,
         certificate=certificate,
-        timing=timing.report.model_copy(update={"hints": [*hints, *stop_hints(certificate, path)]}),
+        timing=timing.report.model_copy(update={"hints": told}),
         motion=timing.motion,
+        posture=_posture_report(request, robot, samples.q),
         controller=None if robot.controller is None else robot.controller.info(),
         stats=Stats(ik_evaluations=clock.evaluations, moves=list(moves), seconds=clock.seconds),
     )

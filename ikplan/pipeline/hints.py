@@ -6,10 +6,12 @@ import numpy as np
 
 from ikplan.arrays import Array
 from ikplan.documents.certificate import Certificate
+from ikplan.documents.limits import LimitOptions
 from ikplan.documents.path import PathRequest
 from ikplan.robots import Robot
+from ikplan.robots.definition.assumptions import is_assumed
 
-__all__ = ["noise_hints", "stop_hints"]
+__all__ = ["default_hints", "noise_hints", "stop_hints"]
 
 
 _FEW = 50
@@ -22,18 +24,51 @@ _ROUNDING = 1e-9
 """What numbers are off by rounding [rad or m]."""
 
 
-def stop_hints(certificate: Certificate, path: PathRequest | None) -> list[str]:
+def default_hints(robot: Robot, limits: LimitOptions) -> list[str]:
+    """Say where an acceleration that is asked for is above a default of the robot, which holds.
+
+    Args:
+        robot: The robot.
+        limits: The limits asked for.
+    """
+    own = robot.acceleration_limit
+    assumptions = robot.description.assumptions
+    said = []
+    for field in ("acceleration", "acceleration_lower", "deceleration"):
+        value = getattr(limits, field)
+        if value is None:
+            continue
+        above = np.flatnonzero(np.abs(np.broadcast_to(np.array(value), own.shape)) > own)
+        names = [robot.joint_names[j] for j in above]
+        assumed = [name for name in names if is_assumed(assumptions, "acceleration", name)]
+        if assumed:
+            rates = ", ".join(f"{n} {own[robot.joint_names.index(n)]:.4g}" for n in assumed)
+            said.append(
+                f"limits.{field} is above the robot's limits of {rates} rad/s^2 or m/s^2, which "
+                "hold though they are only a default (no source gives them): give the robot "
+                "acceleration limits of its own, by load_robot(limits=...) or in its upload"
+            )
+    return said
+
+
+def stop_hints(
+    certificate: Certificate, path: PathRequest | None, asked: PathRequest | None = None
+) -> list[str]:
     """Say that a motion stops on its way, and which field lets it go on.
 
     Args:
         certificate: The certificate of the motion.
-        path: The path of the request; None: the waypoints are joint values.
+        path: The path that the motion follows; None: the waypoints are joint values.
+        asked: The path of the request, where the motion stops at corners with a blend; None: it is
+            the same.
     """
     count = len(certificate.stops)
     if path is None or count == 0:
         return []
     times = "once" if count == 1 else f"{count} times"
     first = f"the motion stops {times} between its ends, first at {certificate.stops[0]:.4g} s"
+    if asked is not None and asked != path:
+        return [f"{first}: stopping at the corners is faster than going through their blends"]
     exact = path.corners == "exact" or path.blend == 0.0
     change = "path.blend, a radius"
     if exact:

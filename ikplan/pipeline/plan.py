@@ -3,28 +3,34 @@
 from __future__ import annotations
 
 import contextlib
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ikplan.certificate.clearance.leaving import Leaving
+from ikplan.certificate.regions import RegionLeft
 from ikplan.collision.checker import CollisionChecker
 from ikplan.documents import parse
 from ikplan.documents.plan_request import PlanRequest, Scene
-from ikplan.documents.trajectory import WaypointResults
-from ikplan.errors import BudgetExceeded, Disconnected, IkplanError, InCollision, Unreachable
+from ikplan.errors import (
+    BudgetExceeded,
+    Disconnected,
+    IkplanError,
+    InCollision,
+    TimingFailed,
+    Unreachable,
+)
 from ikplan.ik.arguments import check_start
-from ikplan.ik.solve import pose_distance
-from ikplan.kinematics.arm import arm_of
 from ikplan.limits.motion_limits import MotionLimits
-from ikplan.pipeline.assemble import assemble_plan, joint_steps
+from ikplan.pipeline.assemble import assemble_plan, waypoint_results
 from ikplan.pipeline.clearance_objective import keep_clear
 from ikplan.pipeline.collisions import requested_model, with_meshes
 from ikplan.pipeline.helpers import helped_by
 from ikplan.pipeline.identity import plan_id
-from ikplan.pipeline.motion_stages import MotionStages
+from ikplan.pipeline.motion_stages import MotionStages, TimedRoute
 from ikplan.pipeline.poses import pose_solver
 from ikplan.pipeline.request_budget import RequestBudget
 from ikplan.pipeline.resolve import resolve_robot
@@ -34,8 +40,9 @@ from ikplan.planning import (
     JointRoute,
     Progress,
     find_repairs,
-    plan_joint_path,
 )
+from ikplan.planning.moves.leave import leaving_contact
+from ikplan.planning.posture import motion_cost, preferred_configuration, softened
 from ikplan.planning.repair_kinds import merged_document
 from ikplan.planning.segment_number import segment_number
 from ikplan.planning.tracking.tracked_path import TrackingFailed
@@ -116,6 +123,9 @@ def make_plan(
     start_free = request.start == "free"
     asked = None if request.start == "free" else request.start
     q_start = check_start(robot, robot.home if asked is None else asked)
+    posture = None if request.ik.posture is None else motion_cost(robot, request.ik.posture)
+    if start_free:
+        q_start = preferred_configuration(robot, request.ik.posture)
 
     with clock.stage("ik"):
         solver = pose_solver(robot, request.ik, _EXACT, _EXACT)
@@ -136,10 +146,16 @@ def make_plan(
         clock,
         explain=repairs,
         contact=contact,
+        posture=posture,
     )
+    stages = MotionStages(request, robot, limits, limits_of)
     try:
-        return _corrected(request, problem, limits, limits_of, model, known_id)
-    except (Unreachable, Disconnected, InCollision) as error:
+        if isinstance(request.scene, Scene) and request.scene.leave_contact:
+            problem = leaving_contact(problem, contact)
+        return _within_soft_limits(stages, problem, model, known_id) or _ordered(
+            stages, problem, model, known_id
+        )
+    except (Unreachable, Disconnected, InCollision, TimingFailed) as error:
         if repairs:
             # The verdict stands, whether or not there is time left for repairs.
             with contextlib.suppress(BudgetExceeded):
@@ -151,7 +167,7 @@ def _repairs(
     request: PlanRequest,
     robot: Robot | None,
     problem: JointPathProblem,
-    error: Unreachable | Disconnected | InCollision,
+    error: Unreachable | Disconnected | InCollision | TimingFailed,
 ) -> list[dict[str, Any]]:
     """Changes of a request with which it is planned, timed and certified.
 
@@ -162,57 +178,86 @@ def _repairs(
     clearance = request.scene.clearance if isinstance(request.scene, Scene) else 0.0
     with clock.stage("planning"), clock.cutting(solver.cut, solver.search_evaluations):
         return find_repairs(
-            problem, error, lambda change: _survives(request, robot, change, clock), clearance
+            problem,
+            error,
+            lambda change: _survives(request, robot, change, clock),
+            clearance,
+            request.limits,
         )
 
 
+def _within_soft_limits(
+    stages: MotionStages, problem: JointPathProblem, model: CollisionModel | None, known_id: str
+) -> Plan | None:
+    """The plan within the soft limits of the request; None: it has none, or no plan within."""
+    robot = softened(problem.robot, stages.request)
+    if robot is None:
+        return None
+    with problem.clock.stage("ik"):
+        solver = pose_solver(robot, problem.options, _EXACT, _EXACT)
+    soft = replace(
+        problem,
+        robot=robot,
+        solver=solver,
+        limits=joint_limits(robot, stages.limits),
+        explain=False,
+    )
+    try:
+        return _ordered(stages, soft, model, known_id)
+    except (Unreachable, Disconnected, InCollision, TimingFailed, TrackingFailed):
+        return None
+
+
+def _ordered(
+    stages: MotionStages, problem: JointPathProblem, model: CollisionModel | None, known_id: str
+) -> Plan:
+    """The plan of a path in the order asked for."""
+    if stages.request.path.order == "given":
+        return _corrected(stages, problem, stages.timed(problem), model, known_id)
+    problem, motion, order = stages.in_best_order(problem)
+    plan = _corrected(stages, problem, motion, model, known_id)
+    return plan.model_copy(update={"order": order})
+
+
 def _corrected(
-    request: PlanRequest,
+    stages: MotionStages,
     problem: JointPathProblem,
-    limits: MotionLimits,
-    limits_of: Mapping[str, MotionLimits],
+    motion: TimedRoute,
     model: CollisionModel | None,
     known_id: str,
 ) -> Plan:
-    """Plan, time and certify; moves on which the proof fails are rounded anew.
+    """Certify a timed route; moves on which the proof fails are rounded anew.
 
     Raises:
         InCollision: The proof fails all the same.
     """
     margins: dict[str, float] = {}
     for repair in range(_MOVE_REPAIRS + 1):
-        motion = _motion(
-            request, replace(problem, move_margins=margins), limits, limits_of, model, known_id
-        )
-        if isinstance(motion, Plan):
-            return motion
-        name, violation = motion
+        certified = _certified(stages, problem, motion, model, known_id)
+        if isinstance(certified, Plan):
+            return certified
+        name, violation = certified
         if repair == _MOVE_REPAIRS:
             raise violation
         margins = {**margins, name: max(4.0 * margins.get(name, 0.0), CONTACT_MARGIN)}
+        motion = stages.timed(replace(problem, move_margins=margins))
     raise AssertionError("the loop returns or raises")
 
 
-def _motion(
-    request: PlanRequest,
+def _certified(
+    stages: MotionStages,
     problem: JointPathProblem,
-    limits: MotionLimits,
-    limits_of: Mapping[str, MotionLimits],
+    motion: TimedRoute,
     model: CollisionModel | None,
     known_id: str,
-) -> Plan | tuple[str, InCollision]:
-    """Plan, time and certify; where the proof fails on a move, its name and the violation.
+) -> Plan | tuple[str, InCollision | Disconnected]:
+    """Certify a timed route; where a proof fails on a move, its name and the verdict.
 
     Raises:
         InCollision: The proof fails elsewhere.
     """
-    robot, clock, solver = problem.robot, problem.clock, problem.solver
-    with clock.stage("planning"), clock.cutting(solver.cut, solver.search_evaluations):
-        route = plan_joint_path(problem)
-        stages = MotionStages(request, limits, limits_of)
-        laid = stages.laid(problem, route)
-    with clock.stage("timing"):
-        route, path, timing = stages.fastest(problem, laid)
+    request, robot = stages.request, stages.robot
+    route, path, timing, followed = motion
     # Configurations too close to tell apart are passed as one.
     passed = path.q_knots[path.knot_of_waypoint]
     waypoint_q = passed[[w.index for w in route.waypoints]]
@@ -221,16 +266,27 @@ def _motion(
         return assemble_plan(
             request,
             robot,
-            limits,
-            _waypoint_results(robot, route, waypoint_q, times, problem.start_free),
+            stages.limits,
+            waypoint_results(robot, route, waypoint_q, times, problem.start_free),
             timing,
-            clock,
-            q_start=None if problem.start_free else problem.q_start,
-            path=request.path,
+            problem.clock,
+            q_start=None if problem.start_free else _begin(problem),
+            path=followed,
             moves=[move.report for move in route.moves],
             model=model,
-            segment_times=_segment_times(route, times),
+            segment_times=_segment_times(route, times, problem.order),
+            order=problem.order,
+            leaving=_leaving(problem, motion),
             plan_id=known_id,
+        )
+    except RegionLeft as left:
+        return left.field, Disconnected(
+            f"{left.field}: at {left.time:.3f} s of the finished motion the tool leaves the region "
+            "it is to stay in, or it cannot be told that it does not; no other way was found",
+            waypoints=[],
+            jump=0.0,
+            reason="the tool leaves the region of the move",
+            q=left.q.tolist(),
         )
     except InCollision as violation:
         for move in route.moves:
@@ -238,6 +294,20 @@ def _motion(
             if violation.time is not None and begin <= violation.time <= end:
                 return move.report.field, violation
         raise
+
+
+def _begin(problem: JointPathProblem) -> NDArray[np.float64]:
+    return problem.q_start if problem.left_from is None else problem.left_from
+
+
+def _leaving(problem: JointPathProblem, motion: TimedRoute) -> Leaving | None:
+    """What the motion leaves at the start; it has to be left by the next sample after it rests."""
+    if problem.left_from is None or problem.left is None:
+        return None
+    rests = float(motion.timing.timed.times[1])
+    samples = motion.timing.samples.time
+    until = float(samples[min(int(np.searchsorted(samples, rests)), len(samples) - 1)])
+    return Leaving(tuple(int(row) for row in problem.left), until)
 
 
 def _survives(
@@ -261,9 +331,9 @@ def _survives(
 
 
 def _segment_times(
-    route: JointRoute, times: NDArray[np.float64]
+    route: JointRoute, times: NDArray[np.float64], order: Sequence[int] | None
 ) -> list[tuple[float, float]] | None:
-    """When each segment of the request begins and ends [s]; None: the path has no segments."""
+    """When each segment of the request begins and ends, in the order passed [s]; None: none are."""
     found: dict[int, tuple[float, float]] = {}
     for part in route.segments:
         number = segment_number(part.field)
@@ -276,7 +346,7 @@ def _segment_times(
         return list(zip([0.0, *ends], ends, strict=False)) or None
     last = begun = 0.0
     rows = []
-    for number in range(max(found) + 1):
+    for number in range(max(found) + 1) if order is None else order:
         begin, end = found.get(number, (last, last))
         # One that leads nowhere, at a rounded corner, is passed after the next one has begun.
         begun = max(begun, begin)
@@ -295,25 +365,3 @@ def _segment_limits(
         for field, segment in fields
         if segment.limits is not None
     }
-
-
-def _waypoint_results(
-    robot: Robot,
-    route: JointRoute,
-    q: NDArray[np.float64],
-    q_time: NDArray[np.float64],
-    start_free: bool,
-) -> WaypointResults:
-    """The rows of the waypoints: one for each asked for."""
-    arm = arm_of(robot)
-    errors = [pose_distance(arm, w.target, q_w) for w, q_w in zip(route.waypoints, q, strict=True)]
-    return WaypointResults(
-        q=q,
-        time=q_time[[w.index for w in route.waypoints]],
-        position_error=np.array([distance for distance, _ in errors]),
-        orientation_error=[
-            angle if w.target.oriented else None
-            for w, (_, angle) in zip(route.waypoints, errors, strict=True)
-        ],
-        elongation=joint_steps(q[0] if start_free else route.q[0], q),
-    )

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pinocchio as pin
@@ -33,14 +34,19 @@ from ikplan.time_budget import Progress, TimeBudget
 if TYPE_CHECKING:
     from ikplan.planning.waypoints.waypoint_problem import WaypointProblem
 
-__all__ = ["pose_solver", "solve_ik", "solve_ik_request"]
+__all__ = ["free_pose", "pose_solver", "solve_ik", "solve_ik_request"]
 
 _LONG_S = 3600.0
 """Budget of a pose without a request [s]."""
 
 
 def pose_solver(
-    robot: Robot, ik: IkOptions, tolerance_position: float, tolerance_orientation: float
+    robot: Robot,
+    ik: IkOptions,
+    tolerance_position: float,
+    tolerance_orientation: float,
+    *,
+    verdict: bool = True,
 ) -> PoseSolver:
     """Return the solver that a request asks for.
 
@@ -49,6 +55,7 @@ def pose_solver(
         ik: How solutions are looked for.
         tolerance_position: Position error that counts as solved [m].
         tolerance_orientation: Orientation error that counts as solved [rad].
+        verdict: Whether a pose without a solution is explained.
 
     Raises:
         InvalidRequest: No such method, or a parameter that it does not have.
@@ -63,6 +70,7 @@ def pose_solver(
         ik.refine,
         tolerance_position=tolerance_position,
         tolerance_orientation=tolerance_orientation,
+        verdict=verdict,
     )
 
 
@@ -89,10 +97,11 @@ def solve_ik_request(
     if request.quaternion_xyzw is not None:
         pose = pin.SE3(rotation_of(request.quaternion_xyzw), pose)
     tolerance = request.tolerance
-    solver = pose_solver(robot, request.ik, tolerance.position, tolerance.orientation)
+    solver = pose_solver(
+        robot, request.ik, tolerance.position, tolerance.orientation, verdict=request.verdict
+    )
     model = requested_model(robot, request.scene, request.fixed_joints, request.tool, always=False)
-    question = _Pose(pose, request.start, tolerance)
-    return _free_pose(robot, solver, question, model, clock, request.ik.objective)
+    return free_pose(robot, solver, pose, request.start, model, clock, request.ik.objective)
 
 
 def solve_ik(
@@ -135,55 +144,83 @@ def solve_ik(
         the least crowded.
 
     Raises:
-        InvalidRequest: An argument is wrong.
+        InvalidRequest: An argument is wrong, or there is nothing to keep clear of.
         Unreachable: No solution within tolerance; carries the best one and the reason.
         InCollision: Every solution found is in contact; for which pairs of bodies.
     """
-    solver = PoseSolver(
-        arm_of(robot),
-        method,
-        seed,
-        population,
-        iterations,
-        params or {},
-        refine,
-        tolerance_position,
-        tolerance_orientation,
-    )
+    solver: PoseSolver
+    if method == "lm" and not params and population is iterations is None and type(seed) is int:
+        solver = _lm_solver(robot, seed, refine, tolerance_position, tolerance_orientation)
+    else:
+        solver = PoseSolver(
+            arm_of(robot),
+            method,
+            seed,
+            population,
+            iterations,
+            params or {},
+            refine,
+            tolerance_position,
+            tolerance_orientation,
+        )
     check_objective(objective)
+    if scene is None and objective == "motion":
+        return solve_pose(robot, solver, pose, start)
     model = None
     if scene is not None:
         resolved = resolve_scene(parse(Scene, scene), Path.cwd())
         model = requested_model(robot, resolved, {}, ToolFrame(), always=False)
-    elif objective == "motion":
-        return solve_pose(robot, solver, pose, start)
-    tolerance = Tolerance.model_construct(
-        position=tolerance_position, orientation=tolerance_orientation
+    return free_pose(robot, solver, pose, start, model, TimeBudget(_LONG_S), objective)
+
+
+@functools.lru_cache(maxsize=64)
+def _lm_solver(
+    robot: Robot,
+    seed: int,
+    refine: bool,
+    tolerance_position: float,
+    tolerance_orientation: float,
+) -> PoseSolver:
+    """Return a solver of the method lm: it keeps nothing of the poses that it solves."""
+    return PoseSolver(
+        arm_of(robot),
+        "lm",
+        seed,
+        refined=refine,
+        tolerance_position=tolerance_position,
+        tolerance_orientation=tolerance_orientation,
     )
-    question = _Pose(pose, start, tolerance)
-    return _free_pose(robot, solver, question, model, TimeBudget(_LONG_S), objective)
 
 
-class _Pose(NamedTuple):
-    """What is asked for: the pose, where the arm is, and the deviation that counts as none."""
-
-    pose: Any
-    start: ArrayLike | None
-    tolerance: Tolerance
-
-
-def _free_pose(
+def free_pose(
     robot: Robot,
     solver: PoseSolver,
-    asked: _Pose,
+    pose: Any,
+    start: ArrayLike | None,
     model: CollisionModel | None,
     clock: TimeBudget,
-    objective: str,
+    objective: str = "motion",
 ) -> IkSolution:
-    """The solution nearest to the start; of those free of contact, or the least crowded."""
+    """Return the solution nearest to the start, of those free of contact; or the least crowded.
+
+    Args:
+        robot: The robot, with its tool.
+        solver: The solver.
+        pose: As for :func:`solve_ik`, or the target.
+        start: As there.
+        model: Bodies that must not touch; None: nothing is checked.
+        clock: The time budget.
+        objective: As for :func:`solve_ik`.
+
+    Raises:
+        InvalidRequest: The objective is clearance, and there is nothing to keep clear of.
+        Unreachable: No solution within tolerance.
+        InCollision: Every solution found is in contact.
+        BudgetExceeded: The budget ran out.
+    """
     contact = keep_clear(robot, solver, model) if objective == "clearance" else None
     with clock.stage("ik"), clock.cutting(solver.cut, solver.search_evaluations):
-        solution = solve_pose(robot, solver, asked.pose, asked.start)
+        solution = solve_pose(robot, solver, pose, start)
         if model is None or len(model.pairs) == 0:
             return solution
         from ikplan.collision.checker import CollisionChecker
@@ -195,10 +232,12 @@ def _free_pose(
         contact = contact or CollisionChecker(robot, model)
         if not clearest and contact.free(solution.q[None])[0]:
             return solution
-        q_start = check_start(robot, robot.home if asked.start is None else asked.start)
-        targets = [target_of(asked.pose)]
+        q_start = check_start(robot, robot.home if start is None else start)
+        tolerance = Tolerance.model_construct(
+            position=solver.tolerance_position, orientation=solver.tolerance_orientation
+        )
         problem = WaypointProblem(
-            robot, solver, targets, q_start, False, asked.tolerance, clock, contact=contact
+            robot, solver, [target_of(pose)], q_start, False, tolerance, clock, contact=contact
         )
         if not clearest:
             return _solution(problem, free_solutions(problem, 0, q_start)[0])

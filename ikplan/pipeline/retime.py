@@ -14,7 +14,7 @@ from ikplan.documents import parse
 from ikplan.documents.poses import Tolerance
 from ikplan.documents.timing_request import TimingRequest
 from ikplan.documents.trajectory import WaypointResults
-from ikplan.errors import InvalidRequest
+from ikplan.errors import BudgetExceeded, IkplanError, InvalidRequest, TimingFailed
 from ikplan.joint_path import JointPath
 from ikplan.limits.motion_limits import LimitedSegment, MotionLimits
 from ikplan.pipeline.assemble import assemble_plan, joint_steps
@@ -27,6 +27,8 @@ from ikplan.pipeline.request_budget import RequestBudget
 from ikplan.pipeline.resolve import resolve_robot
 from ikplan.pipeline.timing_stage import Timing, joint_limits, time_motion
 from ikplan.planning import Progress, TimeBudget
+from ikplan.planning.limit_repairs import limit_repairs, offered
+from ikplan.planning.repair_kinds import merged_document
 from ikplan.plans.plan import Plan
 from ikplan.robots import Robot
 from ikplan.robots.narrowing import narrowed
@@ -128,6 +130,7 @@ def make_timing(
     progress: Progress | None = None,
     *,
     known_id: str | None = None,
+    repairs: bool = True,
 ) -> Plan:
     """Time a request that is parsed already, see :func:`time_request`.
 
@@ -136,9 +139,45 @@ def make_timing(
         robot: As in :func:`time_request`.
         progress: As in :func:`time_request`.
         known_id: The id of the plan, where it is known already: it is not computed again.
+        repairs: Whether a refusal offers repairs.
     """
-    robot = resolve_robot(request, robot)
+    asked_robot, robot = robot, resolve_robot(request, robot)
     known_id = known_id or plan_id(request, robot)
+    clock = RequestBudget(request.budget_s, progress)
+    try:
+        return _made(request, robot, clock, known_id)
+    except TimingFailed as error:
+        if repairs:
+
+            def survives(change: dict[str, Any]) -> bool:
+                return _survives(request, asked_robot, change, clock)
+
+            error.repairs = offered(limit_repairs(error, request.limits), survives)
+        raise
+
+
+def _survives(
+    request: TimingRequest, robot: Robot | None, change: dict[str, Any], clock: RequestBudget
+) -> bool:
+    """Whether a request with a change is timed and certified.
+
+    Raises:
+        BudgetExceeded: The time budget of the request ran out.
+    """
+    clock.check()
+    document = merged_document(request.model_dump(mode="json", exclude_unset=True), change)
+    document["budget_s"] = max(clock.left, 1e-3)
+    try:
+        make_timing(parse(TimingRequest, document), robot, repairs=False)
+    except BudgetExceeded:
+        raise
+    except IkplanError:
+        return False
+    return True
+
+
+def _made(request: TimingRequest, robot: Robot, clock: RequestBudget, known_id: str) -> Plan:
+    """Time a request with its robot."""
     robot = narrowed(robot, request.limits.joints)
     limits = MotionLimits.of(robot, request.limits)
     asked = _rows(request.waypoints, robot)
@@ -149,7 +188,6 @@ def make_timing(
     )
     jerk = any(x.jerk is not None for x in (limits, *(s.limits for s in segments)))
     helped_by("time", jerk=jerk)
-    clock = RequestBudget(request.budget_s, progress)
     nearness = _nearness(request, robot)
     if nearness is None:
         with clock.stage("planning"):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -33,6 +33,7 @@ from ikplan.timing import (
 )
 from ikplan.timing.braking import turning_points
 from ikplan.timing.constraints.models import inverse_dynamics, tool_motion
+from ikplan.timing.constraints.tangential_limit import TangentialLimit
 from ikplan.timing.engines.engine import Check, unlimited
 
 __all__ = ["Timing", "joint_limits", "sampling_rate", "time_motion"]
@@ -124,21 +125,7 @@ def time_motion(
         InvalidRequest: The motion is too long for the rate, or a joint moves whose limit is 0.
         TimingFailed: No timing under the limits: where, which joint, which limit.
     """
-    refuse_moving(robot, path, limits, 0.0, path.length)
-    if any(x.deceleration is not None for x in (limits, *(s.limits for s in segments))):
-        path = path.with_knots(turning_points(path))
-    constraints = _constraints(robot, limits)
-    joint_segments, ranges = [], list[tuple[float, float, MotionLimits]]()
-    for segment in segments:
-        start, end = (float(s) for s in path.s_waypoints[[segment.first, segment.last]])
-        if start < end:
-            refuse_moving(robot, path, segment.limits, start, end)
-            joint_segments.append(
-                SegmentJointLimits(start, end, joint_limits(robot, segment.limits))
-            )
-            ranges.append((start, end, segment.limits))
-    for start, end, own in _runs(ranges):
-        constraints += _constraints(robot, own, limits, start, end)
+    path, joint_segments, constraints = _prepared(path, robot, limits, segments)
     free = time_joint_path(
         path,
         joint_limits(robot, limits),
@@ -190,6 +177,54 @@ def _alike(a: MotionLimits, b: MotionLimits) -> bool:
     return rates[0] == rates[1] and (b.torque is a.torque) and not _more_torque(b, a)
 
 
+def least_duration(
+    path: JointPath,
+    robot: Robot,
+    limits: MotionLimits,
+    segments: Sequence[LimitedSegment] = (),
+    check: Check = unlimited,
+) -> float:
+    """Return the duration of a motion that no jerk limit slows [s]; arguments as above.
+
+    Raises:
+        InvalidRequest: A joint moves whose limit is 0.
+        TimingFailed: No timing under the limits.
+    """
+    smooth = replace(limits, jerk=None)
+    eased = [replace(x, limits=replace(x.limits, jerk=None)) for x in segments]
+    path, joint_segments, constraints = _prepared(path, robot, smooth, eased)
+    free = time_joint_path(
+        path,
+        joint_limits(robot, smooth),
+        segments=joint_segments,
+        constraints=constraints,
+        check=check,
+    )
+    return free.duration
+
+
+def _prepared(
+    path: JointPath, robot: Robot, limits: MotionLimits, segments: Sequence[LimitedSegment]
+) -> tuple[JointPath, list[SegmentJointLimits], list[PathConstraint]]:
+    """A path with the knots that its limits need, limits of its ranges, and of tool and torques."""
+    refuse_moving(robot, path, limits, 0.0, path.length)
+    if any(x.deceleration is not None for x in (limits, *(s.limits for s in segments))):
+        path = path.with_knots(turning_points(path))
+    constraints = _constraints(robot, limits)
+    joint_segments, ranges = [], list[tuple[float, float, MotionLimits]]()
+    for segment in segments:
+        start, end = (float(s) for s in path.s_waypoints[[segment.first, segment.last]])
+        if start < end:
+            refuse_moving(robot, path, segment.limits, start, end)
+            joint_segments.append(
+                SegmentJointLimits(start, end, joint_limits(robot, segment.limits))
+            )
+            ranges.append((start, end, segment.limits))
+    for start, end, own in _runs(ranges):
+        constraints += _constraints(robot, own, limits, start, end)
+    return path, joint_segments, constraints
+
+
 def _constraints(
     robot: Robot,
     limits: MotionLimits,
@@ -204,6 +239,9 @@ def _constraints(
     if np.isfinite(rates).any() and not same:
         v, w, dv, dw = (value if np.isfinite(value) else None for value in rates)
         constraints.append(ToolLimits(tool_motion(robot), v, w, dv, dw, start, end))
+    tangential = limits.tool_tangential
+    if np.isfinite(tangential) and (known is None or tangential < known.tool_tangential):
+        constraints.append(TangentialLimit(tool_motion(robot), tangential, start, end))
     if limits.torque is not None and (known is None or _more_torque(limits, known)):
         payload = None
         if limits.payload_mass > 0.0:

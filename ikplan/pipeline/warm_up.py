@@ -15,7 +15,7 @@ from ikplan.robots import Robot, catalogue_robot
 
 __all__ = ["RequestKind", "small_requests", "warm_up"]
 
-RequestKind = Literal["fk", "ik", "plan", "time"]
+RequestKind = Literal["fk", "ik", "ik-batch", "plan", "time"]
 
 _ROBOT = "xarm7"
 """A robot with self-motion and inertias: its requests use the kernels of both."""
@@ -63,7 +63,7 @@ def warm_up(
             return
         _under_way.add(key)
         try:
-            asked = [_move(method)] if moves else small_requests(kind, method, jerk=jerk)
+            asked = _moves(method) if moves else small_requests(kind, method, jerk=jerk)
             for request in asked:
                 # Some are out of reach or in contact: the explanation has kernels of its own.
                 with contextlib.suppress(Unreachable, InCollision):
@@ -91,6 +91,10 @@ def small_requests(
         return [{"robot": _ROBOT, "q": home}]
     if kind == "ik":
         return _poses(method)
+    if kind == "ik-batch":
+        poses = [*_targets(catalogue_robot(_ROBOT))[1:]]
+        options = {"ik": {"method": method}, "budget_s": _BUDGET_S, "verdict": False}
+        return [{"robot": _ROBOT, "poses": poses, **options}]
     limits = [{**_LIMITS, "jerk": 100.0}] if jerk else [_LIMITS, {"jerk": False}]
     if kind == "time":
         waypoints = [home, [value + 0.1 for value in home]]
@@ -119,8 +123,8 @@ def _scenes(place: list[float]) -> tuple[dict[str, Any], dict[str, Any]]:
     return {"obstacles": [far]}, {"obstacles": [{**ball, "position": place}]}
 
 
-def _move(method: str) -> dict[str, Any]:
-    """A move around a box that is midway between its ends."""
+def _moves(method: str) -> list[dict[str, Any]]:
+    """Moves around a box that is midway between their ends, anywhere and within a region."""
     robot = catalogue_robot(_ROBOT)
     goal, middle = robot.home.copy(), robot.home.copy()
     goal[0], middle[0] = robot.home[0] + 1.0, robot.home[0] + 0.5
@@ -129,15 +133,18 @@ def _move(method: str) -> dict[str, Any]:
         "shape": {"type": "box", "size": [0.05, 0.05, 0.05]},
         "position": robot.fk(middle).translation.tolist(),
     }
-    return {
+    asked = {
         "robot": _ROBOT,
         "start": robot.home.tolist(),
         "scene": {"obstacles": [box]},
-        "path": {"segments": [{"type": "move", "q": goal.tolist()}]},
         "ik": {"method": method},
         "limits": {"jerk": False},
         "budget_s": _BUDGET_S,
     }
+    free = {"type": "move", "q": goal.tolist()}
+    wide = {"frame": {"position": [0.0, 0.0, 0.0]}, "size": [5.0, 5.0, 5.0]}
+    segments = (free, {**free, "within": {"box": wide}})
+    return [{**asked, "path": {"segments": [segment]}} for segment in segments]
 
 
 def _poses(method: str) -> list[dict[str, Any]]:

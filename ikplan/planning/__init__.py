@@ -2,6 +2,7 @@
 
 from ikplan.planning.joint_planner import plan_joint_path
 from ikplan.planning.joint_route import JointPathProblem, JointRoute, RouteWaypoint
+from ikplan.planning.order.free_order import orders_of
 from ikplan.planning.repairs import find_repairs
 from ikplan.planning.waypoints.select import select_configurations
 from ikplan.planning.waypoints.waypoint_problem import WaypointProblem
@@ -15,6 +16,7 @@ __all__ = [
     "TimeBudget",
     "WaypointProblem",
     "find_repairs",
+    "orders_of",
     "plan_joint_path",
     "select_configurations",
 ]

@@ -20,6 +20,7 @@ from ikplan.path import (
     ToolPath,
     legs_of,
 )
+from ikplan.planning.joins import Join, with_joins
 from ikplan.planning.joint_route import (
     JointPathProblem,
     JointRoute,
@@ -29,16 +30,17 @@ from ikplan.planning.joint_route import (
     RouteWaypoint,
 )
 from ikplan.planning.moves.move_planner import MovePlanner
-from ikplan.planning.segment_number import segment_number
-from ikplan.planning.task_freedom import counts_orientation, freedom_of
+from ikplan.planning.segment_number import segment_number, segment_to
+from ikplan.planning.task_freedom import freedom_of, target_of
 from ikplan.planning.tool_leg import (
     OpenPose,
     StartingWays,
     check_box,
     path_tracker,
     reached,
-    track_tool_path,
+    track_after,
 )
+from ikplan.planning.tool_pose import tool_pose
 from ikplan.planning.tracking.reference_path import points_around
 from ikplan.planning.tracking.start_copies import StartCopies
 from ikplan.planning.tracking.tracked_path import TrackedPath, TrackingFailed
@@ -73,9 +75,8 @@ def plan_joint_path(problem: JointPathProblem) -> JointRoute:
     start = None
     if not problem.start_free:
         planner.check_start_free()
-        T = problem.robot.fk(problem.q_start)
-        start = Pose(T.rotation.copy(), T.translation.copy())
-    legs = legs_of(problem.path, start, planner.fk, problem.rounding)
+        start = Pose(*tool_pose(problem, problem.q_start))
+    legs = legs_of(problem.path, start, planner.fk, problem.rounding, problem.order)
     check_objective(problem.options, legs)
     try:
         return _planned(planner, legs)
@@ -85,7 +86,7 @@ def plan_joint_path(problem: JointPathProblem) -> JointRoute:
     # The path itself may be passed where its rounded corners are not, and is what was asked for.
     problem = replace(problem, rounding="none")
     planner = _JointPathPlanner(problem)
-    return _planned(planner, legs_of(problem.path, start, planner.fk, "none"))
+    return _planned(planner, legs_of(problem.path, start, planner.fk, "none", problem.order))
 
 
 def _planned(planner: _JointPathPlanner, legs: list[Leg]) -> JointRoute:
@@ -100,11 +101,6 @@ def _planned(planner: _JointPathPlanner, legs: list[Leg]) -> JointRoute:
             planner.tool_leg(leg, last=after is None)
         problem.clock.report(len(planner.waypoints))
     return planner.route()
-
-
-def _segment_to(waypoint: JointWaypoint) -> int | None:
-    """Number of the segment that ends at a waypoint; None: not known."""
-    return segment_number(waypoint.field or waypoint.name)
 
 
 def _waypoint_count(leg: Leg) -> int:
@@ -122,11 +118,14 @@ class _JointPathPlanner:
         self.tracker = path_tracker(problem)
         self.q: list[Array] = [] if problem.start_free else [problem.q_start]
         self.rest: list[int] = []
+        if problem.left_from is not None:
+            self.q, self.rest = [problem.left_from, problem.q_start], [1]
         self.waypoints: list[RouteWaypoint] = []
         self.segments: list[RouteSegment] = []
         self.moves: list[RouteMove] = []
         self.joint_steps: list[RouteJointStep] = []
         self.move_planner = MovePlanner(problem)
+        self.joins: list[Join] = []
         self.sharp = False
         self.slight = False
         self.opened: OpenPose | None = None
@@ -138,25 +137,25 @@ class _JointPathPlanner:
             raise in_collision(contact, q[None], -1, "the start", 0, proven=True)
 
     def fk(self, q: Array) -> tuple[Array, Array]:
-        """Rotation, shape (3, 3), and position, shape (3,) [m], of the tool in the base."""
-        T = self.problem.robot.fk(q)
-        return T.rotation.copy(), T.translation.copy()
+        """Rotation and position of the tool in the base."""
+        return tool_pose(self.problem, q)
 
     def route(self) -> JointRoute:
         """The route planned so far."""
-        waypoints = sorted(self.waypoints, key=lambda w: w.row)
+        passed = self.problem.places
+        waypoints = sorted(self.waypoints, key=lambda w: passed.get(w.row, w.row))
         q, parts = np.ascontiguousarray(self.q), (self.segments, self.moves)
-        return JointRoute(
+        route = JointRoute(
             q, self.rest, waypoints, *parts, self.sharp, self.slight, self.joint_steps
         )
+        return with_joins(self.tracker, route, self.joins)
 
     @property
     def _last_q(self) -> Array:
         return self.q[-1] if self.q else self.problem.q_start
 
     def _target(self, pose: Pose) -> Target:
-        R = pose.R if counts_orientation(self.problem.path) else None
-        return pose_target(pose.p, R, freedom=self.freedom)
+        return target_of(self.problem.path, pose)
 
     def joint_leg(self, leg: JointLeg, after: Leg | None) -> None:
         """Plan a joint leg; its last pose is left to a tool path that begins there."""
@@ -193,7 +192,8 @@ class _JointPathPlanner:
             run[0].row,
             problem.explain,
             problem.contact,
-            tuple(_segment_to(waypoint) for waypoint in run),
+            tuple(segment_to(waypoint) for waypoint in run),
+            problem.posture,
         )
 
     def _select(self, run: list[JointWaypoint]) -> None:
@@ -212,12 +212,15 @@ class _JointPathPlanner:
             begin = replace(waypoint, pose=Pose(after.pose(0.0)[0], pose.p))
         problem = self._waypoint_problem([begin])
         copies: StartCopies | None = self._copies()
+        chosen = self.problem.ends.get(waypoint.name)
         try:
-            starts = self._reached(branches(problem), waypoint)
+            if chosen is None:
+                starts = self._reached(branches(problem), waypoint)
+            else:
+                starts, copies = self._reached(chosen[0][None], waypoint), None
         except InCollision:
             starts, copies = self._reached(branches(problem, turns=True), waypoint), None
-        away = np.linalg.norm(starts - self._last_q, axis=1)
-        costs = away if self.q else np.zeros(len(starts))
+        costs = self.problem.away(starts, self._last_q) if self.q else np.zeros(len(starts))
         self.opened = OpenPose(waypoint, self._target(pose), starts, costs, problem, copies=copies)
 
     def move_leg(self, leg: MoveLeg, after: Leg | None) -> None:
@@ -226,11 +229,11 @@ class _JointPathPlanner:
         goals = self.move_planner.goals(leg, problems)
         last = leg.targets[0]
         if isinstance(after, ToolLeg) and last.q is None and self.problem.options.refine:
-            costs = np.linalg.norm(goals.q - self._last_q, axis=1)
+            costs = self.problem.away(goals.q, self._last_q)
             self.opened = OpenPose(last, goals.targets[0], goals.q, costs, problems[0], leg)
             return
         if not self.q:  # from a free start nothing leads to it
-            k = int(np.argmin(np.linalg.norm(goals.q - self._last_q, axis=1)))
+            k = int(np.argmin(self.problem.away(goals.q, self._last_q)))
             self._add(goals.q[k], last, goals.targets[k])
             return
         k = self._move(leg, goals.q)
@@ -253,7 +256,7 @@ class _JointPathPlanner:
         contact = self.problem.contact
         if contact is None or not self.q:
             return starts
-        return reached(contact, self._last_q, starts, waypoint, _segment_to(waypoint))
+        return reached(contact, self._last_q, starts, waypoint, segment_to(waypoint))
 
     def tool_leg(self, leg: ToolLeg, *, last: bool) -> None:
         """Track a tool path; where a motion leads to it, from a branch that it gets to.
@@ -264,8 +267,8 @@ class _JointPathPlanner:
         check_box(self.freedom, path)
         ways = self._starts(path)
         while True:
-            tracked = track_tool_path(self.problem, self.tracker, path, ways)
             opened = self.opened
+            tracked = track_after(self.problem, self.tracker, path, ways, opened)
             if opened is None or not self.q:
                 break
             try:
@@ -279,24 +282,24 @@ class _JointPathPlanner:
                 if opened.move is None:
                     every = branches(opened.problem, turns=True)
                     starts = self._reached(every, opened.waypoint)
-                    costs = np.linalg.norm(starts - self._last_q, axis=1)
+                    costs = self.problem.away(starts, self._last_q)
                     ways = StartingWays(starts, costs, None, opened.problem)
                     continue
                 ways = ways.without(tracked.q[0])
                 if len(ways.starts) == 0:
                     raise
-        self._append(path, self.tracker.straighten(path, tracked) if last else tracked)
+        self._append(leg, self.tracker.straighten(path, tracked) if last else tracked)
         self.sharp |= path.sharp
         self.slight |= path.slight
 
     def _check_free(self, q: Array, waypoint: JointWaypoint) -> None:
         """Refuse joint values that are asked for and in contact."""
-        contact, segment = self.problem.contact, _segment_to(waypoint)
+        contact, segment = self.problem.contact, segment_to(waypoint)
         if contact is not None and not contact.free(q[None], segment)[0]:
             raise in_collision(contact, q[None], waypoint.row, waypoint.name, segment, proven=True)
 
     def _copies(self) -> StartCopies:
-        return StartCopies(self._last_q, counted=bool(self.q))
+        return StartCopies(self._last_q, bool(self.q), self.problem.posture)
 
     def _starts(self, path: ToolPath) -> StartingWays:
         """How the tool path may begin."""
@@ -313,9 +316,9 @@ class _JointPathPlanner:
         starts = branches(begin)
         return StartingWays(starts, np.zeros(len(starts)), self._copies(), begin)
 
-    def _append(self, path: ToolPath, tracked: TrackedPath) -> None:
+    def _append(self, leg: ToolLeg, tracked: TrackedPath) -> None:
         """Add the points of a tracked path; the motion rests where it begins and ends."""
-        joined = bool(self.q) and np.array_equal(self.q[-1], tracked.q[0])
+        path, joined = leg.path, bool(self.q) and np.array_equal(self.q[-1], tracked.q[0])
         if joined:
             self.q.pop()
         first = len(self.q)
@@ -328,6 +331,9 @@ class _JointPathPlanner:
             self.opened = None
         self.q += list(tracked.q)
         self.rest += [first, *(first + k for k in tracked.rest), len(self.q) - 1]
+        for corner, radius in ((first, leg.begin_blend), (len(self.q) - 1, leg.end_blend)):
+            if radius > 0.0:
+                self.joins.append(Join(corner, radius, path, tracked.s, first))
         for waypoint, k in zip(path.waypoints, tracked.waypoint, strict=True):
             pose = Pose(waypoint.R, waypoint.p)
             row = RouteWaypoint(waypoint.row, first + int(k), self._target(pose), waypoint.exact)
@@ -345,6 +351,6 @@ class _JointPathPlanner:
         """End a joint step at the next configuration; from a free start nothing leads to it."""
         end = len(self.q)
         if end > 0:
-            self.joint_steps.append(RouteJointStep(end - 1, end, _segment_to(waypoint)))
+            self.joint_steps.append(RouteJointStep(end - 1, end, segment_to(waypoint)))
             if waypoint.field:
                 self.segments.append(RouteSegment(waypoint.field, end - 1, end))

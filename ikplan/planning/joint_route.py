@@ -5,14 +5,17 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
-from ikplan.arrays import Array
+import numpy as np
+
+from ikplan.arrays import Array, Indices
 from ikplan.collision.check import ContactCheck
 from ikplan.documents.plan_request import IkOptions, PathRequest
 from ikplan.documents.trajectory import MoveReport
 from ikplan.ik.solve import PoseSolver
 from ikplan.kinematics.target import Target
 from ikplan.limits import JointLimits
-from ikplan.path import Rounding
+from ikplan.path import Rounding, passed_rows
+from ikplan.planning.ladder.motion_cost import MotionCost, plain_cost
 from ikplan.robots import Robot
 from ikplan.time_budget import TimeBudget
 
@@ -45,6 +48,14 @@ class JointPathProblem:
         move_margins: Gap that the rounded corners of a move keep on top of that of the check, by
             the name of the move [m]; absent: none.
         rounding: Which corners are rounded within the tolerance, if the path asks for it.
+        order: Numbers of the waypoints or segments in the order in which they are passed; None:
+            as the path is written.
+        ends: Configurations at which moves, and joint motions before a tool path, end, by name:
+            chosen already, with the target that each meets.
+        left_from: Configuration in contact from which a straight motion to ``q_start`` comes
+            first, shape (dof,) [rad or m]; None: the motion begins at ``q_start``.
+        left: Rows of the model's pairs that touch there; None: none do.
+        posture: What motions cost where a posture is preferred; None: joint motion alone counts.
     """
 
     robot: Robot
@@ -59,6 +70,31 @@ class JointPathProblem:
     contact: ContactCheck | None = None
     move_margins: Mapping[str, float] = field(default_factory=dict)
     rounding: Rounding = "all"
+    order: tuple[int, ...] | None = None
+    ends: Mapping[str, tuple[Array, Target]] = field(default_factory=dict)
+    left_from: Array | None = None
+    left: Indices | None = None
+    posture: MotionCost | None = None
+
+    @property
+    def places(self) -> dict[int, int]:
+        """Where each row of the waypoints is passed, where the path is not passed as written."""
+        rows = [] if self.order is None else passed_rows(self.path, self.order)
+        return {row: place for place, row in enumerate(rows)}
+
+    @property
+    def cost(self) -> MotionCost:
+        """What a motion costs."""
+        return plain_cost(self.robot.dof) if self.posture is None else self.posture
+
+    def away(self, q: Array, q_from: Array) -> Array:
+        """Return the weighted joint motion from one configuration to each of others.
+
+        Args:
+            q: The others, shape (c, dof) [rad or m].
+            q_from: The one, shape (dof,) [rad or m].
+        """
+        return np.asarray(np.linalg.norm(self.cost.weights * (q - q_from), axis=1))
 
 
 @dataclass(frozen=True)
@@ -130,12 +166,14 @@ class JointRoute:
     Attributes:
         q: Configurations, shape (k, dof) [rad or m]; the first is where the motion begins.
         rest: Indices of those where the motion stops.
-        waypoints: The waypoints of the request, in order.
+        waypoints: The waypoints of the request, in the order passed.
         segments: The segments of the request, in order.
         moves: The moves around obstacles, in order.
         sharp: Whether sharp corners are rounded within the tolerance.
         slight: Whether others are, of a path of few pieces.
         joint_steps: The steps of joint legs, in order.
+        stopped: The same route with stops at the corners between joint motions and tool paths;
+            None: it passes none of them without.
     """
 
     q: Array
@@ -146,3 +184,9 @@ class JointRoute:
     sharp: bool = False
     slight: bool = False
     joint_steps: list[RouteJointStep] = field(default_factory=list)
+    stopped: JointRoute | None = None
+
+    @property
+    def length(self) -> float:
+        """Joint distance along its chords [rad or m]."""
+        return float(np.linalg.norm(np.diff(self.q, axis=0), axis=1).sum())

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import contextlib
-import itertools
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import replace
 from typing import Any
 
@@ -12,8 +11,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ikplan.arrays import Array
+from ikplan.documents.limits import LimitOptions
 from ikplan.documents.plan_request import Frame, PathRequest
-from ikplan.errors import BudgetExceeded, Disconnected, InCollision, InvalidRequest, Unreachable
+from ikplan.errors import (
+    Disconnected,
+    InCollision,
+    InvalidRequest,
+    TimingFailed,
+    Unreachable,
+)
 from ikplan.ik.solve import NoSolution, PoseSolver
 from ikplan.kinematics.forward import forward
 from ikplan.kinematics.target import Target, pose_target
@@ -21,6 +27,7 @@ from ikplan.path import JointLeg, MoveLeg, Pose, ToolLeg, legs_of
 from ikplan.planning.joint_planner import plan_joint_path
 from ikplan.planning.joint_route import JointPathProblem
 from ikplan.planning.ladder.ik_candidates import sample_ik_solutions
+from ikplan.planning.limit_repairs import Survives, limit_repairs, offered
 from ikplan.planning.repair_kinds import Repair, boxed, moved_aside, rounded, smaller_clearance
 from ikplan.planning.task_freedom import counts_orientation, freedom_of
 from ikplan.planning.tool_leg import path_tracker
@@ -31,9 +38,8 @@ from ikplan.planning.waypoints.stack import stack_targets
 
 __all__ = ["find_repairs"]
 
+Refusal = Unreachable | Disconnected | InCollision | TimingFailed
 
-_ATTEMPTS = 4
-"""Changes of a kind that are planned to the end."""
 _MOST_BRANCHES = 12
 _SAMPLES = 12
 """Places on each tool path at which a shift of the path is tried first; of the targets that are out
@@ -43,22 +49,22 @@ _FARTHEST = 0.5
 """Longest shift that is offered [m]."""
 
 
-Survives = Callable[[dict[str, Any]], bool]
-
-
 def find_repairs(
     problem: JointPathProblem,
-    error: Unreachable | Disconnected | InCollision,
+    error: Refusal,
     survives: Survives | None = None,
     clearance: float = 0.0,
+    limits: LimitOptions | None = None,
 ) -> list[dict[str, Any]]:
     """Return changes of the request that make the path feasible.
 
     Coordinates in millimetres where all are far beyond reach, of which the error then tells too;
-    else another branch to start in, a box, rounded corners, a free tool axis, free orientation,
-    the smallest shift of the path frame found; where bodies touch, a shift away from them and a
-    smaller clearance. Each kind has a fixed number of attempts. Every one was planned before it is
-    offered; none is, when the time budget is used up.
+    else another branch to start in, a box, rounded corners, a free tool axis, free orientation;
+    for what is out of reach the smallest shift of the path frame found, else one along an axis;
+    where bodies touch, a smaller clearance; where there is no timing, a smaller payload or the
+    robot's own torque limits where torques bind, and a smaller speed of the tool: a joint path
+    does not depend on speeds. Each kind has a fixed number of attempts. Every one was planned
+    before it is offered; none is, when the time budget is used up.
 
     Args:
         problem: The path that has no plan.
@@ -66,21 +72,14 @@ def find_repairs(
         survives: Tells whether a change still holds once it is timed, sampled and certified;
             None: a joint path is enough.
         clearance: The gap asked for between bodies [m].
+        limits: The limits of the request; None: as the robot's.
 
     Returns:
         Repairs as ``{"change": fields of the request, "detail": in words}``, one of each kind at
         most, in the order above.
     """
-    repairs: list[dict[str, Any]] = []
-    try:
-        for kind in _kinds(replace(problem, explain=False), error, clearance):
-            for repair in itertools.islice(kind, _ATTEMPTS):
-                if survives is None or survives(repair.change):
-                    repairs.append({"change": repair.change, "detail": repair.detail})
-                    break
-    except BudgetExceeded:
-        return repairs
-    return repairs
+    quick = replace(problem, explain=False)
+    return offered(_kinds(quick, error, clearance, limits or LimitOptions()), survives)
 
 
 def _lays(problem: JointPathProblem) -> bool:
@@ -93,22 +92,25 @@ def _lays(problem: JointPathProblem) -> bool:
 
 
 def _kinds(
-    problem: JointPathProblem, error: Unreachable | Disconnected | InCollision, clearance: float
+    problem: JointPathProblem, error: Refusal, clearance: float, limits: LimitOptions
 ) -> Iterator[Iterator[Repair]]:
     """Yield, kind by kind in order of price, changes with which the path was laid."""
     if isinstance(error, Unreachable) and name_unit_mistake(problem, error):
         yield _in_millimetres(problem)
         return
+    if isinstance(error, TimingFailed):
+        yield from limit_repairs(error, limits)
     if not isinstance(error, Unreachable):  # what is out of reach is so in every branch
         yield _other_branch(problem)
     yield boxed(problem, _lays)
-    if isinstance(error, Disconnected):
+    if not isinstance(error, Unreachable):  # a blend keeps what a corner cannot reach out of reach
         yield rounded(problem, _legs(problem), _lays)
     yield _free_orientation(problem)
-    if isinstance(error, Unreachable) and error.position_error <= _FARTHEST:
+    if not isinstance(error, Unreachable):
+        yield moved_aside(problem, _moved, _lays)
+    elif error.position_error <= _FARTHEST:
         yield _shifted(problem)
     if isinstance(error, InCollision):
-        yield moved_aside(problem, _moved, _lays)
         yield smaller_clearance(error, clearance)
 
 
@@ -143,7 +145,7 @@ def _other_branch(problem: JointPathProblem) -> Iterator[Repair]:
     )
     branches = distinct_modulo_turns(arm, found.q[0, : found.counts[0]])
     order = np.argsort(np.linalg.norm(branches - problem.q_start, axis=1), kind="stable")
-    tracker, copies = path_tracker(problem), StartCopies(problem.q_start, counted=True)
+    tracker, copies = path_tracker(problem), StartCopies(problem.q_start, True, problem.posture)
     starts: list[Array] = []
     for q in branches[order][:_MOST_BRANCHES]:
         with contextlib.suppress(TrackingFailed):

@@ -4,7 +4,14 @@ from __future__ import annotations
 
 import re
 
-__all__ = ["segment_number"]
+from ikplan.path import JointWaypoint
+
+__all__ = ["segment_number", "segment_to"]
+
+
+def segment_to(waypoint: JointWaypoint) -> int | None:
+    """Return the number of the segment that ends at a waypoint; None: none of the path does."""
+    return segment_number(waypoint.field or waypoint.name)
 
 
 def segment_number(field: str) -> int | None:

@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 
 from ikplan.documents.plan_request import PathRequest
-from ikplan.kinematics.target import Freedom, no_freedom
-from ikplan.path import rotation_of
+from ikplan.kinematics.target import Freedom, Target, no_freedom, pose_target
+from ikplan.path import Pose, rotation_of
 
-__all__ = ["counts_orientation", "freedom_of"]
+__all__ = ["counts_orientation", "freedom_of", "target_of"]
 
 _AXES = {"tool_x": 0, "tool_y": 1, "tool_z": 2}
 
@@ -16,6 +16,12 @@ _AXES = {"tool_x": 0, "tool_y": 1, "tool_z": 2}
 def counts_orientation(path: PathRequest) -> bool:
     """Whether the orientations of a path count at all."""
     return path.orientation_free != "all"
+
+
+def target_of(path: PathRequest, pose: Pose) -> Target:
+    """Return the target that a pose of a path is: what counts of it, and what is left free."""
+    R = pose.R if counts_orientation(path) else None
+    return pose_target(pose.p, R, freedom=freedom_of(path))
 
 
 def freedom_of(path: PathRequest) -> Freedom:

@@ -9,7 +9,7 @@ import numpy as np
 
 from ikplan.arrays import Array
 from ikplan.collision.check import ContactCheck
-from ikplan.errors import Disconnected, InCollision, InvalidRequest, NoPlan
+from ikplan.errors import Disconnected, InCollision, InvalidRequest, NoPlan, Unreachable
 from ikplan.kinematics.target import Freedom, Target
 from ikplan.path import JointWaypoint, MoveLeg, ToolPath
 from ikplan.planning.joint_route import JointPathProblem
@@ -24,7 +24,15 @@ from ikplan.planning.waypoints.in_collision import motion_in_collision
 from ikplan.planning.waypoints.waypoint_problem import WaypointProblem
 from ikplan.planning.within.tolerant_tracker import TolerantTracker
 
-__all__ = ["OpenPose", "StartingWays", "check_box", "path_tracker", "reached", "track_tool_path"]
+__all__ = [
+    "OpenPose",
+    "StartingWays",
+    "check_box",
+    "path_tracker",
+    "reached",
+    "track_after",
+    "track_tool_path",
+]
 
 _SAME_BRANCH = 1e-6
 """Configurations nearer to each other than this are one branch [rad or m]."""
@@ -88,6 +96,7 @@ def path_tracker(problem: JointPathProblem) -> TolerantTracker:
         problem.path.tolerance,
         problem.clock,
         problem.contact,
+        posture=problem.posture,
     )
 
 
@@ -153,6 +162,44 @@ def _held_by_contact(
     if met is None:
         return None
     return _in_contact(contact, path, in_contact(met, tracked.s))
+
+
+def track_after(
+    problem: JointPathProblem,
+    tracker: TolerantTracker,
+    path: ToolPath,
+    ways: StartingWays,
+    opened: OpenPose | None,
+) -> TrackedPath:
+    """Track a tool path; after a move, from any full turn of its goals where these do not do.
+
+    Args:
+        problem: The path of the request.
+        tracker: Tracks it.
+        path: The tool path.
+        ways: How it may begin.
+        opened: The pose at which it begins, if its branch is open.
+
+    Raises:
+        Unreachable: As :func:`track_tool_path`, and so the others.
+        Disconnected: As there.
+        InCollision: As there.
+        TrackingFailed: As there.
+        BudgetExceeded: As there.
+    """
+    try:
+        return track_tool_path(problem, tracker, path, ways)
+    except (Unreachable, Disconnected, InCollision, TrackingFailed) as failure:
+        if opened is None or opened.move is None:
+            raise
+        # The goals are the nearest ones; a long path may need a turn that none of them has.
+        every, q_from = branches(opened.problem), opened.problem.q_start
+        away = np.linalg.norm(every - q_from, axis=1)
+        turned = StartingWays(every, away, StartCopies(q_from, counted=True), opened.problem)
+        try:
+            return track_tool_path(problem, tracker, path, turned)
+        except (Unreachable, Disconnected, InCollision, TrackingFailed):
+            raise failure from None
 
 
 def _verdict(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import importlib.metadata
 import os
 import site
@@ -21,6 +22,7 @@ __all__ = [
 
 PATH_VARIABLE = "IKPLAN_ROBOTS_PATH"
 _FILE = "robot.yaml"
+_HERE = Path(__file__).resolve().parent
 _EXAMPLE_DATA = Path("share/example-robot-data/robots")
 
 
@@ -42,8 +44,7 @@ def catalogue_folders() -> list[Path]:
         folders.append(folder)
     if (own := _own_folder()) not in folders and own.is_dir():
         folders.append(own)
-    here = Path(__file__).resolve().parent
-    installed, checkout = here / "catalogue", here.parents[1] / "robots"
+    installed, checkout = _HERE / "catalogue", _HERE.parents[1] / "robots"
     return [*folders, installed if installed.is_dir() else checkout]
 
 
@@ -99,7 +100,7 @@ def package_file(package: str, path: str) -> Path:
     Raises:
         InvalidRobot: The package or the file is not installed; the places tried are listed.
     """
-    roots = _package_roots(package)
+    roots = _package_roots(package, tuple(sys.path))
     for root in roots:
         if (root / path).is_file():
             return root / path
@@ -111,7 +112,8 @@ def package_file(package: str, path: str) -> Path:
     )
 
 
-def _package_roots(package: str) -> list[Path]:
+@functools.lru_cache(maxsize=8)
+def _package_roots(package: str, search_path: tuple[str, ...]) -> list[Path]:
     """Places where the package's data may be: its own record first, then the usual prefixes."""
     roots: list[Path] = []
     try:
@@ -119,7 +121,7 @@ def _package_roots(package: str) -> list[Path]:
         roots.append(Path(str(distribution.locate_file("cmeel.prefix"))) / _EXAMPLE_DATA)
     except importlib.metadata.PackageNotFoundError:
         pass
-    places = [*site.getsitepackages(), site.getusersitepackages(), *sys.path]
+    places = [*site.getsitepackages(), site.getusersitepackages(), *search_path]
     roots += [Path(place) / "cmeel.prefix" / _EXAMPLE_DATA for place in places if place]
     roots.append(Path(sys.prefix) / _EXAMPLE_DATA)
     return list(dict.fromkeys(roots))

@@ -9,7 +9,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 
-from ikplan.errors import InvalidRobot
+from ikplan.errors import InvalidRobot, RobotNotFound
 from ikplan.robots.definition.chains import axes_tree, dh_tree
 from ikplan.robots.definition.collision import FileOf
 from ikplan.robots.definition.describe import describe_file
@@ -130,8 +130,12 @@ def catalogue_robot(
         RobotNotFound: No robot of that name.
         InvalidRobot: Its description makes no sense.
     """
-    name = known_name(name, robot_names())
-    return _from_folder(robot_folder(name) / _FILE, base, tip, rename, expected=name)
+    try:  # to list the whole catalogue takes a millisecond: only where the name is none of it
+        folder = robot_folder(name)
+    except RobotNotFound:
+        name = known_name(name, robot_names())
+        folder = robot_folder(name)
+    return _from_folder(folder / _FILE, base, tip, rename, expected=name)
 
 
 def robot_from_urdf(
@@ -188,10 +192,17 @@ def _shape_source(path: Path, text: bytes, document: bytes) -> ShapeSource:
     beside = None if collision.file is None else FileOf(path=collision.file)
     return replace(
         source,
-        shapes=collision.model_dump_json(exclude_defaults=True).encode(),
+        shapes=_shapes_text(text, file.name),
         file=_read_if_there(beside, path, file.name),
         srdf=_read_if_there(collision.srdf, path, file.name),
     )
+
+
+@functools.lru_cache(maxsize=256)
+def _shapes_text(text: bytes, robot: str) -> bytes:
+    """The entry ``collision`` of a ``robot.yaml``, as JSON."""
+    entry = _parsed_file(text, robot).collision
+    return b"" if entry is None else entry.model_dump_json(exclude_defaults=True).encode()
 
 
 def _read_if_there(file: FileOf | None, beside: Path, robot: str) -> bytes:

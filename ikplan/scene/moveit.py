@@ -1,13 +1,15 @@
 """Planning scenes of MoveIt (``moveit_msgs/PlanningScene``) as scenes.
 
 Read are the collision objects of ``world`` with their primitives (``shape_msgs/SolidPrimitive``)
-and meshes, of which the convex hull counts. Planes and octomaps are refused, not left out. The
-allowed collision matrix is not read: it names the links of one robot; use ``allow``.
+and meshes, of which the convex hull counts, and the allowed collision matrix, as pairs that may
+touch. What is not read is refused, not left out: planes, octomaps, attached objects, and padding
+and scale of links.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from itertools import combinations
 from typing import Any
 
 import numpy as np
@@ -22,6 +24,8 @@ __all__ = ["is_planning_scene", "planning_scene"]
 _TYPES = {1: "box", 2: "sphere", 3: "cylinder", 4: "cone"}
 """Numbers of shape_msgs/SolidPrimitive."""
 _CONE_SIDES = 24
+_OCTOMAP = "<octomap>"
+"""MoveIt's name for its octomap in a matrix; a scene has none."""
 
 
 def is_planning_scene(document: Any) -> bool:
@@ -38,18 +42,101 @@ def planning_scene(document: Mapping[str, Any]) -> Scene:
         InvalidRequest: A field is missing or wrong; names it.
     """
     world = document.get("world", document)
-    obstacles: list[dict[str, Any]] = []
+    parts: dict[str, list[dict[str, Any]]] = {}
     try:
         for k, entry in enumerate(world.get("collision_objects") or []):
-            obstacles += _object(entry, f"world.collision_objects[{k}]")
+            made = _object(entry, f"world.collision_objects[{k}]")
+            parts.setdefault(str(entry["id"]), []).extend(made)
         if (world.get("octomap") or {}).get("octomap", {}).get("data"):
             raise InvalidRequest("world.octomap: octomaps are not read", field="world.octomap")
+        _refuse_unread(document)
+        matrix = document.get("allowed_collision_matrix") or {}
+        objects = {name: [str(o["name"]) for o in made] for name, made in parts.items()}
+        allow = _allowed_pairs(matrix, objects)
     except (AttributeError, KeyError, TypeError, ValueError, IndexError) as error:
         raise InvalidRequest(
             f"scene: not a planning scene of MoveIt: {type(error).__name__}: {error}",
             field="scene",
         ) from error
-    return parse(Scene, {"obstacles": obstacles})
+    obstacles = [obstacle for made in parts.values() for obstacle in made]
+    return parse(Scene, {"obstacles": obstacles, "allow": allow})
+
+
+def _refuse_unread(document: Mapping[str, Any]) -> None:
+    """Refuse what would be checked otherwise than MoveIt checks it."""
+    state = document.get("robot_state") or {}
+    if state.get("attached_collision_objects"):
+        field = "robot_state.attached_collision_objects"
+        raise InvalidRequest(
+            f"{field}: attached objects are not read; give them as `attached`, in the tool frame",
+            field=field,
+        )
+    for field, key, usual in (("link_padding", "padding", 0.0), ("link_scale", "scale", 1.0)):
+        for k, entry in enumerate(document.get(field) or []):
+            if float(entry[key]) != usual:
+                raise InvalidRequest(
+                    f"{field}[{k}].{key}: {entry[key]} of {entry.get('link_name')!r} is not read; "
+                    "give `clearance`, or `padding` of an obstacle",
+                    field=f"{field}[{k}].{key}",
+                    allowed=usual,
+                )
+
+
+def _allowed_pairs(
+    matrix: Mapping[str, Any], objects: Mapping[str, Sequence[str]]
+) -> list[list[str]]:
+    """The pairs that may touch by ``moveit_msgs/AllowedCollisionMatrix``.
+
+    A pair that is not in the matrix is allowed by the default of the one name that has any; where
+    both have, both must allow it. Pairs are those of the names in the file.
+
+    Args:
+        matrix: The message.
+        objects: Names of the obstacles that each collision object became.
+    """
+    where = "allowed_collision_matrix"
+    names = [str(name) for name in matrix.get("entry_names") or []]
+    rows = [[_flag(v) for v in row["enabled"]] for row in matrix.get("entry_values") or []]
+    default_names = [str(name) for name in matrix.get("default_entry_names") or []]
+    default_values = [_flag(v) for v in matrix.get("default_entry_values") or []]
+    for field, found, wanted in (
+        ("entry_names", len(set(names)), len(names)),
+        ("entry_values", len(rows), len(names)),
+        *((f"entry_values[{k}].enabled", len(row), len(names)) for k, row in enumerate(rows)),
+        ("default_entry_values", len(default_values), len(default_names)),
+    ):
+        if found != wanted:
+            raise InvalidRequest(
+                f"{where}.{field}: {found} for {wanted} names; each name needs one of its own",
+                field=f"{where}.{field}",
+                allowed=wanted,
+            )
+    index = {name: k for k, name in enumerate(names)}
+    defaults = dict(zip(default_names, default_values, strict=True))
+    known = list(dict.fromkeys([*names, *default_names, *objects]))
+    pairs = []
+    for a, b in combinations([name for name in known if name != _OCTOMAP], 2):
+        if a in index and b in index:
+            allowed = rows[index[a]][index[b]]
+            if allowed != rows[index[b]][index[a]]:
+                raise InvalidRequest(
+                    f"{where}.entry_values: {a!r} and {b!r} may touch in one row and not in the "
+                    "other",
+                    field=f"{where}.entry_values",
+                )
+        else:
+            said = [defaults[name] for name in (a, b) if name in defaults]
+            allowed = bool(said) and all(said)
+        if allowed and not (a in objects and b in objects):  # obstacles are not checked
+            pairs += [[i, j] for i in objects.get(a, [a]) for j in objects.get(b, [b])]
+    return pairs
+
+
+def _flag(value: Any) -> bool:
+    """A ``bool`` of a message; some tools write 0 and 1."""
+    if value in (0, 1):
+        return bool(value)
+    raise ValueError(f"{value!r} is no bool")
 
 
 def _object(entry: Mapping[str, Any], field: str) -> list[dict[str, Any]]:

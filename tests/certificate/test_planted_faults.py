@@ -19,6 +19,7 @@ from scipy.interpolate import CubicSpline
 
 import ikplan
 from ikplan import CertificateViolated
+from ikplan.pipeline import motion_stages
 
 from .requests import paths, request
 
@@ -372,6 +373,8 @@ def test_a_planted_fault_is_refused(
     for owner in owners:
         holder = getattr(holder, owner)
     monkeypatch.setattr(holder, attribute, plant(getattr(holder, attribute)))
+    # A faulty blend is not to be avoided by a stop at its corner.
+    monkeypatch.setattr(motion_stages, "without_blends", lambda _: None)
     with pytest.raises(CertificateViolated) as caught:
         ikplan.plan(request(documents[path]))
     said = ("is missed by", "the path is left by", "are missed by")

@@ -4,10 +4,12 @@ import json
 import os
 import subprocess
 import sys
+import time
 from pathlib import Path
 
 import numpy as np
 import pytest
+import zstandard
 
 import ikplan
 from ikplan.cli import main
@@ -21,7 +23,9 @@ FAR = {**REQUEST, "path": {"waypoints": [{"position": [9.0, 0.0, 0.0]}]}}
 KILLING = """
 import json, multiprocessing.forkserver, os, signal, sys, threading, time
 from pathlib import Path
-from ikplan.workers import plan_lines
+from ikplan.batch.chunks import Chunk, Line
+from ikplan.batch.local import LocalExecutor
+from ikplan.batch.requests import RequestWork
 
 def kill_the_worker():
     keeper = multiprocessing.forkserver._forkserver._forkserver_pid
@@ -34,14 +38,20 @@ def kill_the_worker():
                 continue
             if int(words[1]) == keeper:
                 os.kill(int(stat.parent.name), signal.SIGKILL)
+                print(time.monotonic(), flush=True)
                 return
 
 if __name__ == "__main__":
-    answers = plan_lines([line.encode() for line in json.loads(sys.argv[1])], workers=1)
-    told = [next(answers)]
-    threading.Thread(target=kill_the_worker, daemon=True).start()
-    told += answers
-    print(json.dumps([a.to_problem() if not isinstance(a, bytes) else len(a) for a in told]))
+    lines = json.loads(sys.argv[1])
+    chunks = (Chunk((Line(k, line.encode(), 0),)) for k, line in enumerate(lines))
+    answers = LocalExecutor(RequestWork("plan"), 1).run(chunks)
+    statuses = [next(answers).outcomes[0].status]
+    killing = threading.Thread(target=kill_the_worker)
+    killing.start()
+    statuses.append(next(answers).outcomes[0].status)
+    print(time.monotonic(), flush=True)
+    killing.join()
+    print(json.dumps(statuses + [done.outcomes[0].status for done in answers]))
 """
 
 
@@ -91,18 +101,75 @@ def test_a_batch_for_the_robot_of_a_file(tmp_path):
         )
 
 
-def test_a_process_that_is_killed_costs_its_own_line_only():
+def test_a_worker_that_is_killed_from_outside_costs_no_line():
     waypoints = [{"position": [0.4, 0.01 * i, 0.4]} for i in range(50)]
-    search = {"population": 1000, "iterations": 1000}
+    search = {"population": 400, "iterations": 400}
     slow = {**REQUEST, "path": {"waypoints": waypoints}, "ik": search, "budget_s": 100}
     lines = [json.dumps(r) for r in (GOOD[0], slow, *GOOD[1:])]
     command = [sys.executable, "-c", KILLING, json.dumps(lines)]
-    done = subprocess.run(command, capture_output=True, timeout=60, check=False)
+    done = subprocess.run(command, capture_output=True, timeout=100, check=False)
     assert done.returncode == 0, done.stderr
-    first, lost, *others = json.loads(done.stdout)
-    assert lost["type"] == "urn:ikplan:worker-lost"
-    assert lost["exit_code"] == -9
-    assert all(isinstance(size, int) for size in (first, *others))
+    killed, finished, statuses = done.stdout.splitlines()
+    assert float(killed) < float(finished), "the line was over before the worker was killed"
+    assert json.loads(statuses) == [200] * len(lines)
+
+
+def test_a_batch_in_shards_that_is_killed_is_resumed_to_the_same_bytes(tmp_path):
+    requests, whole, broken = tmp_path / "in.jsonl", tmp_path / "whole", tmp_path / "broken"
+    waypoints = [{"position": [0.4, -0.2 + 0.02 * k, 0.4]} for k in range(20)]
+    asked = [{**REQUEST, "path": {"waypoints": [w]}} for w in waypoints]
+    requests.write_bytes(json_lines(*asked, FAR))
+    options = ["batch", requests, "--shard-lines", "4", "--workers", "2", "-o"]
+    assert run(*options, f"{whole}/").returncode == 1
+    command = [sys.executable, "-m", "ikplan", *map(str, options), f"{broken}/"]
+    with subprocess.Popen(command, stdout=subprocess.DEVNULL) as process:
+        while len(list(broken.glob("shard-*"))) < 2:
+            assert process.poll() is None
+            time.sleep(0.005)
+        process.kill()
+    left = {file.name for file in broken.glob("shard-*")}
+    refused = run(*options, f"{broken}/")
+    assert refused.returncode == 2
+    assert b"--resume continues it" in refused.stderr
+    assert {file.name for file in broken.glob("shard-*")} == left
+    done = run(*options, f"{broken}/", "--resume")
+    assert done.returncode == 1
+    assert done.stdout.decode().splitlines()[0] == "20 of 21 requests planned"
+    assert done.stderr == b"ikplan: 1 of 21 requests have no plan: 1 unreachable\n"
+    shards = sorted(whole.glob("shard-*"))
+    assert len(shards) == 6
+    for shard in shards:
+        assert (broken / shard.name).read_bytes() == shard.read_bytes()
+    rows = b"".join(zstandard.ZstdDecompressor().decompress(s.read_bytes()) for s in shards)
+    told = [json.loads(row) for row in rows.splitlines()]
+    assert [row["index"] for row in told] == list(range(21))
+    assert [row["status"] for row in told] == [200] * 20 + [422]
+    assert ikplan.Plan.load(json.dumps(told[7]["plan"])).q[-1] == pytest.approx(
+        ikplan.plan(asked[7]).q[-1], abs=0.0
+    )
+
+
+def test_moves_timings_and_poses_are_answered_like_plans():
+    move = {"robot": "ur5", "start": [0, -1.5, 1.5, 0, 1, 0], "goal": [0.5, -1.2, 1.2, 0, 1, 0]}
+    wrong = {"robot": "ur5", "goals": []}
+    timing = {"robot": "ur5", "waypoints": [move["start"], move["goal"]]}
+    pose = {"robot": "ur5", "position": [0.4, 0.1, 0.4]}
+    for kind, requests in {
+        "move": [move, wrong],
+        "time": [timing, wrong],
+        "ik": [pose, wrong],
+    }.items():
+        done = run("batch", "-", "--kind", kind, "--workers", "1", given=json_lines(*requests))
+        assert done.returncode == 1, done.stderr
+        good, bad = (json.loads(row) for row in done.stdout.splitlines())
+        assert bad["problem"]["type"] == "urn:ikplan:invalid-request"
+        if kind == "ik":
+            assert (
+                good["plan"]["q"]
+                == ikplan.solve_ik(ikplan.load_robot("ur5"), np.array(pose["position"])).q.tolist()
+            )
+        else:
+            assert ikplan.Plan.load(json.dumps(good["plan"])).q[-1] == pytest.approx(move["goal"])
 
 
 @pytest.mark.parametrize(
@@ -114,6 +181,12 @@ def test_a_process_that_is_killed_costs_its_own_line_only():
         (["requests.jsonl", "--tip", "tool0"], "--robot"),
         (["requests.jsonl", "-o", "/no/such/folder/plans.jsonl"], "/no/such/folder"),
         (["requests.jsonl", "--server", "http://127.0.0.1:1"], "cannot reach"),
+        (["requests.jsonl", "--kind", "fk"], "plan, move, time, ik"),
+        (["requests.jsonl", "--on", "dask"], "local, ray or ray=ADDRESS"),
+        (["requests.jsonl", "--resume"], "-o"),
+        (["requests.jsonl", "-o", "rows.jsonl", "--format", "parquet"], "belongs to a folder"),
+        (["requests.jsonl", "-o", "rows/", "--format", "csv"], "jsonl.zst"),
+        (["requests.jsonl", "-o", "rows/", "--shard-lines", "0"], "1 or more"),
     ],
 )
 def test_a_batch_that_cannot_be_done_is_one_line_that_helps(

@@ -37,6 +37,7 @@ EXAMPLES: list[IkplanError] = [
         "touches", waypoint=2, pair=["table", "link_3"], depth=0.01, q=[0.5, 1.0], proven=True
     ),
     errors.TimingFailed("slow", position=0.5, joint="A1", limit="velocity"),
+    errors.TimingFailed("heavy", limit="torque", repairs=[{"change": {}, "detail": "less"}]),
     errors.BudgetExceeded("late", stage="ik", budget_s=1.0, best={"q": [[0.0]]}),
     errors.BudgetExceeded("late", stage="ik", budget_s=1.0),
     errors.MemoryExceeded("large", stage="timing", limit_bytes=2**30),

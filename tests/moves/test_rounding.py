@@ -11,6 +11,7 @@ from ikplan.collision.checker import CollisionChecker
 from ikplan.documents.scene import Scene
 from ikplan.joint_path import JointPath
 from ikplan.limits import JointLimits
+from ikplan.planning.moves.piece_check import piece_check
 from ikplan.planning.moves.rounding import round_way
 from ikplan.planning.moves.way import find_way
 from ikplan.scene.model import collision_model
@@ -24,21 +25,21 @@ def test_without_obstacles_a_corner_is_cut_as_far_as_half_of_its_shorter_side() 
     limits = JointLimits.from_robot(robot)
     first, second = np.eye(6)[:2]
     way = robot.home + np.array([0.0 * first, first, first + 0.5 * second])
-    rounded = round_way(way, limits, None, None)
+    rounded = round_way(way, limits, None)
     assert rounded.rest == []
     assert np.array_equal(rounded.q[[0, -1]], way[[0, -1]])
     begin = robot.home + 0.75 * first
     assert np.abs(rounded.q - begin).sum(axis=1).min() < 1e-12
     assert rounded.length < 1.5
     # The same from its other end.
-    back = round_way(way[::-1].copy(), limits, None, None)
+    back = round_way(way[::-1].copy(), limits, None)
     assert np.allclose(back.q[::-1], rounded.q, atol=1e-12)
 
 
 def test_a_way_without_corners_stays_as_it_is() -> None:
     robot = load_robot("ur5")
     way = np.vstack([robot.home, robot.home + 0.3])
-    rounded = round_way(way, JointLimits.from_robot(robot), None, None)
+    rounded = round_way(way, JointLimits.from_robot(robot), None)
     assert np.array_equal(rounded.q, way)
 
 
@@ -56,7 +57,7 @@ def test_the_spline_through_a_rounded_way_is_free_everywhere(seed: int) -> None:
     assert way.length <= way.found_length
     assert checker.first_contact(way.q) is None
     limits = JointLimits.from_robot(robot)
-    rounded = round_way(way.q, limits, checker, None)
+    rounded = round_way(way.q, limits, piece_check(None, checker, None))
     path = JointPath.through(rounded.q, limits, rest_at=rounded.rest)
     dense = path(np.linspace(0.0, path.length, 4000))
     assert checker.free(dense).all()
@@ -73,9 +74,10 @@ def test_a_larger_gap_cuts_corners_less() -> None:
     )
     assert way is not None
     limits = JointLimits.from_robot(robot)
-    lengths = [round_way(way.q, limits, checker, None, extra).length for extra in (0.0, 0.02, 1.0)]
+    check = piece_check(None, checker, None)
+    lengths = [round_way(way.q, limits, check, extra).length for extra in (0.0, 0.02, 1.0)]
     assert lengths[0] <= lengths[1] + 1e-9 <= lengths[2] + 2e-9
     # No gap of a metre: the motion stops at every corner of the way itself.
-    stopping = round_way(way.q, limits, checker, None, 1.0)
+    stopping = round_way(way.q, limits, check, 1.0)
     assert np.array_equal(stopping.q, way.q)
     assert stopping.rest == list(range(1, len(way.q) - 1))

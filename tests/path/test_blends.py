@@ -154,7 +154,7 @@ def test_a_blend_leaves_the_poses_of_a_spline_on_the_path():
             [line([0.1, 0, 0], [0, 0, 0], blend=0.02), line([0.1, 0, 0], [0, 0, 1])],
             "turns on the spot",
         ),
-        ([line([0.1, 0, 0], blend=0.02), {"type": "joint", "q": [0.0] * 6}], "no corner"),
+        ([line([0.1, 0, 0], blend=0.02), {"type": "move", "q": [0.0] * 6}], "no corner"),
         (
             [line([0.1, 0, 0], [0, 0, 2.9], blend=0.09), line([0.1, 0.1, 0], [0, 2.9, 0])],
             "largest radius",

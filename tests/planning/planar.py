@@ -99,6 +99,10 @@ class Polyline:
     def waypoint_s(self) -> Array:
         return self._s[1:]
 
+    @property
+    def rounded(self) -> bool:
+        return False
+
     def poses(self, s: Array) -> tuple[Array, Array]:
         p = np.stack([np.interp(s, self._s, column) for column in self.points.T], axis=1)
         return np.broadcast_to(np.eye(3), (len(s), 3, 3)), p

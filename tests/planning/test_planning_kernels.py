@@ -17,6 +17,7 @@ from ikplan.planning.ladder.banded_cholesky import solve_banded
 from ikplan.planning.ladder.ik_candidates import IkCandidates, sample_ik_solutions
 from ikplan.planning.ladder.joint_length import joint_path_length
 from ikplan.planning.ladder.ladder_graph import diverse_shortest_paths
+from ikplan.planning.ladder.motion_cost import plain_cost
 from ikplan.planning.ladder.null_space import null_space_basis
 from ikplan.planning.ladder.path_shortening import shorten_sequence
 from ikplan.planning.waypoints.stack import stack_targets
@@ -77,7 +78,9 @@ def test_the_ladder_finds_the_shortest_path_of_all(seed, free):
     candidates = IkCandidates(q, counts, np.zeros(1, dtype=np.int64))
     chain = arm_of(load_robot("eod_arm")).chain
     limits = np.full(3, 3.0)  # no room for a full turn
-    paths = diverse_shortest_paths(chain, candidates, start, free, -limits, limits, 5, 1e-9, 10.0)
+    paths = diverse_shortest_paths(
+        chain, candidates, start, free, -limits, limits, plain_cost(len(limits)), 5, 1e-9, 10.0
+    )
     lengths = sorted(
         joint_path_length(np.array([q[k, i] for k, i in enumerate(rows)]), start, free)
         for rows in itertools.product(*map(range, counts))
@@ -144,11 +147,29 @@ def test_the_polish_shortens_to_a_stationary_point(name: str, seed: int, start_f
     robot, targets = along(name, 6, seed)
     found, stacked, lower, upper, home = grown(robot, targets)
     q = diverse_shortest_paths(
-        arm_of(robot).chain, found, home, start_free, lower, upper, 1, 0.6, 0.1
+        arm_of(robot).chain,
+        found,
+        home,
+        start_free,
+        lower,
+        upper,
+        plain_cost(robot.dof),
+        1,
+        0.6,
+        0.1,
     )[0]
     before = joint_path_length(q, home, start_free)
     length, _ = shorten_sequence(
-        arm_of(robot).chain, stacked, q, home, start_free, lower, upper, 200, 1e-12
+        arm_of(robot).chain,
+        stacked,
+        q,
+        home,
+        start_free,
+        lower,
+        upper,
+        plain_cost(robot.dof),
+        200,
+        1e-12,
     )
     assert length <= before
     assert length == pytest.approx(joint_path_length(q, home, start_free), rel=1e-12)
@@ -178,11 +199,13 @@ def test_the_polish_shortens_to_a_stationary_point(name: str, seed: int, start_f
 def test_the_polish_leaves_the_only_solution_alone() -> None:
     robot, targets = along("ur5", 3, 5)
     found, stacked, lower, upper, home = grown(robot, targets)
-    q = diverse_shortest_paths(arm_of(robot).chain, found, home, False, lower, upper, 1, 0.6, 0.1)[
-        0
-    ]
+    q = diverse_shortest_paths(
+        arm_of(robot).chain, found, home, False, lower, upper, plain_cost(robot.dof), 1, 0.6, 0.1
+    )[0]
     before = q.copy()
-    shorten_sequence(arm_of(robot).chain, stacked, q, home, False, lower, upper, 50, 1e-9)
+    shorten_sequence(
+        arm_of(robot).chain, stacked, q, home, False, lower, upper, plain_cost(robot.dof), 50, 1e-9
+    )
     np.testing.assert_array_equal(q, before)
     assert stacked.freedom.axis == no_freedom().axis
 
@@ -197,10 +220,16 @@ def test_the_polish_lets_go_of_a_long_run_at_a_limit_at_once() -> None:
         p = [0.58 + 0.12 * np.cos(a), 0.12 * np.sin(a), 0.35 + 0.05 * np.sin(3.5 * a)]
         targets.append(pose_target(np.array(p), R))
     found, stacked, lower, upper, home = grown(robot, targets)
-    ways = diverse_shortest_paths(arm.chain, found, home, False, lower, upper, 6, 0.6, 0.1)
+    ways = diverse_shortest_paths(
+        arm.chain, found, home, False, lower, upper, plain_cost(robot.dof), 6, 0.6, 0.1
+    )
     at_limit = ((ways <= lower + 1e-4) | (ways >= upper - 1e-4)).any(axis=2).sum(axis=1)
     q = ways[int(np.argmax(at_limit))]
     assert at_limit.max() > 50
-    length, _ = shorten_sequence(arm.chain, stacked, q, home, False, lower, upper, 12, 1e-9)
-    least, _ = shorten_sequence(arm.chain, stacked, q, home, False, lower, upper, 300, 1e-12)
+    length, _ = shorten_sequence(
+        arm.chain, stacked, q, home, False, lower, upper, plain_cost(robot.dof), 12, 1e-9
+    )
+    least, _ = shorten_sequence(
+        arm.chain, stacked, q, home, False, lower, upper, plain_cost(robot.dof), 300, 1e-12
+    )
     assert length <= 1.001 * least

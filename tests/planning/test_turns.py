@@ -15,6 +15,7 @@ from ikplan.planning.ladder.equivalent_configurations import with_equivalents
 from ikplan.planning.ladder.ik_candidates import IkCandidates
 from ikplan.planning.ladder.joint_length import joint_path_length
 from ikplan.planning.ladder.ladder_graph import diverse_shortest_paths
+from ikplan.planning.ladder.motion_cost import plain_cost
 from ikplan.robots import load_robot
 
 TURN = 2.0 * math.pi
@@ -33,7 +34,9 @@ def test_the_shortest_path_is_found_among_all_the_copies(seed: int, free: bool) 
     counts = rng.integers(1, 4, size=4)
     start = rng.uniform(lower, upper)
     candidates = IkCandidates(q, counts, np.zeros(1, dtype=np.int64))
-    paths = diverse_shortest_paths(EOD, candidates, start, free, lower, upper, 5, 1e-9, 10.0)
+    paths = diverse_shortest_paths(
+        EOD, candidates, start, free, lower, upper, plain_cost(len(lower)), 5, 1e-9, 10.0
+    )
 
     rows = []
     for k in range(4):

@@ -418,3 +418,17 @@ def test_every_robot_file_is_in_the_documented_format() -> None:
         kinematics = file["kinematics"].get("urdf")
         # A robot of ours takes its URDF from the package, never a copy in the repository.
         assert kinematics is None or kinematics["package"] == "example-robot-data"
+
+
+def test_a_robot_of_the_catalogue_is_found_without_a_look_at_the_others(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """To list a hundred folders took longer than many a plan."""
+
+    def refuse() -> list[str]:
+        raise AssertionError("the whole catalogue was listed")
+
+    monkeypatch.setattr("ikplan.robots.load.robot_names", refuse)
+    assert catalogue_robot("ur5").name == "ur5"
+    with pytest.raises(AssertionError, match="listed"):
+        catalogue_robot("UR-5")

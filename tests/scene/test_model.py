@@ -196,46 +196,6 @@ def test_a_mesh_that_was_not_read_is_no_body(panda: Robot) -> None:
         collision_model(panda, mesh_scene(file="cube.stl"))
 
 
-MOVEIT = """
-world:
-  collision_objects:
-    - id: table
-      pose: {position: {x: 1.0, y: 0.0, z: 0.0}, orientation: {x: 0, y: 0, z: 0, w: 0}}
-      primitives: [{type: 1, dimensions: [1.0, 2.0, 0.1]}]
-      primitive_poses: [{position: {x: 0.0, y: 0.5, z: 0.0}}]
-    - id: can
-      primitives: [{type: cylinder, dimensions: [0.2, 0.03]}, {type: 2, dimensions: [0.05]}]
-    - id: wedge
-      meshes: [{vertices: [{x: 0, y: 0, z: 0}, {x: 1, y: 0, z: 0}, {x: 0, y: 1, z: 0}]}]
-"""
-
-
-def test_a_planning_scene_of_moveit_is_read(tmp_path: Path) -> None:
-    (tmp_path / "scene.yaml").write_text(MOVEIT)
-    scene = ikplan.read_scene(tmp_path / "scene.yaml")
-    assert [o.name for o in scene.obstacles] == ["table", "can[0]", "can[1]", "wedge"]
-    table, can, ball, wedge = (o.shape.model_dump() for o in scene.obstacles)
-    assert table == {"type": "box", "size": [1.0, 2.0, 0.1]}
-    assert can == {"type": "cylinder", "radius": 0.03, "length": 0.2}
-    assert ball == {"type": "sphere", "radius": 0.05}
-    assert wedge["type"] == "convex"
-    assert scene.obstacles[0].position == [1.0, 0.5, 0.0]
-    assert scene.obstacles[0].quaternion_xyzw == [0.0, 0.0, 0.0, 1.0]
-
-
-def test_what_a_planning_scene_has_and_is_not_read_is_refused(tmp_path: Path) -> None:
-    for text, part in (
-        ("world: {collision_objects: [{id: p, planes: [{coef: [0, 0, 1, 0]}]}]}", "planes"),
-        ("world: {collision_objects: [{primitives: []}]}", "id"),
-        ("world: {collision_objects: [{id: p, primitives: [{type: 9, dimensions: [1]}]}]}", "9"),
-        ("[1, 2", "neither JSON nor YAML"),
-        ("obstacle: []", "unknown field"),
-    ):
-        (tmp_path / "scene.yaml").write_text(text)
-        with pytest.raises(InvalidRequest, match=part):
-            ikplan.read_scene(tmp_path / "scene.yaml")
-
-
 def test_the_urdf_of_a_cell_is_read_with_its_meshes(tmp_path: Path) -> None:
     write_cube(tmp_path / "cube.stl", 0.2)
     (tmp_path / "cell.urdf").write_text(

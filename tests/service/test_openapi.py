@@ -5,7 +5,7 @@ import re
 import pytest
 
 from ikplan import errors
-from ikplan.documents.pose_results import FkResult, IkSolution
+from ikplan.documents.pose_results import FkResult, IkBatchSolution, IkSolution
 from ikplan.plans.plan import Plan
 from ikplan_api.http.schemas import PROBLEMS
 from tests.measured import waypoint_errors
@@ -22,6 +22,7 @@ OPERATIONS = {
     "create_timing": ("post", "/v1/timings"),
     "compute_fk": ("post", "/v1/fk"),
     "solve_ik": ("post", "/v1/ik"),
+    "solve_ik_batch": ("post", "/v1/ik/batch"),
     "list_robots": ("get", "/v1/robots"),
     "upload_robot": ("post", "/v1/robots"),
     "get_robot": ("get", "/v1/robots/{name}"),
@@ -118,6 +119,11 @@ def test_answers_fit_the_models_they_are_documented_with(document, http, client)
         ("/v1/plans", Plan, GOOD),
         ("/v1/timings", Plan, {"robot": "ur5", "waypoints": [[0.0] * 6, [0.1] * 6]}),
         ("/v1/ik", IkSolution, {"robot": "ur5", "position": [0.4, 0.1, 0.4]}),
+        (
+            "/v1/ik/batch",
+            IkBatchSolution,
+            {"robot": "ur5", "poses": [{"position": [0.4, 0.1, 0.4]}]},
+        ),
         ("/v1/fk", FkResult, {"robot": "ur5", "q": [0.0] * 6}),
     ):
         ok = document["paths"][path]["post"]["responses"]["200"]["content"]["application/json"]

@@ -65,6 +65,30 @@ def test_a_pose_is_no_long_document(http, path, document):
     assert answer.json()["type"] == "urn:ikplan:invalid-request"
 
 
+def test_many_poses_are_answered_each_as_it_is_alone(client):
+    poses = [{"position": [0.4, 0.01 * k, 0.4]} for k in range(2000)]
+    poses[7] = {"position": [9.0, 0.0, 0.0]}
+    asked = {"robot": "ur5", "poses": poses, "verdict": False}
+    many = client.ik_batch(asked)
+    assert many.solved.dtype == bool
+    assert [k for k in range(50) if not many.solved[k]] == [7]
+    for k in (0, 49):
+        one = client.ik({"robot": "ur5", **poses[k], "ik": {"method": "lm"}})
+        assert one.q.tolist() == many.q[k].tolist()
+    explained = client.ik_batch({**asked, "poses": poses[6:9], "verdict": True})
+    assert [refused.pose for refused in explained.refused] == [1]
+    with pytest.raises(InvalidRequest) as caught:
+        client.ik_batch({**asked, "poses": [{"position": [0.4, 0.1]}]})
+    assert caught.value.field == "poses[0].position"
+    mixed = [poses[0], {**poses[1], "quaternion_xyzw": [0.0, 1.0, 0.0, 0.0]}]
+    with pytest.raises(InvalidRequest, match="all poses have an orientation, or none"):
+        client.ik_batch({**asked, "poses": mixed})
+    slow = {"method": "lm", "params": {"restarts": 100_000}}
+    far = [{"position": [1.2, 0.0, 0.001 * k]} for k in range(100)]  # the solver has to try
+    with pytest.raises(BudgetExceeded):
+        client.ik_batch({"robot": "ur5", "poses": far, "ik": slow, "verdict": False, "budget_s": 1})
+
+
 @pytest.mark.parametrize("budget_s", [0, -1, 3601, "1"])
 def test_a_budget_that_is_none_is_refused_by_name(client, budget_s):
     with pytest.raises(InvalidRequest) as caught:

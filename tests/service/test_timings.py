@@ -154,7 +154,9 @@ def test_a_wrong_timing_has_one_verdict(
     body = io.TextIOWrapper(io.BytesIO(json.dumps(document).encode()))
     monkeypatch.setattr("sys.stdin", body)
     assert main(["time", "-"]) == (1 if isinstance(error, TimingFailed) else 2)
-    assert capsys.readouterr().err == (f"ikplan: {error.slug}: {' '.join(error.detail.split())}\n")
+    line, *repairs = capsys.readouterr().err.splitlines()
+    assert line == f"ikplan: {error.slug}: {' '.join(error.detail.split())}"
+    assert len(repairs) == (len(error.repairs) + 1 if error.data.get("repairs") else 0)
 
 
 @pytest.mark.parametrize(

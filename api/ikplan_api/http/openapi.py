@@ -12,7 +12,7 @@ from pydantic import BaseModel
 from pydantic.json_schema import models_json_schema
 
 from ikplan import errors
-from ikplan.documents.plan_request import FkRequest, IkRequest, PlanRequest
+from ikplan.documents.plan_request import FkRequest, IkBatchRequest, IkRequest, PlanRequest
 from ikplan.documents.scene import SceneUpload
 from ikplan.documents.timing_request import TimingRequest
 from ikplan.robots import RobotUpload
@@ -35,6 +35,7 @@ _REQUESTS: tuple[type[BaseModel], ...] = (
     PlanRequest,
     TimingRequest,
     IkRequest,
+    IkBatchRequest,
     FkRequest,
     RobotUpload,
     SceneUpload,

@@ -161,6 +161,7 @@ _DATA: dict[type[errors.IkplanError], dict[str, Any]] = {
         "position": (float | None, Field(description="Position along the path, 0..1.")),
         "joint": (str | None, Field(description="The joint.")),
         "limit": (str | None, Field(description="The limit that cannot be satisfied.")),
+        "repairs": _REPAIRS,
     },
     errors.BudgetExceeded: {
         "stage": (str, Field(description="The stage that was running.")),

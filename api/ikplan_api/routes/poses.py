@@ -6,8 +6,8 @@ from fastapi import APIRouter, Request, Response
 
 from ikplan import errors
 from ikplan.documents import parse_json
-from ikplan.documents.plan_request import FkRequest, IkRequest
-from ikplan.documents.pose_results import FkResult, IkSolution
+from ikplan.documents.plan_request import FkRequest, IkBatchRequest, IkRequest
+from ikplan.documents.pose_results import FkResult, IkBatchSolution, IkSolution
 from ikplan_api.http.body import read_body
 from ikplan_api.http.disconnect import while_connected
 from ikplan_api.http.openapi import problems, request_body
@@ -89,3 +89,37 @@ async def solve_ik(request: Request) -> Response:
     document = await _read(request)
     budget_s = parse_json(IkRequest, document).budget_s
     return await _answer(request, "ik", await with_stored_scene(request, document), budget_s)
+
+
+@router.post(
+    "/ik/batch",
+    summary="Solve inverse kinematics of many poses",
+    response_model=IkBatchSolution,
+    responses=problems(
+        errors.InvalidRequest,
+        errors.RobotNotFound,
+        errors.BudgetExceeded,
+        errors.MemoryExceeded,
+        errors.WorkerLost,
+        errors.ServiceUnavailable,
+    ),
+    openapi_extra=request_body(
+        IkBatchRequest,
+        {
+            "robot": "iiwa14",
+            "poses": [{"position": [0.5, 0.0, 0.5]}, {"position": [0.5, 0.1, 0.5]}],
+            "verdict": False,
+        },
+    ),
+)
+async def solve_ik_batch(request: Request) -> Response:
+    """Return joint values for many poses of one robot, each as `POST /v1/ik` finds them.
+
+    A pose without a solution is one of the answer, not an error. `"verdict": false` does without
+    the reasons, which cost most of the time. All poses have `budget_s` together.
+    """
+    settings: Settings = request.app.state.settings
+    document = await read_body(request, [_JSON], settings.max_body_bytes)
+    # A worker reads the document, and keeps to its budget.
+    document = await with_stored_scene(request, document)
+    return await _answer(request, "ik-batch", document, settings.max_budget_s)

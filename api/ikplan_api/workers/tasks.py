@@ -10,13 +10,14 @@ from typing import Any, NamedTuple, TypeVar
 
 from ikplan.documents import parse_json, write_json
 from ikplan.documents.base import Document
-from ikplan.documents.plan_request import FkRequest, IkRequest, PlanRequest
+from ikplan.documents.plan_request import FkRequest, IkBatchRequest, IkRequest, PlanRequest
 from ikplan.documents.timing_request import TimingRequest
 from ikplan.ik.registry import solvers
 from ikplan.pipeline import warm_up as kernels
 from ikplan.pipeline.forward_kinematics import fk_request
 from ikplan.pipeline.identity import UNKNOWN, KnownRequest, plan_id
 from ikplan.pipeline.plan import make_plan as planned
+from ikplan.pipeline.pose_batch.request import solve_ik_batch_request
 from ikplan.pipeline.poses import solve_ik_request
 from ikplan.pipeline.resolve import resolve_robot
 from ikplan.pipeline.retime import make_timing as timed
@@ -194,6 +195,14 @@ def answer_ik(task: TaskInput) -> TaskResult:
     return TaskResult(write_json(solved))
 
 
+def answer_ik_batch(task: TaskInput) -> TaskResult:
+    """Run the task of ``POST /v1/ik/batch``."""
+    request = parse_json(IkBatchRequest, task.document)
+    robot = task.robot_named(request.robot)
+    solved = solve_ik_batch_request(request, robot=robot, progress=task.progress)
+    return TaskResult(write_json(solved))
+
+
 def answer_fk(task: TaskInput) -> TaskResult:
     """Run the task of ``POST /v1/fk``."""
     task.begin("fk")
@@ -254,6 +263,7 @@ TASKS: dict[str, Callable[[TaskInput], TaskResult]] = {
     "plan": make_plan,
     "time": make_timing,
     "ik": answer_ik,
+    "ik-batch": answer_ik_batch,
     "fk": answer_fk,
     "identify-plan": functools.partial(_identify, "plan"),
     "identify-time": functools.partial(_identify, "time"),
@@ -302,6 +312,7 @@ def warm_up(methods: Sequence[str] = ("ik-ba", "lm")) -> None:
     kernels.warm_up(_running("fk"), "fk")
     for jerk in (False, True):
         kernels.warm_up(_running("time"), "time", jerk=jerk)
+    kernels.warm_up(_running("ik-batch"), "ik-batch", "lm")
     for method in methods:
         kernels.warm_up(_running("ik"), "ik", method)
         kernels.warm_up(_running("plan"), "plan", method, jerk=True, moves=True)

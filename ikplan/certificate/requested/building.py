@@ -139,6 +139,11 @@ class PathReader:
             curve_pieces(segment, *self._frame.frame(segment.frame))[0].end(0.0).p, R
         )
 
+    @property
+    def last_blend(self) -> float:
+        """Radius that the last segment asks for at its end [m]; 0: it names none."""
+        return (self._items[-1].blend or 0.0) if self._items else 0.0
+
     def path(self) -> tuple[RequestedPath, dict[int, float]]:
         """Return the path, and by row the radius of each rounded waypoint [m]."""
         items = _with_lead_in(self._items, self._begin.R, self._poses)

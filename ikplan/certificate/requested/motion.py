@@ -37,10 +37,15 @@ class ToolLeg:
     Attributes:
         path: The path.
         begin_row: Waypoint at which it begins; None: the begin of the motion.
+        begin_ball: Length of its begin that need not be followed, within the ball of that radius
+            about it, since a joint motion goes over into it there [m].
+        end_ball: The same of its end.
     """
 
     path: RequestedPath
     begin_row: int | None
+    begin_ball: float = 0.0
+    end_ball: float = 0.0
 
 
 @dataclass(frozen=True)

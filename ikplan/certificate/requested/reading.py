@@ -36,15 +36,19 @@ from ikplan.robots import Robot
 __all__ = ["read_motion"]
 
 
-def read_motion(robot: Robot, path: PathRequest, q_start: Array | None) -> RequestedMotion:
+def read_motion(
+    robot: Robot, path: PathRequest, q_start: Array | None, order: Sequence[int] | None = None
+) -> RequestedMotion:
     """Return what a path asks of a motion.
 
     Args:
         robot: The robot, with its tool.
         path: The path of the request.
         q_start: Joint values at the start, shape (dof,) [rad or m]; None: any.
+        order: Numbers of its waypoints or segments in the order in which they are passed; None:
+            as they are written.
     """
-    reader = _Reader(robot, path, q_start)
+    reader = _Reader(robot, path, q_start, order)
     if path.waypoints is not None:
         reader.waypoints()
     else:
@@ -55,8 +59,16 @@ def read_motion(robot: Robot, path: PathRequest, q_start: Array | None) -> Reque
 class _Reader:
     """Goes along a path."""
 
-    def __init__(self, robot: Robot, path: PathRequest, q_start: Array | None) -> None:
+    def __init__(
+        self,
+        robot: Robot,
+        path: PathRequest,
+        q_start: Array | None,
+        order: Sequence[int] | None,
+    ) -> None:
         self._robot, self._path = robot, path
+        parts = path.waypoints or path.segments or ()
+        self._order = tuple(range(len(parts)) if order is None else order)
         self._frame = PathFrame(path)
         self._at = None if q_start is None else self._pose_of(q_start)
         self._leaves = q_start is None or path.approach != "path"
@@ -66,6 +78,7 @@ class _Reader:
         self._last_rows: dict[str, int] = {}
         self._open: PathReader | None = None
         self._begin_row: int | None = None
+        self._ball = 0.0
 
     def motion(self) -> RequestedMotion:
         """What has been read."""
@@ -77,7 +90,8 @@ class _Reader:
     def waypoints(self) -> None:
         """Read plain waypoints."""
         path = self._path
-        poses = [self._frame.pose(waypoint) for waypoint in path.waypoints or ()]
+        poses = [self._frame.pose(w) for w in path.waypoints or ()]
+        poses = [poses[k] for k in self._order]
         if path.interpolation == "joint":
             for pose in poses:
                 self._joint_to(pose)
@@ -99,9 +113,10 @@ class _Reader:
                 self._go_to(begin)
             else:
                 self._tool().go_straight(begin, "path.begin")
-        for k, segment in enumerate(path.segments or ()):
-            field = f"path.segments[{k}]"
-            first = self._leaves and k == 0 and path.begin is None
+        segments = path.segments or ()
+        for position, k in enumerate(self._order):
+            segment, field = segments[k], f"path.segments[{k}]"
+            first = self._leaves and position == 0 and path.begin is None
             if isinstance(segment, JointSegment):
                 self._joint_segment(segment, field)
             elif isinstance(segment, MoveSegment):
@@ -130,12 +145,13 @@ class _Reader:
         self._tool().curve(segment, field, not first)
 
     def _joint_segment(self, segment: JointSegment, field: str) -> None:
-        self._close()
+        self._close(joint_after=True)
         begin = len(self._rows) - 1 if self._rows else None
         if segment.q is not None:
             self._end_joints(self._joint_values(segment.q))
         elif segment.to is not None:
             self._joint_to(self._frame.pose(segment.to))
+        self._ball = segment.blend or 0.0
         self._joint_segments.append(JointSegmentRange(field, begin, len(self._rows) - 1))
 
     def _move(self, segment: MoveSegment, field: str) -> None:
@@ -184,19 +200,29 @@ class _Reader:
             if self._at is None:
                 raise TypeError("a tool path begins at a pose: the planner refuses others")
             self._open = self._reader(self._at)
+            if self._ball > 0.0 and self._begin_row is not None:
+                self._passed_within(self._begin_row, self._ball)
         return self._open
 
     def _reader(self, begin: RequestedPose) -> PathReader:
         return PathReader(self._frame, begin, self._new_row, self._path.blend or 0.0)
 
-    def _close(self) -> None:
+    def _close(self, *, joint_after: bool = False) -> None:
         if self._open is None:
             return
         path, balls = self._open.path()
         for row, radius in balls.items():
-            self._rows[row] = replace(self._rows[row], ball=radius)
-        self._legs.append(ToolLeg(path, self._begin_row))
+            self._passed_within(row, radius)
+        end_ball = self._open.last_blend if joint_after else 0.0
+        self._legs.append(ToolLeg(path, self._begin_row, self._ball, end_ball))
         self._at, self._open, self._begin_row = self._open.at, None, len(self._rows) - 1
+        if end_ball > 0.0:
+            self._passed_within(self._begin_row, end_ball)
+        self._ball = 0.0
+
+    def _passed_within(self, row: int, radius: float) -> None:
+        """Let a waypoint be passed within a ball: its corner is rounded."""
+        self._rows[row] = replace(self._rows[row], ball=radius, q=None)
 
     def _new_row(self, pose: RequestedPose) -> int:
         return self._row(_waypoint(pose))

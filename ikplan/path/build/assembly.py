@@ -30,6 +30,8 @@ def assemble(
     items: Sequence[PathItem],
     blend: float,
     rounding: CornerTolerance | None = None,
+    *,
+    joint_after: bool = False,
 ) -> ToolPath:
     """Join items to a path.
 
@@ -39,6 +41,7 @@ def assemble(
         items: The items in order, joined end to end.
         blend: Radius of the corners that have none of their own [m].
         rounding: How much those corners may be rounded instead; None: not at all.
+        joint_after: Whether there is a corner at its end, to a joint motion.
 
     Raises:
         InvalidRequest: A blend does not fit, or there is no corner for it.
@@ -63,7 +66,7 @@ def assemble(
         smooth = smooth_runs(kept, junctions, rounding)
         if len(smooth) != len(kept) or any(a is not b for a, b in zip(smooth, kept, strict=True)):
             kept, junctions = smooth, Junctions.between(smooth)
-    radii = blend_radii(kept, junctions, blend)
+    radii = blend_radii(kept, junctions, blend, joint_after=joint_after)
     blends = [
         blend_corner(a.piece, b.piece, radius) if radius > 0.0 else None
         for (a, b), radius in zip(pairwise(kept), radii, strict=True)

@@ -207,15 +207,25 @@ class PathBuilder:
             R = self._at.R
         return Pose(R, pieces[0].evaluate(np.zeros(1)).p[0])
 
-    def finish(self) -> ToolPath:
+    @property
+    def last_blend(self) -> float | None:
+        """Radius that the last segment asks for at its end [m]; None: it names none."""
+        return self._items[-1].blend if self._items else None
+
+    def finish(self, *, joint_after: bool = False) -> ToolPath:
         """Return the path.
+
+        Args:
+            joint_after: Whether a joint motion follows, so that there is a corner at its end.
 
         Raises:
             InvalidRequest: A corner cannot be blended, or a free part leads to an orientation
                 180 degrees away.
         """
         items = lead_in_orientations(self._items, self._begin, self._first_name, self._free_axis)
-        return assemble(self._begin, self._first, items, self._blend, self._rounding)
+        return assemble(
+            self._begin, self._first, items, self._blend, self._rounding, joint_after=joint_after
+        )
 
     def _turn_to(
         self, R1: Array | None, name: str, field: str, turn_axis: Array | None

@@ -66,7 +66,9 @@ class Junctions(NamedTuple):
         )
 
 
-def blend_radii(items: Sequence[PathItem], junctions: Junctions, default: float) -> list[float]:
+def blend_radii(
+    items: Sequence[PathItem], junctions: Junctions, default: float, *, joint_after: bool = False
+) -> list[float]:
     """Return the radius within which each junction is rounded [m]; 0: not at all.
 
     Args:
@@ -74,6 +76,7 @@ def blend_radii(items: Sequence[PathItem], junctions: Junctions, default: float)
         junctions: The junctions between them.
         default: Radius of the corners that have none of their own [m]. Junctions that are no
             corners, turn back or belong to a turn on the spot are then left as they are.
+        joint_after: Whether there is a corner at the end, to a joint motion.
 
     Raises:
         InvalidRequest: A radius does not fit, a corner cannot be rounded, or there is none.
@@ -81,7 +84,7 @@ def blend_radii(items: Sequence[PathItem], junctions: Junctions, default: float)
     radii = [_radius(item, junctions, k, default) for k, item in enumerate(items[:-1])]
     last = items[-1]
     same = [r for item, r in zip(items, radii, strict=False) if item.field == last.field]
-    if last.blend and not any(same):
+    if last.blend and not any(same) and not joint_after:
         raise InvalidRequest(
             f"{last.field}.blend: there is no corner: the tool's path ends there",
             field=f"{last.field}.blend",

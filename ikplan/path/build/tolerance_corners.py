@@ -16,12 +16,11 @@ from ikplan.path.build.items import PathItem
 from ikplan.path.pieces.blend import Blend, blend_corner
 from ikplan.path.pieces.piece import PathDerivatives, Piece, dot
 from ikplan.path.rotation.so3 import angle_between
+from ikplan.path.tolerance_shares import ROUNDING
 
 __all__ = ["MIDDLE", "CornerTolerance", "Rounding", "may_round", "rounded_corners"]
 
 
-_SHARE = 0.4
-"""Share of the tolerance that a rounded corner takes: the joint spline takes half of it."""
 MIDDLE = 3.0 / 16.0
 """A quintic between lines passes its corner at this share of ``reach |b - a|``."""
 _SHORTER = 0.7
@@ -63,8 +62,8 @@ class CornerTolerance:
         if box is not None and box.frame == "tool":
             lever = float(np.linalg.norm(box.position))
         return cls(
-            _SHARE * tolerance.position,
-            _SHARE * tolerance.orientation,
+            ROUNDING * tolerance.position,
+            ROUNDING * tolerance.orientation,
             lever,
             rounding == "slight",
         )

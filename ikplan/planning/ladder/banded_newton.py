@@ -10,6 +10,7 @@ import numpy as np
 from ikplan._jit import kernel
 from ikplan.arrays import Array, Flags, Indices
 from ikplan.planning.ladder.banded_cholesky import solve_banded
+from ikplan.planning.ladder.motion_cost import MotionCost
 from ikplan.planning.ladder.null_space import null_space_basis
 
 __all__ = ["newton_step"]
@@ -26,6 +27,9 @@ _SETS = 10
 def _assemble(
     u: Array,
     length: Array,
+    aside: Array,
+    away: Array,
+    cost: MotionCost,
     basis: Array,
     rank: Indices,
     place: Indices,
@@ -34,8 +38,9 @@ def _assemble(
 ) -> tuple[Array, Array, int]:
     """Return the band of a Newton step's matrix, its right-hand side and the width of the band.
 
-    The matrix is the Hessian of the lengths in the tangent spaces: blocks (I - u u^T) / length,
-    seen from both ends of a step.
+    The matrix is the Hessian of the lengths in the tangent spaces: blocks
+    W (I - u u^T) W / length, seen from both ends of a step; and those of the ways from the
+    preferred ranges, in which a joint inside its range has no part.
     """
     n, dof = u.shape
     widest = 0
@@ -44,12 +49,28 @@ def _assemble(
         widest = max(widest, rank[k])
     size, width = int(place[n]), max(2 * widest - 1, 0)
     A, b = np.zeros((size, width + 1)), np.zeros(size)
+    weights, pull = cost.weights, cost.pull / n
     for k in range(n):
         for i in range(rank[k]):
             v = basis[k, i]
             at = place[k] + i
             for d in range(dof):
-                b[at] -= v[d] * (u[k, d] - (u[k + 1, d] if k + 1 < n else 0.0))
+                b[at] -= weights[d] * v[d] * (u[k, d] - (u[k + 1, d] if k + 1 < n else 0.0))
+            if pull > 0.0 and away[k] > 0.0:
+                h = pull / max(away[k], 1e-6)
+                along = 0.0
+                for d in range(dof):
+                    b[at] -= pull * weights[d] * v[d] * aside[k, d]
+                    along += weights[d] * v[d] * aside[k, d]
+                for d in range(dof):
+                    row[d] = 0.0
+                    if aside[k, d] != 0.0:
+                        row[d] = h * weights[d] * (weights[d] * v[d] - along * aside[k, d])
+                for j in range(i + 1):
+                    dot = 0.0
+                    for d in range(dof):
+                        dot += row[d] * basis[k, j, d]
+                    A[at, width - (i - j)] += dot
             for side in range(2):
                 m = k + side
                 if m >= n:
@@ -57,9 +78,9 @@ def _assemble(
                 h = 1.0 / max(length[m], 1e-6)
                 along = 0.0
                 for d in range(dof):
-                    along += v[d] * u[m, d]
+                    along += weights[d] * v[d] * u[m, d]
                 for d in range(dof):
-                    row[d] = h * (v[d] - along * u[m, d])
+                    row[d] = h * weights[d] * (weights[d] * v[d] - along * u[m, d])
                 for j in range(i + 1):
                     dot = 0.0
                     for d in range(dof):
@@ -87,14 +108,14 @@ def _moves(basis: Array, step: Array, rank: Indices, place: Indices, moves: Arra
 
 
 @kernel
-def _turned_directions(u: Array, length: Array, moves: Array, out: Array) -> None:
+def _turned_directions(u: Array, length: Array, weights: Array, moves: Array, out: Array) -> None:
     """Write the directions of the steps after the moves, to first order, shape (n, dof)."""
     n, dof = u.shape
     change = np.empty(dof)
     for k in range(n):
         along = 0.0
         for d in range(dof):
-            change[d] = moves[k, d] - (moves[k - 1, d] if k > 0 else 0.0)
+            change[d] = weights[d] * (moves[k, d] - (moves[k - 1, d] if k > 0 else 0.0))
             along += u[k, d] * change[d]
         h = 1.0 / max(length[k], 1e-6)
         for d in range(dof):
@@ -102,14 +123,18 @@ def _turned_directions(u: Array, length: Array, moves: Array, out: Array) -> Non
 
 
 @kernel
-def _descent(u: Array, k: int, basis: Array, rank: int, out: Array) -> None:
+def _descent(
+    u: Array, aside: Array, cost: MotionCost, k: int, basis: Array, rank: int, out: Array
+) -> None:
     """Write the steepest descent of waypoint k alone in the span of a basis, shape (dof,)."""
     n, dof = u.shape
+    weights, pull = cost.weights, cost.pull / n
     out[:] = 0.0
     for i in range(rank):
         along = 0.0
         for d in range(dof):
-            along -= basis[i, d] * (u[k, d] - (u[k + 1, d] if k + 1 < n else 0.0))
+            slope = u[k, d] - (u[k + 1, d] if k + 1 < n else 0.0) + pull * aside[k, d]
+            along -= weights[d] * basis[i, d] * slope
         for d in range(dof):
             out[d] += along * basis[i, d]
 
@@ -118,10 +143,13 @@ def _descent(u: Array, k: int, basis: Array, rank: int, out: Array) -> None:
 def newton_step(
     u: Array,
     length: Array,
+    aside: Array,
+    away: Array,
     q: Array,
     Jt: Array,
     lower: Array,
     upper: Array,
+    cost: MotionCost,
     damping: float,
     basis: Array,
     rank: Indices,
@@ -138,10 +166,13 @@ def newton_step(
     Args:
         u: Directions of the steps into each waypoint, shape (n, dof).
         length: Their lengths, inf for a step that does not count, shape (n,) [rad or m].
+        aside: Directions of the ways from the preferred ranges, shape (n, dof).
+        away: Their lengths, shape (n,) [rad or m].
         q: The waypoints' configurations, shape (n, dof) [rad or m].
         Jt: Transposed Jacobians of the targets' errors, shape (n, dof, 6).
         lower: Lower position limits, shape (dof,) [rad or m].
         upper: Upper position limits, shape (dof,) [rad or m].
+        cost: What the motion costs.
         damping: Added to the Hessian's diagonal.
         basis: Out: a basis of each waypoint's tangent space, shape (n, dof, dof).
         rank: Out: their dimensions, shape (n,).
@@ -155,7 +186,7 @@ def newton_step(
     row, free, none = np.empty(dof), np.empty((dof, dof)), np.zeros(dof, dtype=np.bool_)
     moves, after = np.empty((n, dof)), np.empty((n, dof))
     for _ in range(_SETS):
-        A, b, width = _assemble(u, length, basis, rank, place, damping, row)
+        A, b, width = _assemble(u, length, aside, away, cost, basis, rank, place, damping, row)
         if not solve_banded(A, b, b.shape[0], width):
             return False, b
         _moves(basis, b, rank, place, moves)
@@ -173,10 +204,11 @@ def newton_step(
                         renewed = True
                     continue
                 if not known:
-                    _turned_directions(u, length, moves, after)
+                    _turned_directions(u, length, cost.weights, moves, after)
                     known = True
                 if not descended:
-                    _descent(after, k, free, null_space_basis(Jt[k], none, free), row)
+                    rank_free = null_space_basis(Jt[k], none, free)
+                    _descent(after, aside, cost, k, free, rank_free, row)
                     descended = True
                 if (low and row[d] > 1e-9) or (high and row[d] < -1e-9):
                     fixed[k, d] = False
@@ -187,6 +219,6 @@ def newton_step(
         if not changed:
             break
     if changed:  # the bases are no longer those of the step
-        A, b, width = _assemble(u, length, basis, rank, place, damping, row)
+        A, b, width = _assemble(u, length, aside, away, cost, basis, rank, place, damping, row)
         return solve_banded(A, b, b.shape[0], width), b
     return True, b

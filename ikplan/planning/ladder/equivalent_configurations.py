@@ -15,6 +15,7 @@ from ikplan._jit import kernel
 from ikplan.arrays import Array, Flags, Indices
 from ikplan.kinematics.arm import Arm
 from ikplan.kinematics.chain import Chain
+from ikplan.planning.ladder.motion_cost import MotionCost, posture_distance
 
 __all__ = [
     "equivalents_of",
@@ -109,6 +110,7 @@ def shortest_over_equivalents(
     turns: Flags,
     lower: Array,
     upper: Array,
+    cost_of: MotionCost,
     known: Array,
     known_length: float,
 ) -> Array:
@@ -117,19 +119,21 @@ def shortest_over_equivalents(
     Args:
         q: Solutions of each waypoint, shape (n, cap, dof) [rad or m].
         counts: How many each waypoint has, shape (n,).
-        to_go: Lower bound of the motion from each to the end, shape (n, cap) [rad or m].
+        to_go: Lower bound of the cost from each to the end, shape (n, cap) [rad or m].
         q_start: The start, shape (dof,) [rad or m].
         start_free: Whether the motion may begin anywhere.
         turns: Joints with copies, shape (dof,).
         lower: Lower position limits, shape (dof,) [rad or m].
         upper: Upper position limits, shape (dof,) [rad or m].
+        cost_of: What a path costs.
         known: A path, shape (n, dof): returned where there is none shorter.
-        known_length: Its joint motion [rad or m].
+        known_length: Its cost [rad or m].
 
     Returns:
         The path, shape (n, dof) [rad or m].
     """
     n, cap, dof = q.shape
+    weights, pull, here_q = cost_of.weights, cost_of.pull / n, np.empty(dof)
     first, number = np.empty((cap, dof)), np.ones((cap, dof), dtype=np.int64)
     choice, key, part = np.empty(dof, np.int64), np.zeros(dof + 1, np.int64), np.zeros(dof + 1)
     kept_q, kept_parent = np.empty((64, dof)), np.empty(64, dtype=np.int64)
@@ -159,9 +163,10 @@ def shortest_over_equivalents(
                     value = first[j, d] + _TURN * choice[d]
                     if turns[d] and number[j, d] == 1:
                         value = nearest_equivalent(value, q_before[i, d], lower[d], upper[d])
-                    part[d + 1] = part[d] + (value - q_before[i, d]) ** 2
+                    part[d + 1] = part[d] + (weights[d] * (value - q_before[i, d])) ** 2
                     if part[d + 1] > room * room:
                         continue
+                    here_q[d] = value
                     key[d + 1] = key[d] * number[j, d] + choice[d]
                     if d + 1 < dof:
                         d += 1
@@ -170,6 +175,8 @@ def shortest_over_equivalents(
                     total = cost_before[i]
                     if k > 0 or not start_free:
                         total += math.sqrt(part[dof])
+                    if pull > 0.0:
+                        total += pull * posture_distance(here_q, cost_of)
                     if total < cost[j, key[dof]]:
                         cost[j, key[dof]] = total
                         parent[j, key[dof]] = i

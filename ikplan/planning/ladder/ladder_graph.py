@@ -19,18 +19,25 @@ from ikplan.planning.ladder.equivalent_configurations import (
     shortest_over_equivalents,
 )
 from ikplan.planning.ladder.ik_candidates import IkCandidates
-from ikplan.planning.ladder.joint_length import joint_path_length
+from ikplan.planning.ladder.motion_cost import (
+    MotionCost,
+    posture_distance,
+    sequence_cost,
+    turned_posture_distance,
+)
 
 __all__ = ["diverse_shortest_paths"]
 
 
 @kernel
-def _step_to(q: Array, q_before: Array, turns: Flags, lower: Array, upper: Array) -> float:
-    """Return the distance to q, each joint at its copy nearest to where it is."""
+def _step_to(
+    q: Array, q_before: Array, turns: Flags, lower: Array, upper: Array, weights: Array
+) -> float:
+    """Return the weighted distance to q, each joint at its copy nearest to where it is."""
     total = 0.0
     for d in range(q.shape[0]):
         value = nearest_equivalent(q[d], q_before[d], lower[d], upper[d]) if turns[d] else q[d]
-        total += (value - q_before[d]) ** 2
+        total += (weights[d] * (value - q_before[d])) ** 2
     return math.sqrt(total)
 
 
@@ -51,8 +58,9 @@ def _cost_to_come(
     turns: Flags,
     lower: Array,
     upper: Array,
+    cost_of: MotionCost,
 ) -> tuple[Array, Indices, Array]:
-    """Least joint motion from the start to every candidate, and the candidate before it there.
+    """Least cost from the start to every candidate, and the candidate before it there.
 
     Turns are chosen as the motion goes: each joint goes to the copy nearest to where the motion has
     brought it.
@@ -62,6 +70,7 @@ def _cost_to_come(
         candidates turned as they are reached, shape (n, cap, dof).
     """
     n, cap, _ = candidates.q.shape
+    weights, pull = cost_of.weights, cost_of.pull / n
     cost = np.full((n, cap), np.inf)
     parent = np.zeros((n, cap), dtype=np.int64)
     reached = candidates.q.copy()
@@ -69,45 +78,58 @@ def _cost_to_come(
         if start_free:
             cost[0, j] = 0.0
         else:
-            cost[0, j] = _step_to(candidates.q[0, j], q_start, turns, lower, upper)
+            cost[0, j] = _step_to(candidates.q[0, j], q_start, turns, lower, upper, weights)
             _nearest_equivalent_into(
                 candidates.q[0, j], q_start, turns, lower, upper, reached[0, j]
             )
+        if pull > 0.0:
+            cost[0, j] += pull * posture_distance(reached[0, j], cost_of)
     for k in range(1, n):
         for j in range(candidates.counts[k]):
             q = candidates.q[k, j]
             for i in range(candidates.counts[k - 1]):
                 if cost[k - 1, i] < cost[k, j]:
-                    total = cost[k - 1, i] + _step_to(q, reached[k - 1, i], turns, lower, upper)
+                    before = reached[k - 1, i]
+                    total = cost[k - 1, i] + _step_to(q, before, turns, lower, upper, weights)
                     if total < cost[k, j]:
                         cost[k, j] = total
                         parent[k, j] = i
             _nearest_equivalent_into(
                 q, reached[k - 1, parent[k, j]], turns, lower, upper, reached[k, j]
             )
+            if pull > 0.0:
+                cost[k, j] += pull * posture_distance(reached[k, j], cost_of)
     return cost, parent, reached
 
 
 @kernel
-def _cost_to_go(candidates: IkCandidates, turns: Flags) -> tuple[Array, Indices]:
-    """Least joint motion from every candidate to the end, and the candidate after it there.
+def _cost_to_go(
+    candidates: IkCandidates, turns: Flags, cost_of: MotionCost
+) -> tuple[Array, Indices]:
+    """Least cost from every candidate to the end, and the candidate after it there.
 
     As if no limit stood in the way of a turn: where the motion will have brought a joint by then
     is not known yet.
     """
     n, cap, _ = candidates.q.shape
+    weights, pull = cost_of.weights, cost_of.pull / n
     cost = np.full((n, cap), np.inf)
+    own = np.zeros(cap)
     child = np.zeros((n, cap), dtype=np.int64)
     for j in range(candidates.counts[n - 1]):
         cost[n - 1, j] = 0.0
     endless = np.full(turns.shape[0], np.inf)
     for back in range(n - 1):
         k = n - 2 - back
+        if pull > 0.0:
+            for i in range(candidates.counts[k + 1]):
+                own[i] = pull * turned_posture_distance(candidates.q[k + 1, i], turns, cost_of)
         for j in range(candidates.counts[k]):
             q = candidates.q[k, j]
             for i in range(candidates.counts[k + 1]):
                 if cost[k + 1, i] < cost[k, j]:
-                    step = _step_to(candidates.q[k + 1, i], q, turns, -endless, endless)
+                    after = candidates.q[k + 1, i]
+                    step = _step_to(after, q, turns, -endless, endless, weights) + own[i]
                     if cost[k + 1, i] + step < cost[k, j]:
                         cost[k, j] = cost[k + 1, i] + step
                         child[k, j] = i
@@ -122,6 +144,7 @@ def diverse_shortest_paths(
     start_free: bool,
     lower: Array,
     upper: Array,
+    cost: MotionCost,
     max_paths: int,
     min_separation: float,
     relative_slack: float,
@@ -138,6 +161,7 @@ def diverse_shortest_paths(
         start_free: Whether the motion may begin at any candidate of the first waypoint.
         lower: Lower position limits, -inf for a joint without, shape (dof,) [rad or m].
         upper: Upper position limits, inf for a joint without, shape (dof,) [rad or m].
+        cost: What a path costs.
         max_paths: Most paths to return.
         min_separation: Paths differ when some joint is this far apart at some waypoint [rad or m].
         relative_slack: Paths longer than (1 + relative_slack) times the shortest are left out.
@@ -147,8 +171,10 @@ def diverse_shortest_paths(
     """
     n, cap, dof = candidates.q.shape
     turns = joints_with_full_turn(chain, lower, upper)
-    to_come, parent, reached = _cost_to_come(candidates, q_start, start_free, turns, lower, upper)
-    to_go, child = _cost_to_go(candidates, turns)
+    to_come, parent, reached = _cost_to_come(
+        candidates, q_start, start_free, turns, lower, upper, cost
+    )
+    to_go, child = _cost_to_go(candidates, turns, cost)
     through = (to_come + to_go).reshape(n * cap)
     order = np.argsort(through, kind="mergesort")
     paths = np.empty((max_paths, n, dof))
@@ -174,11 +200,11 @@ def diverse_shortest_paths(
     if _has_equivalents(turns, lower, upper):
         best, length = 0, np.inf
         for i in range(found):
-            total = joint_path_length(paths[i], q_start, start_free)
+            total = sequence_cost(paths[i], q_start, start_free, cost)
             if total < length:
                 best, length = i, total
         shortest = shortest_over_equivalents(
-            candidates.q, candidates.counts, to_go, q_start, start_free, turns, lower, upper,
+            candidates.q, candidates.counts, to_go, q_start, start_free, turns, lower, upper, cost,
             paths[best].copy(), length * (1.0 + 1e-12)
         )  # fmt: skip
         for i in range(best):

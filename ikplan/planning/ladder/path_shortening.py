@@ -1,6 +1,7 @@
 """Path shortening: every waypoint slides on its own solution set, all of them together.
 
-Minimises sum ||q_k - q_k-1|| subject to every target and the limits, by Newton steps in the tangent
+Minimises sum ||W (q_k - q_k-1)||, and the mean distance from a posture where one is preferred,
+subject to every target and the limits, by Newton steps in the tangent
 spaces of the solution sets. The Hessian is block tridiagonal, so that a step costs time linear in
 the number of waypoints.
 """
@@ -25,19 +26,21 @@ from ikplan.kinematics.chain import Chain
 from ikplan.kinematics.target import Target
 from ikplan.planning.ladder.banded_newton import newton_step
 from ikplan.planning.ladder.ik_candidates import Targets, target_at
-from ikplan.planning.ladder.joint_length import joint_path_length
+from ikplan.planning.ladder.motion_cost import MotionCost, posture_distance, sequence_cost
 
 __all__ = ["shorten_sequence"]
 
 
 @kernel
-def _directions(q: Array, q_start: Array, start_free: bool, u: Array, length: Array) -> None:
-    """Write the direction and the length of the step into each waypoint."""
+def _directions(
+    q: Array, q_start: Array, start_free: bool, weights: Array, u: Array, length: Array
+) -> None:
+    """Write the direction and the length of the weighted step into each waypoint."""
     for k in range(q.shape[0]):
         total = 0.0
         for d in range(q.shape[1]):
             before = q_start[d] if k == 0 else q[k - 1, d]
-            u[k, d] = q[k, d] - before
+            u[k, d] = weights[d] * (q[k, d] - before)
             total += u[k, d] ** 2
         length[k] = math.sqrt(total)
         if k == 0 and start_free:
@@ -45,6 +48,17 @@ def _directions(q: Array, q_start: Array, start_free: bool, u: Array, length: Ar
         scale = 1.0 / length[k] if length[k] > 1e-12 else 0.0
         for d in range(q.shape[1]):
             u[k, d] *= scale
+
+
+@kernel
+def _postures(q: Array, cost: MotionCost, u: Array, length: Array) -> None:
+    """Write the direction and the length of each waypoint's way from the preferred ranges."""
+    for k in range(q.shape[0]):
+        length[k] = posture_distance(q[k], cost)
+        scale = 1.0 / length[k] if length[k] > 1e-12 else 0.0
+        for d in range(q.shape[1]):
+            outside = max(q[k, d] - cost.upper[d], 0.0) - max(cost.lower[d] - q[k, d], 0.0)
+            u[k, d] = scale * cost.weights[d] * outside
 
 
 @kernel
@@ -89,10 +103,11 @@ def shorten_sequence(
     start_free: bool,
     lower: Array,
     upper: Array,
+    cost: MotionCost,
     iterations: int,
     tolerance: float,
 ) -> tuple[float, int]:
-    """Shorten the joint motion through the targets, in place, to a local minimum.
+    """Lower the cost of the motion through the targets, in place, to a local minimum.
 
     Args:
         chain: The chain from base to tool.
@@ -102,11 +117,12 @@ def shorten_sequence(
         start_free: Whether the motion begins at the first waypoint.
         lower: Lower bounds, shape (dof,) [rad or m].
         upper: Upper bounds, shape (dof,) [rad or m].
+        cost: What the motion costs.
         iterations: Largest number of Newton steps.
         tolerance: Relative gain below which it ends.
 
     Returns:
-        Sum of the joint distances [rad or m] and evaluations spent.
+        Cost [rad or m] and evaluations spent.
     """
     n, dof = q.shape
     w: Workspace = new_workspace(chain)
@@ -118,17 +134,22 @@ def shorten_sequence(
         np.empty((n, dof, 6)),
         np.empty((n, dof)),
     )
-    best = joint_path_length(q, q_start, start_free)
+    aside, away = np.zeros((n, dof)), np.zeros(n)
+    best = sequence_cost(q, q_start, start_free, cost)
     evaluations = 0
     damping = 1e-3
     for _ in range(iterations):
-        _directions(q, q_start, start_free, u, length)
+        _directions(q, q_start, start_free, cost.weights, u, length)
+        if cost.pull > 0.0:
+            _postures(q, cost, aside, away)
         for k in range(n):
             residual(chain, target_at(targets, k), q[k], w.e, w)
             differentiate(chain, target_at(targets, k), w)
             Jt[k] = w.Jt
         evaluations += n
-        regular, b = newton_step(u, length, q, Jt, lower, upper, damping, basis, rank, place, fixed)
+        regular, b = newton_step(
+            u, length, aside, away, q, Jt, lower, upper, cost, damping, basis, rank, place, fixed
+        )
         if b.shape[0] == 0:
             break
         if not regular:
@@ -149,7 +170,7 @@ def shorten_sequence(
                     chain, target_at(targets, k), q[k], basis[k], b[place[k] : place[k + 1]],
                     scale, lower, upper, trial[k], w
                 )  # fmt: skip
-            total = joint_path_length(trial, q_start, start_free)
+            total = sequence_cost(trial, q_start, start_free, cost)
             if total < best:
                 gained = best - total > tolerance * best
                 best = total

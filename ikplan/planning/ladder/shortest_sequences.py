@@ -10,6 +10,7 @@ from ikplan.arrays import Array
 from ikplan.kinematics.arm import Arm
 from ikplan.planning.ladder.ik_candidates import IkCandidates, Targets, sample_ik_solutions
 from ikplan.planning.ladder.ladder_graph import diverse_shortest_paths
+from ikplan.planning.ladder.motion_cost import MotionCost
 from ikplan.planning.ladder.path_shortening import shorten_sequence
 from ikplan.time_budget import TimeBudget
 
@@ -71,6 +72,7 @@ def shortened_sequences(
     candidates: IkCandidates,
     q_start: Array,
     start_free: bool,
+    cost: MotionCost,
     clock: TimeBudget,
 ) -> Iterator[tuple[float, Array]]:
     """Yield the shortest paths over the candidates that really differ, each shortened.
@@ -81,17 +83,18 @@ def shortened_sequences(
         candidates: Solutions of each, one at least.
         q_start: Where the arm is, shape (dof,) [rad or m].
         start_free: Whether the motion begins at the first target.
+        cost: What a sequence costs.
         clock: Counts the evaluations.
 
     Yields:
-        Joint motion [rad or m] and configurations, shape (n, dof).
+        Cost [rad or m] and configurations, shape (n, dof).
     """
     lower, upper = arm.lower, arm.upper
     for q in diverse_shortest_paths(
-        arm.chain, candidates, q_start, start_free, lower, upper, _PATHS, 0.6, 0.1
+        arm.chain, candidates, q_start, start_free, lower, upper, cost, _PATHS, 0.6, 0.1
     ):
         length, spent = shorten_sequence(
-            arm.chain, targets, q, q_start, start_free, lower, upper, 60, 1e-5
+            arm.chain, targets, q, q_start, start_free, lower, upper, cost, 60, 1e-5
         )
         clock.count(spent)
         yield length, q

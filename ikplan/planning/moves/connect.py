@@ -15,10 +15,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ikplan._jit import kernel
+from ikplan._jit import kernel, leaf_kernel
 from ikplan.arrays import Array, Flags, Indices
 from ikplan.collision.bodies import Bodies
-from ikplan.collision.motion import motion_contact
+from ikplan.collision.motion import motion_free
 from ikplan.collision.scratch import Scratch
 from ikplan.kinematics.chain import Chain
 
@@ -27,9 +27,9 @@ __all__ = ["CUT", "SearchSpace", "connect", "is_free"]
 
 CUT = -1
 """What stands for the samples drawn where a search was ended."""
-_RANGE = 1.0
+_RANGE = 0.5
 """Longest extension, in the metric of the search."""
-_DOMAIN, _SMALLEST_DOMAIN, _DOMAIN_RATE = 4.0, 1.0, 1e-4
+_DOMAIN, _SMALLEST_DOMAIN, _DOMAIN_RATE = 3.0, 0.7, 1e-4
 """First domain of a node whose extension fails, the smallest, and by how much it changes."""
 _WITH_DOMAINS = 5000
 """Iterations of the search with domains."""
@@ -71,7 +71,7 @@ class _Tree(NamedTuple):
     domain: Array
 
 
-@kernel
+@leaf_kernel
 def _nearest(tree: _Tree, count: int, q: Array, weight: Array) -> tuple[int, float]:
     """Return the node nearest to q, and its distance."""
     best, at = math.inf, 0
@@ -87,11 +87,10 @@ def _nearest(tree: _Tree, count: int, q: Array, weight: Array) -> tuple[int, flo
     return at, math.sqrt(best)
 
 
-@kernel
+@leaf_kernel
 def is_free(space: SearchSpace, a: Array, b: Array, w: Scratch) -> bool:
     """Whether the straight motion from a to b is proven to be free."""
-    row, _ = motion_contact(space.chain, space.bodies, space.active, space.margin, a, b, w)
-    return row < 0
+    return motion_free(space.chain, space.bodies, space.active, space.margin, a, b, w)
 
 
 @kernel

@@ -7,24 +7,25 @@ from dataclasses import dataclass
 import numpy as np
 
 from ikplan.arrays import Array
-from ikplan.collision.check import ContactCheck
 from ikplan.documents.trajectory import MoveReport
-from ikplan.errors import InCollision, Unreachable
+from ikplan.errors import Disconnected, InCollision, InvalidRequest, Unreachable
 from ikplan.ik.arguments import check_start
 from ikplan.kinematics.target import Target, pose_target
 from ikplan.path import JointWaypoint, MoveLeg
 from ikplan.planning.joint_route import JointPathProblem
+from ikplan.planning.ladder.motion_cost import posture_distances
+from ikplan.planning.moves.piece_check import piece_check
+from ikplan.planning.moves.region.tool_region import ToolRegion, tool_region
+from ikplan.planning.moves.region.way import inside
 from ikplan.planning.moves.rounding import round_way
-from ikplan.planning.moves.way import DEFAULT_EFFORT, Way, find_way
+from ikplan.planning.moves.search import way_of
+from ikplan.planning.moves.way import DEFAULT_EFFORT, Way
 from ikplan.planning.segment_number import segment_number
 from ikplan.planning.waypoints.ik_branches import branches
 from ikplan.planning.waypoints.in_collision import in_collision
 from ikplan.planning.waypoints.waypoint_problem import WaypointProblem
 
 __all__ = ["MoveGoals", "MovePlanner", "PlannedMove"]
-
-_WATCHED = 10**9
-"""Longer than any search that no thread need watch: a search of moves is always watched."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,10 +76,14 @@ class MovePlanner:
             problems: The problem of each of its targets.
 
         Raises:
-            InvalidRequest: Joint values are outside their limits.
+            InvalidRequest: Joint values are outside their limits, or the goals outside the
+                region of the move.
             InCollision: No target is free: of the first one in contact.
             Unreachable: No target is reachable: of the first.
         """
+        if leg.name in self._problem.ends:
+            q, target = self._problem.ends[leg.name]
+            return MoveGoals(q[None].copy(), [target])
         rows: list[Array] = []
         targets: list[Target] = []
         refused: InCollision | Unreachable | None = None
@@ -101,7 +106,25 @@ class MovePlanner:
             targets += [target] * len(found)
         if refused is not None and not rows:
             raise refused
-        return MoveGoals(np.concatenate(rows), targets)
+        goals = MoveGoals(np.concatenate(rows), targets)
+        return goals if leg.within is None else self._within(leg, goals)
+
+    def _within(self, leg: MoveLeg, goals: MoveGoals) -> MoveGoals:
+        """Those of goals at which the tool is where it is to stay."""
+        region = self.region(leg)
+        assert region is not None
+        kept = inside(region, goals.q)
+        if not kept.any():
+            raise _outside(leg, "no goal is")
+        targets = [target for target, keep in zip(goals.targets, kept, strict=True) if keep]
+        return MoveGoals(np.ascontiguousarray(goals.q[kept]), targets)
+
+    def region(self, leg: MoveLeg) -> ToolRegion | None:
+        """Return where the tool stays on a move; None: anywhere."""
+        problem = self._problem
+        if leg.within is None:
+            return None
+        return tool_region(problem.solver.arm, problem.path, leg.within)
 
     def _joint_values(self, waypoint: JointWaypoint, problem: WaypointProblem) -> Array:
         assert waypoint.q is not None
@@ -122,19 +145,26 @@ class MovePlanner:
             goals: The goals, free of contact, shape (g, dof) [rad or m].
 
         Raises:
+            InvalidRequest: It does not begin in the region of the move.
             InCollision: It begins in contact, or no way was found within the effort.
+            Disconnected: No way within the region of the move was found within the effort.
             BudgetExceeded: The time budget ran out.
         """
         problem, segment = self._problem, segment_number(leg.name)
         straight = np.linalg.norm(goals - q_start, axis=1)
-        if problem.contact is None:
-            goal = int(np.argmin(straight))
+        extra = posture_distances(goals, problem.cost)
+        region = self.region(leg)
+        if region is not None and not inside(region, q_start[None])[0]:
+            raise _outside(leg, "its begin is not")
+        if problem.contact is None and region is None:
+            goal = int(np.argmin(straight + extra))
             way = Way(np.vstack([q_start, goals[goal]]), goal, float(straight[goal]), 0)
             samples = 0
         else:
-            way, samples = self._search(problem.contact, leg, q_start, goals, segment)
-        extra = problem.move_margins.get(leg.name, 0.0)
-        rounded = round_way(way.q, problem.limits, problem.contact, segment, extra)
+            way, samples = self._search(leg, q_start, goals, segment, region)
+        margin = problem.move_margins.get(leg.name, 0.0)
+        check = piece_check(region, problem.contact, segment)
+        rounded = round_way(way.q, problem.limits, check, margin)
         report = MoveReport(
             field=leg.name,
             length=rounded.length,
@@ -148,43 +178,43 @@ class MovePlanner:
 
     def _search(
         self,
-        contact: ContactCheck,
         leg: MoveLeg,
         q_start: Array,
         goals: Array,
         segment: int | None,
+        region: ToolRegion | None,
     ) -> tuple[Way, int]:
-        problem, options = self._problem, self._problem.options
+        problem, contact = self._problem, self._problem.contact
         row = leg.targets[0].row
-        if not contact.free(q_start[None], segment)[0]:
+        if contact is not None and not contact.free(q_start[None], segment)[0]:
             subject = f"{leg.name}: the configuration at which the move begins"
             raise in_collision(contact, q_start[None], row - 1, subject, segment, proven=True)
-        cut = np.zeros(1, dtype=np.bool_)
-        limits = (problem.robot.lower, problem.robot.upper)
-        problem.clock.check()
-        with problem.clock.cutting(cut, _WATCHED):
-            way, samples = find_way(
-                contact.arrays(segment), limits, q_start, goals, options.effort, options.seed, cut
-            )
+        way, samples = way_of(problem, q_start, goals, segment, region)
         if way is None:
-            raise self._not_found(contact, leg, q_start, goals, segment)
+            raise self._not_found(leg, q_start, goals, segment)
         return way, samples
 
     def _not_found(
-        self,
-        contact: ContactCheck,
-        leg: MoveLeg,
-        q_start: Array,
-        goals: Array,
-        segment: int | None,
-    ) -> InCollision:
+        self, leg: MoveLeg, q_start: Array, goals: Array, segment: int | None
+    ) -> InCollision | Disconnected:
         """The verdict where the effort is used up: not that there is no way."""
+        contact = self._problem.contact
         nearest = goals[np.argmin(np.linalg.norm(goals - q_start, axis=1))]
-        met = contact.first_contact(np.vstack([q_start, nearest]), segment)
-        assert met is not None  # a straight way is found at once
+        effort = self._problem.options.effort or DEFAULT_EFFORT
+        straight = np.vstack([q_start, nearest])
+        met = None if contact is None else contact.first_contact(straight, segment)
+        if contact is None or met is None:  # the straight motion is held by the region alone
+            return Disconnected(
+                f"{leg.name}: no way within {leg.name}.within was found within an effort of "
+                f"{effort:,} samples, which does not prove that there is none. A larger ik.effort "
+                "searches longer",
+                waypoints=(leg.targets[0].row - 1, leg.targets[0].row),
+                jump=float(np.abs(nearest - q_start).max()),
+                reason="the tool leaves the region of the move on the straight motion",
+                q=q_start.tolist(),
+            )
         depth = contact.shortfall(met.q, met.pair, segment)
         a, b = met.pair
-        effort = self._problem.options.effort or DEFAULT_EFFORT
         return InCollision(
             f"{leg.name}: no way was found within an effort of {effort:,} samples, which does not "
             f"prove that there is none; the straight motion meets {a} and {b}. A larger ik.effort "
@@ -196,3 +226,11 @@ class MovePlanner:
             proven=False,
             reason=f"{a} and {b}",
         )
+
+
+def _outside(leg: MoveLeg, what: str) -> InvalidRequest:
+    return InvalidRequest(
+        f"{leg.name}.within: {what} in the region that the tool is to stay in",
+        field=f"{leg.name}.within",
+        allowed="a cone and a box that hold the begin and a goal of the move",
+    )

@@ -14,9 +14,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from ikplan.arrays import Array, Indices
-from ikplan.collision.check import ContactCheck
 from ikplan.joint_path import JointPath
 from ikplan.limits import JointLimits
+from ikplan.planning.moves.piece_check import PieceCheck
 
 __all__ = ["RoundedWay", "round_way"]
 
@@ -52,8 +52,7 @@ class RoundedWay:
 def round_way(
     way: Array,
     limits: JointLimits,
-    contact: ContactCheck | None,
-    segment: int | None,
+    check: PieceCheck | None,
     extra: float = 0.0,
 ) -> RoundedWay:
     """Return a way with its corners rounded as far as it can be proven to be free.
@@ -61,8 +60,7 @@ def round_way(
     Args:
         way: Configurations, straight motions between which are free, shape (k, dof) [rad or m].
         limits: Position limits.
-        contact: Proves; None: nothing is in the way.
-        segment: The segment that the way belongs to.
+        check: Tells which pieces are not proven; None: nothing is in the way.
         extra: Gap asked for on top of that of the check [m].
     """
     steps = np.linalg.norm(np.diff(way, axis=0), axis=1)
@@ -72,12 +70,11 @@ def round_way(
         q, owner = _places(way, cuts)
         rest = [int(np.flatnonzero(owner == k)[0]) for k in np.flatnonzero(cuts == 0.0) + 1]
         rounded = RoundedWay(q, rest)
-        if contact is None or not cuts.any():
+        if check is None or not cuts.any():
             return rounded
         path = JointPath.through(q, limits, rest_at=rest)
-        found = contact.contacts_on_curve(
-            path.s_knots, path.q_knots, (path.tangents_start, path.tangents_end), segment, extra
-        )
+        slopes = (path.tangents_start, path.tangents_end)
+        found = check(path.s_knots, path.q_knots, slopes, extra)
         if not found.any():
             return rounded
         # The corners nearest to the pieces in contact; beside a stop, the next ones.

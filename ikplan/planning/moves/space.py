@@ -23,17 +23,20 @@ def joint_weights(chain: Chain, bodies: Bodies) -> Array:
     may turn far in one step.
     """
     n = len(chain.prismatic)
-    links = np.linalg.norm(chain.placements[:, 9:], axis=1)
+    links = np.linalg.norm(chain.placements[:, 9:], axis=1).tolist()
+    farthest = np.zeros(n + 1)
+    moving = np.flatnonzero(bodies.carrier)
+    outermost = np.linalg.norm(bodies.centre[moving], axis=1) + bodies.bound[moving]
+    np.maximum.at(farthest, bodies.carrier[moving], outermost)
     own = np.zeros(n)
     for joint in range(n):
-        beyond = [
-            float(links[joint + 1 : carrier].sum() + np.linalg.norm(centre) + bound)
-            for carrier, centre, bound in zip(
-                bodies.carrier, bodies.centre, bodies.bound, strict=True
-            )
-            if carrier > joint
-        ]
-        own[joint] = 1.0 if chain.prismatic[joint] else max(beyond, default=0.0)
+        length = 0.0
+        for carrier in range(joint + 1, n + 1):
+            if farthest[carrier] > 0.0:
+                own[joint] = max(own[joint], length + farthest[carrier])
+            length += links[carrier]
+        if chain.prismatic[joint]:
+            own[joint] = 1.0
     reach = np.abs(chain.coupling).T @ own if chain.coupled else own
     longest = float(reach.max())
     # A joint that moves no body still has to come to its goal.

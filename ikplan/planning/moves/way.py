@@ -9,6 +9,7 @@ import numpy as np
 from ikplan.arrays import Array, Flags
 from ikplan.collision.check import ContactArrays
 from ikplan.planning.moves.connect import CUT, SearchSpace, connect, is_free
+from ikplan.planning.moves.nearer_goal import with_nearer_goal
 from ikplan.planning.moves.shorten import path_length, shorten
 from ikplan.planning.moves.space import search_space
 from ikplan.time_budget import SearchCut
@@ -55,6 +56,7 @@ def find_way(
     effort: int | None,
     seed: int,
     cut: Flags,
+    extra: Array | None = None,
 ) -> tuple[Way | None, int]:
     """Look for a short way from a start to any of some goals, every part proven to be free.
 
@@ -66,6 +68,7 @@ def find_way(
         effort: Samples drawn at most by a search; None: 20,000.
         seed: Seed of the random numbers.
         cut: Shape (1,): true ends a search.
+        extra: What ending at each goal costs besides the way, shape (g,); None: nothing.
 
     Returns:
         The way, None where none was found, and the samples drawn.
@@ -77,7 +80,9 @@ def find_way(
     # Kernels are compiled once, for arrays that may be written.
     q_start, goals = np.array(q_start), np.array(goals)
     straight = np.linalg.norm(goals - q_start, axis=1)
-    order = np.argsort(straight, kind="stable")
+    ends = np.zeros(len(goals)) if extra is None else extra
+    least = straight + ends
+    order = np.argsort(least, kind="stable")
     space = search_space(arrays, *limits, q_start, goals)
     best: Way | None = None
     for goal in order:
@@ -85,7 +90,7 @@ def find_way(
             q = np.vstack([q_start, goals[goal]])
             best = Way(q, int(goal), float(straight[goal]), 0)
             break
-    open_goals = [int(g) for g in order if best is None or straight[g] < straight[best.goal]]
+    open_goals = [int(g) for g in order if best is None or least[g] < least[best.goal]]
     samples = 0
     for search in range(_SEARCHES):
         if not open_goals:
@@ -97,10 +102,10 @@ def find_way(
         if found is None:
             break
         way = Way(found.q, open_goals[found.goal], found.found_length, used)
-        if best is None or way.length < best.length:
+        if best is None or way.length + ends[way.goal] < best.length + ends[best.goal]:
             best = way
-        bound = best.length
-        open_goals = [g for g in open_goals if g != way.goal and straight[g] < bound]
+        bound = best.length + ends[best.goal]
+        open_goals = [g for g in open_goals if g != way.goal and least[g] < bound]
     return best, samples
 
 
@@ -122,5 +127,8 @@ def _searched(
         return None, used
     found_length = float(path_length(path))
     shorter = shorten(space, path, max(effort // _SHORTCUT, 1), rng, arrays.scratch)
+    ending = with_nearer_goal(space, shorter, goals, arrays.scratch)
+    if ending is not shorter:
+        shorter = shorten(space, ending, max(effort // _SHORTCUT, 1), rng, arrays.scratch)
     goal = int(np.argmin(np.abs(goals - shorter[-1]).max(axis=1)))
     return Way(shorter, goal, found_length, used), used

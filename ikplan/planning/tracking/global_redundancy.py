@@ -14,6 +14,7 @@ from ikplan.arrays import Array, Flags
 from ikplan.kinematics.arm import Arm
 from ikplan.planning.ladder.free_candidates import keep_free
 from ikplan.planning.ladder.ik_candidates import Targets
+from ikplan.planning.ladder.motion_cost import MotionCost
 from ikplan.planning.ladder.shortest_sequences import ik_candidates, shortened_sequences
 from ikplan.time_budget import TimeBudget
 
@@ -24,6 +25,7 @@ def resolve_redundancy_globally(
     arm: Arm,
     targets: Targets,
     q_start: Array,
+    cost: MotionCost,
     clock: TimeBudget,
     free: Callable[[Array], Flags] | None = None,
 ) -> list[tuple[float, Array]]:
@@ -35,11 +37,12 @@ def resolve_redundancy_globally(
         arm: The arm.
         targets: The targets of m points.
         q_start: The configuration at the first, shape (dof,) [rad or m].
+        cost: What a sequence costs.
         clock: The time budget.
         free: Tells which configurations are free of contact; None: all are.
 
     Returns:
-        Joint motion [rad or m] and configurations, shape (m, dof), of each sequence, shortest
+        Cost [rad or m] and configurations, shape (m, dof), of each sequence, shortest
         first; none where a point has no solution.
     """
     after = Targets(
@@ -52,7 +55,7 @@ def resolve_redundancy_globally(
         keep_free(candidates, free)
     if (candidates.counts == 0).any():
         return sequences
-    for length, q in shortened_sequences(arm, after, candidates, q_start, False, clock):
+    for length, q in shortened_sequences(arm, after, candidates, q_start, False, cost, clock):
         clock.check()
         sequences.append((length, np.ascontiguousarray(np.vstack([q_start, q]))))
     return sorted(sequences, key=lambda sequence: sequence[0])

@@ -16,7 +16,6 @@ from typing import Self
 import numpy as np
 
 from ikplan.arrays import Array
-from ikplan.planning.ladder.joint_length import joint_path_length
 from ikplan.planning.ladder.path_shortening import shorten_sequence
 from ikplan.planning.tracking.densify import densify
 from ikplan.planning.tracking.dodge import dodged_sequence
@@ -39,12 +38,11 @@ __all__ = [
     "JointSequence",
     "PathTracker",
     "farthest_failure",
-    "sequence_length",
     "shortest_first",
 ]
 
 JointSequence = tuple[float, Array, Array]
-"""Joint path length, path positions, shape (m,), and configurations, shape (m, dof)."""
+"""Cost, path positions, shape (m,), and configurations, shape (m, dof)."""
 
 FIRST_STEPS = (0.04, 0.005)
 """Spacing of the first points [m, or m-equivalent of a rotation]: the second where the first
@@ -101,6 +99,21 @@ class PathTracker(TrackedArm):
             raise ValueError("no start was given")
         raise broken
 
+    def rough_sequences(self, reference: ReferencePath, starts: Array) -> list[JointSequence]:
+        """Return sequences, shortest first, that go along a tool path from some starts.
+
+        They are not dense yet, and keep clear of contact; a start may have none.
+
+        Args:
+            reference: The path.
+            starts: Configurations at the path's first pose, shape (c, dof) [rad or m].
+
+        Raises:
+            BudgetExceeded: The time budget ran out.
+        """
+        costs = np.zeros(len(starts))
+        return self._track_starts(reference, starts, costs, FIRST_STEPS[0], None)[0]
+
     def track_global(self, reference: ReferencePath, starts: Array, costs: Array) -> TrackedPath:
         """Track a tool path with a redundant arm on a sequence chosen over all points at once.
 
@@ -133,11 +146,11 @@ class PathTracker(TrackedArm):
             if self.contact is not None:
                 s = initial_points(reference, spacing)
                 q = dodged_sequence(self, reference, starts, costs, s)
-                yield [] if q is None else [(sequence_length(q), s, q)]
+                yield [] if q is None else [(self.sequence_cost(s, q), s, q)]
             yield self._resolve_globally(reference, starts, costs, spacing)
         if self.contact is not None:
             for s, q in flooded_sequences(self, reference, starts):
-                yield [(sequence_length(q), s, q)]
+                yield [(self.sequence_cost(s, q), s, q)]
 
     def _densify_first(
         self,
@@ -187,7 +200,7 @@ class PathTracker(TrackedArm):
                 farthest = farthest_failure(farthest, in_contact(contact, s))
                 continue
             before = float(cost) if copies is None else copies.cost(q[0])
-            sequences.append((before + sequence_length(q), s, q))
+            sequences.append((before + self.sequence_cost(s, q), s, q))
         return shortest_first(sequences), farthest
 
     def _unlimited(self) -> Self:
@@ -222,7 +235,7 @@ class PathTracker(TrackedArm):
         for k in np.argsort(costs, kind="stable")[:_TRIED]:
             free = None if self.contact is None else self.contact.free
             for length, q in resolve_redundancy_globally(
-                self.arm, targets, starts[k], self.clock, free
+                self.arm, targets, starts[k], self.cost, self.clock, free
             ):
                 broken, spent = first_discontinuity(
                     self.arm.chain, targets, q, self.arm.lower, self.arm.upper, EXACT, EXACT
@@ -251,7 +264,8 @@ class PathTracker(TrackedArm):
             q_short = self._shorten(reference, s, q)
             if self.first_contact(reference, s, q_short) is not None:
                 q_short = q
-            shorter.append((length - sequence_length(q) + sequence_length(q_short), s, q_short))
+            saved = self.sequence_cost(s, q) - self.sequence_cost(s, q_short)
+            shorter.append((length - saved, s, q_short))
         return shortest_first(shorter)
 
     def _shorten(self, reference: ReferencePath, s: Array, q: Array) -> Array:
@@ -265,6 +279,7 @@ class PathTracker(TrackedArm):
             False,
             self.arm.lower,
             self.arm.upper,
+            self.cost,
             30,
             1e-4,
         )
@@ -285,8 +300,3 @@ def farthest_failure(a: TrackingFailed | None, b: TrackingFailed | None) -> Trac
 def shortest_first(sequences: list[JointSequence]) -> list[JointSequence]:
     """Sequences in order of their length; equally long ones, but for rounding, as they are."""
     return sorted(sequences, key=lambda sequence: round(sequence[0], _DIGITS))
-
-
-def sequence_length(q: Array) -> float:
-    """Sum of the joint distances along points, shape (m, dof)."""
-    return joint_path_length(q, q[0], True)

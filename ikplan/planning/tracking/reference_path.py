@@ -45,6 +45,10 @@ class ReferencePath(Protocol):
     def segments(self) -> Sequence[SegmentRange]:
         """What of the request each part comes from, in order."""
 
+    @property
+    def rounded(self) -> bool:
+        """Whether the path is within the tolerance of the one asked for, not that one itself."""
+
     def poses(self, s: Array) -> tuple[Array, Array]:
         """Rotations, shape (m, 3, 3), and positions, shape (m, 3) [m], at path positions."""
 

@@ -15,6 +15,7 @@ import numpy as np
 from ikplan.arrays import Array, Flags
 from ikplan.kinematics.arm import Arm
 from ikplan.planning.ladder.equivalent_configurations import joints_with_full_turn
+from ikplan.planning.ladder.motion_cost import MotionCost
 
 __all__ = ["StartCopies", "distinct_modulo_turns", "turning_joints", "without_limits"]
 
@@ -56,14 +57,17 @@ class StartCopies:
         near: The configuration that it should be near to, shape (dof,) [rad or m].
         counted: Whether the motion from there to the begin counts; otherwise nearness only
             decides between motions that are equally long.
+        posture: What motions cost where a posture is preferred; None: joint motion alone counts.
     """
 
     near: Array
     counted: bool
+    posture: MotionCost | None = None
 
     def cost(self, q: Array) -> float:
         """Return the joint motion to a begin, shape (dof,), that counts [rad or m]."""
-        return float(np.linalg.norm(q - self.near)) if self.counted else 0.0
+        weights = 1.0 if self.posture is None else self.posture.weights
+        return float(np.linalg.norm(weights * (q - self.near))) if self.counted else 0.0
 
     def fitting(self, arm: Arm, q: Array) -> tuple[Array, bool]:
         """Return the copy of a sequence within the limits whose begin is nearest.
@@ -79,15 +83,14 @@ class StartCopies:
         copy = q.copy()
         fits = True
         for j in np.flatnonzero(turning_joints(arm)):
-            shift, inside = self._shift(q[:, j], arm.lower[j], arm.upper[j], self.near[j])
+            shift, inside = self._shift(q[:, j], int(j), arm.lower[j], arm.upper[j])
             copy[:, j] += shift
             fits = fits and inside
             if inside:
                 copy[:, j] = np.clip(copy[:, j], arm.lower[j], arm.upper[j])
         return copy, fits
 
-    @staticmethod
-    def _shift(values: Array, lower: float, upper: float, near: float) -> tuple[float, bool]:
+    def _shift(self, values: Array, j: int, lower: float, upper: float) -> tuple[float, bool]:
         """Return the full turns of one joint, shape (m,) [rad], and whether they fit."""
         first = math.ceil((lower - values[0] - _ROUNDING) / _TURN)
         last = math.floor((upper - values[0] + _ROUNDING) / _TURN)
@@ -97,7 +100,16 @@ class StartCopies:
             out = (shifted < lower - _ROUNDING) | (shifted > upper + _ROUNDING)
             reached = int(np.argmax(out)) if out.any() else len(values)
             # Between copies as near as each other, such as at half a turn, the lower one.
-            rank = (reached, -round(abs(float(shifted[0]) - near), 9))
+            rank = (reached, -round(self._away(shifted, j), 9))
             if rank > best_rank:
                 best, best_rank = _TURN * turn, rank
         return best, best_rank[0] == len(values)
+
+    def _away(self, values: Array, j: int) -> float:
+        """How far one joint is from where it should be near to."""
+        away = abs(float(values[0]) - self.near[j])
+        if self.posture is not None and self.posture.pull > 0.0:
+            low, high = self.posture.lower[j], self.posture.upper[j]
+            past = np.maximum(np.maximum(low - values, values - high), 0.0)
+            away += self.posture.pull * float(past.mean())
+        return float(away)

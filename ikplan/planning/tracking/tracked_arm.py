@@ -12,7 +12,9 @@ from ikplan.documents.plan_request import Tolerance
 from ikplan.kinematics.arm import Arm
 from ikplan.kinematics.target import ORIENTATION_WEIGHT, Freedom, constraint_rows
 from ikplan.limits import JointLimits
+from ikplan.path.tolerance_shares import MET, TRACKING, TRACKING_WITHIN
 from ikplan.planning.ladder.ik_candidates import Targets, target_at
+from ikplan.planning.ladder.motion_cost import MotionCost, motion_cost_along, plain_cost
 from ikplan.planning.segment_number import segment_number
 from ikplan.planning.tracking.reference_path import ReferencePath
 from ikplan.time_budget import TimeBudget
@@ -24,11 +26,6 @@ EXACT = 1e-9
 """Error of a point that counts as none [m and rad]."""
 MAX_POINTS = 20_000
 """Points of a path at which more are no longer added."""
-
-
-_MET = 0.85
-"""Share of the tolerance within which a point counts as met where it cannot be met exactly."""
-_DEVIATION, _DEVIATION_WITHIN = 0.5, 0.95
 
 
 @dataclass(frozen=True)
@@ -44,6 +41,7 @@ class TrackedArm:
         clock: The time budget.
         contact: Refuses configurations and motions in contact; None: nothing is checked.
         within: Whether points that cannot be met exactly may be met within the tolerance.
+        posture: What motions cost where a posture is preferred; None: joint motion alone counts.
     """
 
     arm: Arm
@@ -54,18 +52,33 @@ class TrackedArm:
     clock: TimeBudget
     contact: ContactCheck | None = None
     within: bool = False
+    posture: MotionCost | None = None
+
+    @property
+    def cost(self) -> MotionCost:
+        """What a motion costs."""
+        return plain_cost(self.arm.dof) if self.posture is None else self.posture
+
+    def sequence_cost(self, s: Array, q: Array) -> float:
+        """Return what the motion through tracked points costs.
+
+        Args:
+            s: Path positions, shape (m,).
+            q: Configurations, shape (m, dof) [rad or m].
+        """
+        return motion_cost_along(s, q, self.cost)
 
     @property
     def met(self) -> tuple[float, float]:
         """Distance [m] and angle [rad] from a target at which a point counts as on it."""
         if not self.within:
             return EXACT, EXACT
-        return _MET * self.tolerance.position, _MET * self.tolerance.orientation
+        return MET * self.tolerance.position, MET * self.tolerance.orientation
 
     @property
     def deviation_share(self) -> float:
         """Largest ratio of the joint spline's deviation to the tolerance."""
-        return _DEVIATION_WITHIN if self.within else _DEVIATION
+        return TRACKING_WITHIN if self.within else TRACKING
 
     def first_contact(self, reference: ReferencePath, s: Array, q: Array) -> Contact | None:
         """Return where the straight motions between tracked points first meet a body, or None.

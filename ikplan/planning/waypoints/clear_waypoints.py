@@ -11,7 +11,7 @@ from ikplan.arrays import Array
 from ikplan.ik.restarts import nearest_turns
 from ikplan.planning.ladder.free_candidates import shortest_free_sequence
 from ikplan.planning.ladder.ik_candidates import IkCandidates
-from ikplan.planning.ladder.joint_length import joint_path_length
+from ikplan.planning.ladder.motion_cost import sequence_cost
 from ikplan.planning.tracking.start_copies import StartCopies
 from ikplan.planning.waypoints.clear_solutions import crowding_at
 from ikplan.planning.waypoints.least_motion import no_way, sampled_candidates
@@ -54,7 +54,7 @@ def select_clear(problem: WaypointProblem) -> Array:
         best = turned
     if problem.start_free:
         # Full turns of the whole motion leave it as long as it is.
-        best, _ = StartCopies(problem.q_start, counted=False).fitting(arm, best)
+        best, _ = StartCopies(problem.q_start, False, problem.posture).fitting(arm, best)
     return best
 
 
@@ -104,7 +104,9 @@ def _clearest_sequence(problem: WaypointProblem, candidates: IkCandidates) -> Ar
     if problem.start_free:
         _clearest_first(problem, candidates)
     for each in (price, contact_only):  # with prices the search may give up before its end
-        found = shortest_free_sequence(candidates, problem.q_start, problem.start_free, each)
+        found = shortest_free_sequence(
+            candidates, problem.q_start, problem.start_free, problem.cost, each
+        )
         if found is not None:
             return found
     raise no_way(problem, candidates)
@@ -143,7 +145,7 @@ def _with_nearest_turns(problem: WaypointProblem, q: Array) -> Array:
 
 def _cost(problem: WaypointProblem, q: Array) -> float:
     """Joint motion and price of a sequence."""
-    total = float(joint_path_length(q, problem.q_start, problem.start_free))
+    total = float(sequence_cost(q, problem.q_start, problem.start_free, problem.cost))
     for k in range(int(problem.start_free), len(q)):
         total += _price(problem, k, q[k - 1] if k > 0 else problem.q_start, q[k])
     return total

@@ -7,6 +7,7 @@ import numpy as np
 from ikplan.arrays import Array
 from ikplan.planning.ladder.equivalent_configurations import with_equivalents
 from ikplan.planning.ladder.ik_candidates import sample_ik_solutions
+from ikplan.planning.ladder.motion_cost import posture_distances
 from ikplan.planning.tracking.start_copies import distinct_modulo_turns
 from ikplan.planning.waypoints.free_solutions import free_solutions
 from ikplan.planning.waypoints.stack import stack_targets
@@ -59,5 +60,6 @@ def branches(problem: WaypointProblem, *, turns: bool = False) -> Array:
         if problem.contact is not None:
             free = problem.contact.free(q, problem.segment(0))
             q = q[free] if free.any() else free_solutions(problem, 0, problem.q_start)
-    order = np.argsort(np.linalg.norm(q - problem.q_start, axis=1), kind="stable")
+    away = np.linalg.norm(problem.cost.weights * (q - problem.q_start), axis=1)
+    order = np.argsort(away + posture_distances(q, problem.cost), kind="stable")
     return np.ascontiguousarray(q[order[:_STARTS]])

@@ -9,7 +9,7 @@ from ikplan.arrays import Array
 from ikplan.collision.check import Contact, ContactCheck
 from ikplan.errors import InCollision
 
-__all__ = ["count_pairs", "in_collision", "motion_in_collision"]
+__all__ = ["count_pairs", "in_collision", "motion_in_collision", "pose_in_collision"]
 
 _MOST_PAIRS = 5
 """Pairs that a reason names."""
@@ -56,6 +56,36 @@ def in_collision(
         q=q[first].tolist(),
         proven=proven,
         reason=count_pairs(pairs),
+    )
+
+
+def pose_in_collision(
+    contact: ContactCheck,
+    q: Array,
+    waypoint: int,
+    pair: tuple[str, str],
+    segment: int | None,
+) -> InCollision:
+    """Return the verdict on a pose at which what moves with the tool is in contact.
+
+    Args:
+        contact: The check.
+        q: A configuration that meets it, shape (dof,) [rad or m].
+        waypoint: Row of the waypoint.
+        pair: Names of the bodies.
+        segment: Number of the segment that ends there.
+    """
+    depth = contact.shortfall(q, pair, segment)
+    a, b = pair
+    return InCollision(
+        f"waypoint {waypoint}: {a} and {b} touch wherever the tool has this pose: no configuration "
+        "of the arm meets it free of contact",
+        waypoint=waypoint,
+        pair=pair,
+        depth=depth,
+        q=q.tolist(),
+        proven=True,
+        reason=f"{a} and {b}",
     )
 
 

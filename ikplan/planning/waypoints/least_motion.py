@@ -45,7 +45,7 @@ def select_least_motion(problem: WaypointProblem) -> Array:
     # One waypoint from a free start is met without motion by every solution: the nearest is chosen.
     choose_begin = problem.start_free and len(problem.targets) > 1
     for length, q in shortened_sequences(
-        arm, targets, candidates, problem.q_start, choose_begin, problem.clock
+        arm, targets, candidates, problem.q_start, choose_begin, problem.cost, problem.clock
     ):
         if length < best_length and problem.first_contact(q) is None:
             best, best_length = q, length
@@ -54,7 +54,7 @@ def select_least_motion(problem: WaypointProblem) -> Array:
         best = _around(problem, candidates)
     if problem.start_free:
         # Full turns of the whole motion leave it as long as it is.
-        best, _ = StartCopies(problem.q_start, counted=False).fitting(arm, best)
+        best, _ = StartCopies(problem.q_start, False, problem.posture).fitting(arm, best)
     return best
 
 
@@ -117,7 +117,9 @@ def _around(problem: WaypointProblem, candidates: IkCandidates) -> Array:
         free = contact.first_contact(np.vstack([q_before, q]), problem.segment(k)) is None
         return 0.0 if free else np.inf
 
-    found = shortest_free_sequence(candidates, problem.q_start, problem.start_free, price)
+    found = shortest_free_sequence(
+        candidates, problem.q_start, problem.start_free, problem.cost, price
+    )
     if found is None:
         raise no_way(problem, candidates)
     return found

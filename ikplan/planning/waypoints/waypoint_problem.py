@@ -11,6 +11,7 @@ from ikplan.collision.check import Contact, ContactCheck
 from ikplan.documents.plan_request import Tolerance
 from ikplan.ik.solve import PoseSolver
 from ikplan.kinematics.target import Target
+from ikplan.planning.ladder.motion_cost import MotionCost, plain_cost
 from ikplan.robots import Robot
 from ikplan.time_budget import TimeBudget
 
@@ -33,6 +34,7 @@ class WaypointProblem:
         explain: Whether a refusal names every waypoint out of reach; else the first only.
         contact: Refuses configurations and motions in contact; None: nothing is checked.
         segments: Number of the segment that ends at each target; empty: not known.
+        posture: What motions cost where a posture is preferred; None: joint motion alone counts.
     """
 
     robot: Robot
@@ -46,6 +48,12 @@ class WaypointProblem:
     explain: bool = True
     contact: ContactCheck | None = None
     segments: tuple[int | None, ...] = ()
+    posture: MotionCost | None = None
+
+    @property
+    def cost(self) -> MotionCost:
+        """What a motion costs."""
+        return plain_cost(self.robot.dof) if self.posture is None else self.posture
 
     def segment(self, k: int) -> int | None:
         """Return the number of the segment that ends at target k; None: not known."""

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 
 from ikplan.arrays import Array
@@ -34,7 +32,7 @@ def straightened(
     """Track a path that was tracked exactly once more, within the tolerance over its flips.
 
     Args:
-        tracked: The arm, and what it has to keep.
+        tracked: The arm, and what it has to keep within the tolerance.
         reference: The path.
         s: Path positions of the points tracked, shape (m,).
         q: Their configurations, shape (m, dof) [rad or m].
@@ -47,18 +45,17 @@ def straightened(
     Raises:
         BudgetExceeded: The time budget ran out.
     """
-    within = replace(tracked, within=True)
     best: tuple[Array, Array, SpanList] | None = None
     passed = 0.0
     for _ in range(_MOST):
-        place = _flip(within, reference, s, q, passed)
+        place = _flip(tracked, reference, s, q, passed)
         if place is None:
             break
         part = TrackedPart(s[: place + 1], q[: place + 1], complete=False)
         spans = [] if best is None else best[2]
         passed = float(s[place]) + _SPAN
         try:
-            s_new, q_new, more = track_within(within, reference, q[0], step, part)
+            s_new, q_new, more = track_within(tracked, reference, q[0], step, part)
         except TrackingFailed:
             continue
         if _length(q_new) < _length(q) - _SAVED:

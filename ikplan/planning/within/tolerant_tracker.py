@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Self
 
 from ikplan.arrays import Array
+from ikplan.path.tolerance_shares import left_to_tracking
 from ikplan.planning.tracking.path_tracker import (
     FIRST_STEPS,
     JointSequence,
     PathTracker,
     farthest_failure,
-    sequence_length,
     shortest_first,
 )
 from ikplan.planning.tracking.reference_path import ReferencePath
@@ -40,7 +41,7 @@ class TolerantTracker(PathTracker):
         Points are met exactly where that can be. Where a singularity ends exact tracking, the
         joints are led over it, and the tool leaves the path within the tolerance.
         """
-        tracker = replace(self, within=True)
+        tracker = self.tolerant(reference)
         sequences: list[JointSequence] = []
         spans: dict[int, SpanList] = {}
         broken: TrackingFailed | None = None
@@ -51,7 +52,7 @@ class TolerantTracker(PathTracker):
                 broken = farthest_failure(broken, failure)
                 continue
             before = float(cost) if copies is None else copies.cost(q[0])
-            sequences.append((before + sequence_length(q), s, q))
+            sequences.append((before + self.sequence_cost(s, q), s, q))
             spans[id(s)] = windows
         for sequence in shortest_first(sequences):
             try:
@@ -63,15 +64,30 @@ class TolerantTracker(PathTracker):
 
     def straighten(self, reference: ReferencePath, tracked: TrackedPath) -> TrackedPath:
         """Return a tracked path led over its flips, or as it is where the tolerance saves none."""
-        found = straightened(self, reference, tracked.s, tracked.q, FIRST_STEPS[0])
+        tracker = self.tolerant(reference)
+        found = straightened(tracker, reference, tracked.s, tracked.q, FIRST_STEPS[0])
         if found is None:
             return tracked
         s, q, windows = found
-        length = tracked.length - sequence_length(tracked.q) + sequence_length(q)
+        saved = self.sequence_cost(tracked.s, tracked.q) - self.sequence_cost(s, q)
+        length = tracked.length - saved
         try:
-            return replace(self, within=True)._densify_first(reference, [(length, s, q)], windows)
+            return tracker._densify_first(reference, [(length, s, q)], windows)
         except TrackingFailed:
             return tracked
+
+    def tolerant(self, reference: ReferencePath) -> Self:
+        """Return the tracker that tracks a path within what its corners leave of the tolerance."""
+        left = left_to_tracking(reference.rounded)
+        tolerance = self.tolerance
+        if left < 1.0:
+            tolerance = tolerance.model_copy(
+                update={
+                    "position": left * tolerance.position,
+                    "orientation": left * tolerance.orientation,
+                }
+            )
+        return replace(self, within=True, tolerance=tolerance)
 
     def _track_copies_within(
         self, reference: ReferencePath, q_start: Array, copies: StartCopies | None

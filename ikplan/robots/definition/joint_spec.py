@@ -76,7 +76,7 @@ def joint_spec(
     if lower is None or upper is None or missing:
         raise InvalidRobot(
             f"{robot}: joint {entry.name!r} is {kind} and has no {missing[0]} position limit "
-            "(beyond 1e3 counts as none); give one",
+            f"(beyond {1e6 if kind == 'prismatic' else 1e3:g} counts as none); give one",
             robot=robot,
             joint=entry.name,
         )

@@ -38,7 +38,7 @@ MIN_AXIS_LENGTH = 1e-3
 
 _MAX_NUMBER = 1e6
 _MAX_RANGE = 1e3
-"""A position limit beyond it [rad or m] counts as none: no joint turns or slides so far."""
+"""A position limit beyond it [rad] counts as none: no joint turns so far."""
 _KINDS = (*MOVABLE, "fixed", "floating", "planar")
 _CONVERT = {
     "mujoco": "; MJCF has no velocity limits and is not read: use the maker's URDF, or convert it",
@@ -212,7 +212,7 @@ def _joint(element: ET.Element, robot: str) -> Joint:
         xyz=read(_ORIGIN, lambda: _vector(origin, "xyz", where, robot, joint=name)),
         rpy=read(_ORIGIN, lambda: _vector(origin, "rpy", where, robot, joint=name)),
         axis=axis,
-        limit=read(JointLimit(), lambda: _limit(element.find("limit"), name, robot)),
+        limit=read(JointLimit(), lambda: _limit(element.find("limit"), kind, name, robot)),
         mimic=None if mimic is None else mimic.get("joint", ""),
         multiplier=read(1.0, lambda: _mimic_number(mimic, "multiplier", 1.0, name, robot)),
         offset=read(0.0, lambda: _mimic_number(mimic, "offset", 0.0, name, robot)),
@@ -255,7 +255,7 @@ def _axis(element: ET.Element | None, joint: str, robot: str) -> Vector:
     return (x / length, y / length, z / length)
 
 
-def _limit(element: ET.Element | None, joint: str, robot: str) -> JointLimit:
+def _limit(element: ET.Element | None, kind: str, joint: str, robot: str) -> JointLimit:
     if element is None:
         return JointLimit()
     where = f"joint {joint!r}"
@@ -263,10 +263,12 @@ def _limit(element: ET.Element | None, joint: str, robot: str) -> JointLimit:
     def number(key: str, most: float = _MAX_NUMBER) -> float | None:
         return _number(element, key, where, robot, joint=joint, most=most)
 
+    # A slide without an end is no joint; a gantry of a model may be as long as numbers go.
+    farthest = _MAX_NUMBER if kind == "prismatic" else _MAX_RANGE
     lower, upper, effort = (number(key, math.inf) for key in ("lower", "upper", "effort"))
     return JointLimit(
-        lower=-math.inf if lower is not None and abs(lower) > _MAX_RANGE else lower,
-        upper=math.inf if upper is not None and abs(upper) > _MAX_RANGE else upper,
+        lower=-math.inf if lower is not None and abs(lower) > farthest else lower,
+        upper=math.inf if upper is not None and abs(upper) > farthest else upper,
         velocity=number("velocity"),
         effort=None if effort is not None and abs(effort) > _MAX_NUMBER else effort,
         acceleration=number("acceleration"),

@@ -1,4 +1,4 @@
-"""Imported once by the process that those of a batch are forked from: they are born warm."""
+"""Kernels of plans, loaded before workers are forked."""
 
 from __future__ import annotations
 

@@ -1,0 +1,1 @@
+"""Many poses of one arm at a time."""

@@ -1,0 +1,1 @@
+"""Many poses of one robot: from Python, and as a request."""

@@ -1,0 +1,1 @@
+"""Moves on which the tool keeps within a cone or a box."""

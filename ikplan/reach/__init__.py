@@ -1,0 +1,1 @@
+"""Reach maps: where an arm brings its tool, in which orientations, how well and how clear."""

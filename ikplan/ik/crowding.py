@@ -14,7 +14,7 @@ from ikplan._jit import leaf_kernel
 from ikplan.arrays import Array, Flags
 from ikplan.collision.bodies import Bodies
 from ikplan.collision.check import ContactArrays
-from ikplan.collision.pair_gaps import bounded_gap, pair_gap, place_pieces, sphere_gap
+from ikplan.collision.pair_gaps import bounded_gap, pair_gap, place_pieces, spheres_meet
 from ikplan.collision.scratch import Scratch
 from ikplan.kinematics.chain import Chain
 
@@ -101,17 +101,26 @@ def crowding(around: Surroundings, q: Array) -> float:
     bodies, w = around.bodies, around.scratch
     place_pieces(around.chain, bodies, q, w)
     far = around.least + around.reach
-    total, nearest, pair = 0.0, far, -1
-    for row in range(bodies.pairs.shape[0]):
-        if not around.active[row]:
-            continue
-        if bodies.pair_of[row] != pair:  # pieces of the same two bodies stand in a row
+    total, nearest = 0.0, far
+    k, part, last_part = 0, 0, 0
+    while part < last_part or k < bodies.tops.shape[0]:
+        if part < last_part:
+            row = part
+            part += 1
+        else:
             total += ((far - nearest) / around.reach) ** 2
-            nearest, pair = far, bodies.pair_of[row]
+            nearest = far
+            row = bodies.tops[k]
+            k += 1
+            if not around.active[row]:
+                continue
         i, j = bodies.pairs[row, 0], bodies.pairs[row, 1]
-        if sphere_gap(bodies, i, j, w) >= nearest:
+        if not spheres_meet(bodies, i, j, nearest, w):
             continue
-        if bounded_gap(bodies, i, j, nearest, w) >= nearest:
+        if bounded_gap(bodies, i, j, nearest, w) > nearest:
+            continue
+        if bodies.parts[row, 1] > 0:
+            part, last_part = bodies.parts[row, 0], bodies.parts[row, 1]
             continue
         gap = pair_gap(bodies, row, nearest, math.nan, w)[0]  # to the end: no gap is enough
         if gap < nearest:

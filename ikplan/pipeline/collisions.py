@@ -11,7 +11,8 @@ from ikplan.documents.plan_request import IkBatchRequest, IkRequest, PlanRequest
 from ikplan.documents.scene import AttachedBody, Obstacle, Scene, ToolFrame, ToolGeometry
 from ikplan.documents.shape import MeshShape
 from ikplan.documents.timing_request import TimingRequest
-from ikplan.errors import InCollision
+from ikplan.errors import InCollision, InvalidRequest
+from ikplan.ik.solve import PoseSolver
 from ikplan.robots import Robot
 from ikplan.scene.body import CollisionModel
 from ikplan.scene.model import collision_model
@@ -20,9 +21,10 @@ from ikplan.scene.resolve import resolve_geometry, resolve_scene
 if TYPE_CHECKING:
     from ikplan.certificate.clearance import JointCurve
     from ikplan.certificate.clearance.leaving import Leaving
+    from ikplan.collision.checker import CollisionChecker
     from ikplan.pipeline.timing_stage import Timing
 
-__all__ = ["handed_out", "prove_motion", "requested_model", "with_meshes"]
+__all__ = ["handed_out", "keep_clear", "prove_motion", "requested_model", "with_meshes"]
 
 R = TypeVar("R", PlanRequest, TimingRequest, IkRequest, IkBatchRequest)
 

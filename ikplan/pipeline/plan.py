@@ -26,8 +26,7 @@ from ikplan.errors import (
 from ikplan.ik.arguments import check_start
 from ikplan.limits.motion_limits import MotionLimits
 from ikplan.pipeline.assemble import assemble_plan, waypoint_results
-from ikplan.pipeline.clearance_objective import keep_clear
-from ikplan.pipeline.collisions import requested_model, with_meshes
+from ikplan.pipeline.collisions import keep_clear, requested_model, with_meshes
 from ikplan.pipeline.helpers import helped_by
 from ikplan.pipeline.identity import plan_id
 from ikplan.pipeline.motion_stages import MotionStages, TimedRoute

@@ -21,8 +21,7 @@ from ikplan.ik.arguments import check_objective, check_start, target_of
 from ikplan.ik.solve import PoseSolver, pose_distance, solve_pose
 from ikplan.kinematics.arm import arm_of
 from ikplan.path.rotation.so3 import rotation_of
-from ikplan.pipeline.clearance_objective import keep_clear
-from ikplan.pipeline.collisions import requested_model, with_meshes
+from ikplan.pipeline.collisions import keep_clear, requested_model, with_meshes
 from ikplan.pipeline.helpers import helped_by
 from ikplan.pipeline.request_budget import RequestBudget
 from ikplan.pipeline.resolve import resolve_robot

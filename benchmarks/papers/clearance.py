@@ -1,7 +1,7 @@
 """Clearance as a term of the searches' objective: ``python -m benchmarks.papers.clearance``.
 
 The case that papers on obstacle avoidance by metaheuristics study: a pose of a redundant arm, and
-boxes about it. Every search minimises the error of the pose, and the same with the term of
+boxes close to it. Every search minimises the error of the pose, and the same with the term of
 :mod:`ikplan.ik.crowding`, from the same random numbers. The best configuration of each is refined
 to the pose; its distances are coal's, which the searches do not use.
 """
@@ -39,8 +39,8 @@ __all__ = ["AvoidanceCase", "Comparison", "Found", "avoidance_cases", "compare",
 Array = NDArray[np.float64]
 
 BOXES = 6
-_GAP = 0.01
-"""Gap of the configuration that a target is the pose of, at least [m]."""
+_LEAST, _MOST = 0.01, 0.06
+"""Distance from the boxes of the configuration that a target is the pose of [m]."""
 _MET = 1e-6
 
 
@@ -109,7 +109,7 @@ class Comparison:
 
 
 def avoidance_cases(robot: Robot, count: int, seed: int = 0) -> list[AvoidanceCase]:
-    """Return poses among boxes, each with a configuration that is free of contact."""
+    """Return poses among boxes, each with a configuration that is close to one, without contact."""
     rng = np.random.default_rng(seed)
     cases: list[AvoidanceCase] = []
     while len(cases) < count:
@@ -121,14 +121,15 @@ def avoidance_cases(robot: Robot, count: int, seed: int = 0) -> list[AvoidanceCa
             }
             for k in range(BOXES)
         ]
-        alone = {"obstacles": boxes, "self_collision": False}
         checker = CollisionChecker(
             robot, collision_model(robot, parse(Scene, {"obstacles": boxes}))
         )
+        model = collision_model(robot, parse(Scene, {"obstacles": boxes, "self_collision": False}))
         for _ in range(20):
             q = robot.random_configuration(rng)
-            if checker.least_gap(q)[0] > _GAP:
-                model = collision_model(robot, parse(Scene, alone))
+            if checker.least_gap(q)[0] < _LEAST:
+                continue
+            if model_clearance(robot, model, q).distance < _MOST:
                 cases.append(AvoidanceCase(q, checker, model))
                 break
     return cases

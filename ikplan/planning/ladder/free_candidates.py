@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
@@ -36,6 +36,7 @@ def shortest_free_sequence(
     start_free: bool,
     cost: MotionCost,
     price: Callable[[int, Array, Array], float],
+    charges: Sequence[Array] | None = None,
 ) -> Array | None:
     """Return the shortest sequence of candidates whose motions are free, or None.
 
@@ -51,6 +52,9 @@ def shortest_free_sequence(
         price: What the straight motion to target k costs beside its length, from one
             configuration to another: ``price(k, q_before, q)``, inf where it is in contact, at
             least 0 [rad or m].
+        charges: What is known to be charged beside that, at the start, shape (1,), and at the
+            candidates of each target, shape (c,): a motion is charged the larger one of its ends.
+            None: nothing.
 
     Returns:
         Configurations, shape (n, dof) [rad or m]; None: there is none, or it was not found within
@@ -65,6 +69,11 @@ def shortest_free_sequence(
         lengths.append(np.linalg.norm(steps, axis=2))
     for step, row in zip(lengths, rows, strict=True):
         step += posture_distances(row, cost) / len(rows)
+    if charges is not None:
+        if start_free:
+            charges = [np.zeros(1), *charges[1:]]
+        for step, (before, after) in zip(lengths, itertools.pairwise(charges), strict=True):
+            step += np.maximum(before[:, None], after[None])
     priced: set[tuple[int, int, int]] = set()
     for _ in range(_ROUNDS):
         chosen = _shortest(lengths)
@@ -79,7 +88,8 @@ def shortest_free_sequence(
             if extra > 0.0:
                 lengths[k][i, j] += extra
                 dearer = True
-                break
+                if extra == np.inf:
+                    break
         if not dearer:
             return np.array([rows[k][j] for k, j in enumerate(chosen)])
     return None

@@ -93,45 +93,40 @@ def _clearest_sequence(problem: WaypointProblem, candidates: IkCandidates) -> Ar
     Raises:
         InCollision: None was found.
     """
+    contact, clock = problem.contact, problem.clock
+    assert contact is not None
 
     def price(k: int, q_before: Array, q: Array) -> float:
-        problem.clock.check()
-        return _price(problem, k, q_before, q)
+        clock.check()
+        crowded = _crowding_on(problem, k, q_before, q)
+        return PRICE * (crowded.max() - max(crowded[0], crowded[-1]))
 
     def contact_only(k: int, q_before: Array, q: Array) -> float:
-        return math.inf if math.isinf(price(k, q_before, q)) else 0.0
+        clock.check()
+        free = contact.first_contact(np.vstack([q_before, q]), problem.segment(k)) is None
+        return 0.0 if free else math.inf
 
-    if problem.start_free:
-        _clearest_first(problem, candidates)
+    charges = [PRICE * crowding_at(contact, problem.q_start[None], problem.segment(0))]
+    for k, count in enumerate(candidates.counts):
+        charges.append(PRICE * crowding_at(contact, candidates.q[k, :count], problem.segment(k)))
     for each in (price, contact_only):  # with prices the search may give up before its end
         found = shortest_free_sequence(
-            candidates, problem.q_start, problem.start_free, problem.cost, each
+            candidates, problem.q_start, problem.start_free, problem.cost, each, charges
         )
         if found is not None:
             return found
     raise no_way(problem, candidates)
 
 
-def _clearest_first(problem: WaypointProblem, candidates: IkCandidates) -> None:
-    """Keep of the first target, which no motion leads to, the least crowded solution, in place."""
-    assert problem.contact is not None
-    q = candidates.q[0, : candidates.counts[0]]
-    crowded = crowding_at(problem.contact, q, problem.segment(0))
-    away = np.linalg.norm(q - problem.q_start, axis=1)
-    candidates.q[0, 0] = q[np.lexsort((away, crowded))[0]].copy()
-    candidates.counts[0] = 1
-
-
-def _price(problem: WaypointProblem, k: int, q_before: Array, q: Array) -> float:
-    """What the straight motion to target k costs beside its length; inf: it is in contact."""
+def _crowding_on(problem: WaypointProblem, k: int, q_before: Array, q: Array) -> Array:
+    """Crowding along the straight motion to target k, both ends included; inf: it is in contact."""
     contact, segment = problem.contact, problem.segment(k)
     assert contact is not None
     if contact.first_contact(np.vstack([q_before, q]), segment) is not None:
-        return math.inf
+        return np.array([0.0, math.inf, 0.0])
     places = min(math.ceil(float(np.abs(q - q_before).max()) / _STEP), _MOST)
-    share = np.arange(1, places + 1)[:, None] / max(places, 1)
-    rows = q_before + share * (q - q_before)
-    return PRICE * float(crowding_at(contact, rows, segment).max(initial=0.0))
+    share = np.arange(places + 1)[:, None] / max(places, 1)
+    return crowding_at(contact, q_before + share * (q - q_before), segment)
 
 
 def _with_nearest_turns(problem: WaypointProblem, q: Array) -> Array:
@@ -147,5 +142,6 @@ def _cost(problem: WaypointProblem, q: Array) -> float:
     """Joint motion and price of a sequence."""
     total = float(sequence_cost(q, problem.q_start, problem.start_free, problem.cost))
     for k in range(int(problem.start_free), len(q)):
-        total += _price(problem, k, q[k - 1] if k > 0 else problem.q_start, q[k])
+        q_before = q[k - 1] if k > 0 else problem.q_start
+        total += PRICE * float(_crowding_on(problem, k, q_before, q[k]).max())
     return total

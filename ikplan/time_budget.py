@@ -10,8 +10,9 @@ from typing import Any
 
 from ikplan.arrays import Flags
 from ikplan.errors import BudgetExceeded
+from ikplan.processor_time import WALL_FACTOR, has_thread_clocks, thread_clock
 
-__all__ = ["Progress", "SearchCut", "TimeBudget"]
+__all__ = ["Progress", "SearchCut", "TimeBudget", "ran_out"]
 
 Progress = Callable[[str, int, int], None]
 """Called with a stage's name, and how many of how many waypoints are done; 0 of 0: begun."""
@@ -19,6 +20,8 @@ Progress = Callable[[str, int, int], None]
 
 _WATCHED = 20_000
 """Evaluations of the shortest search that a thread watches: they take some 20 ms."""
+_SHORTEST_S = 1e-3
+"""Shortest wait between two looks at a clock that may run slower than the wall's [s]."""
 
 
 class SearchCut(Exception):
@@ -28,12 +31,16 @@ class SearchCut(Exception):
 class TimeBudget:
     """Counts a plan's time and evaluations. It decides whether there is a plan, never which one.
 
+    The budget is one of processor time of the thread that makes it and plans; wall time counts
+    by a fourth (:data:`~ikplan.processor_time.WALL_FACTOR`). A machine that has other work to do
+    then refuses nothing that it could plan, and every plan ends.
+
     Args:
         budget_s: The time budget [s].
         progress: Is told how far the plan is; None: nobody is.
 
     Attributes:
-        seconds: How long each stage took [s].
+        seconds: How long each stage took, wall time [s].
         evaluations: Forward-kinematics evaluations spent.
     """
 
@@ -42,6 +49,9 @@ class TimeBudget:
         self._progress = progress
         self.seconds: dict[str, float] = {}
         self.evaluations = 0
+        self._processor = thread_clock()
+        self._processor_begin = self._processor()
+        self._helped_s = 0.0
         self._begin = time.perf_counter()
         self._stage = ""
         self._since = self._begin
@@ -90,6 +100,15 @@ class TimeBudget:
         """Count forward-kinematics evaluations that were spent."""
         self.evaluations += int(evaluations)
 
+    def spend(self, processor_s: float) -> None:
+        """Count processor time of other threads that this one waits for.
+
+        Args:
+            processor_s: Their mean, no more than the wall time of the wait [s].
+        """
+        if has_thread_clocks():  # else the wait itself counts
+            self._helped_s += processor_s
+
     def set_total(self, waypoints: int) -> None:
         """Tell how many waypoints there are to do."""
         self._waypoints = waypoints
@@ -101,15 +120,27 @@ class TimeBudget:
         if self._progress is not None:
             self._progress(self._stage, done, self._waypoints)
 
+    def _wall_s(self) -> float:
+        """Wall time spent [s]."""
+        return time.perf_counter() - self._begin
+
+    def _processor_s(self) -> float:
+        """Processor time spent by the plan's thread, and by others that it waited for [s]."""
+        return self._processor() - self._processor_begin + self._helped_s
+
     @property
     def left(self) -> float:
-        """Time left of the budget [s]."""
-        return self.budget_s - (time.perf_counter() - self._begin)
+        """Time left of the budget [s]; none passes faster than wall time."""
+        return self.budget_s - max(self._processor_s(), self._wall_s() / WALL_FACTOR)
 
     def check(self, best: Mapping[str, Any] | None = None) -> None:
         """Raise BudgetExceeded, with the best known so far, when the budget has run out."""
         self._best = best or self._best
-        if self.left < 0.0:
+        wall_s = self._wall_s()
+        # A thread's processor time is no longer than that: most looks need one clock only.
+        if wall_s <= self.budget_s:
+            return
+        if wall_s > WALL_FACTOR * self.budget_s or self._processor_s() > self.budget_s:
             raise self._exceeded()
 
     @contextmanager
@@ -127,7 +158,9 @@ class TimeBudget:
         if evaluations < _WATCHED:
             yield
             return
-        timer = threading.Timer(min(max(self.left, 0.0), threading.TIMEOUT_MAX), cut.fill, [True])
+        watch = _Watch(cut, self)
+        wait_s = min(max(self.left, 0.0), threading.TIMEOUT_MAX)
+        timer = threading.Timer(wait_s, watch.look)
         timer.daemon = True
         timer.start()
         try:
@@ -135,13 +168,44 @@ class TimeBudget:
         except SearchCut as short:
             raise self._exceeded() from short
         finally:
+            watch.over.set()
             timer.cancel()
 
     def _exceeded(self) -> BudgetExceeded:
+        by_processor = self._processor_s() >= self.budget_s
         return BudgetExceeded(
-            f"the budget of {self.budget_s:g} s ran out in the stage {self._stage!r}; "
+            f"{ran_out(self.budget_s, self._stage, by_processor=by_processor)}; "
             "a larger budget_s, fewer waypoints or a faster ik.method would help",
             stage=self._stage,
             budget_s=self.budget_s,
             best=self._best,
         )
+
+
+class _Watch:
+    """Sets the flag of a search when the budget has run out, unless the search is over."""
+
+    def __init__(self, cut: Flags, budget: TimeBudget) -> None:
+        self._cut, self._budget = cut, budget
+        self.over = threading.Event()
+
+    def look(self) -> None:
+        """Set the flag as soon as no time is left, which may be later than it seemed."""
+        try:
+            while (left := self._budget.left) > 0.0:
+                if self.over.wait(min(max(left, _SHORTEST_S), threading.TIMEOUT_MAX)):
+                    return
+        except OSError:  # the thread of the plan has ended, and its clock
+            return
+        if not self.over.is_set():
+            self._cut.fill(True)
+
+
+def ran_out(budget_s: float, stage: str, *, by_processor: bool) -> str:
+    """Return the words for a budget [s] that ran out: in which stage, and by which clock."""
+    if by_processor:
+        return f"the budget of {budget_s:g} s of processor time ran out in the stage {stage!r}"
+    return (
+        f"the budget of {budget_s:g} s ran out in the stage {stage!r}: on a busy machine "
+        f"{WALL_FACTOR:g} times as much wall time passed"
+    )

@@ -19,6 +19,7 @@ import ikplan
 SOURCE = Path(ikplan.__file__).parent
 API = SOURCE.parent / "api" / "ikplan_api"
 RANK = {
+    "processor_time": -2,
     "_kernels": -1,
     "_jit": 0,
     "_lazy": 0,

@@ -76,18 +76,22 @@ def main() -> int:
         print(f"no list for this processor: {LIST.name}")
         return 2
     known = json.loads(LIST.read_text())["cases"] if options.action == "check" else {}
-    changed = 0
+    changed = unknown = 0
     for name, kind, document in golden_cases():
         if options.only not in name:
             continue
         found[name] = outcome(kind, document)
-        if options.action == "check" and known.get(name) != found[name]:
+        if options.action == "write" or known.get(name) == found[name]:
+            continue
+        if name in known:
             changed += 1
-            print(f"{name}: {known.get(name)} is now {found[name]}", flush=True)
+            print(f"{name}: {known[name]} is now {found[name]}", flush=True)
+        else:
+            unknown += 1
     if options.action == "write":
         head = {"command": "python -m benchmarks.golden write", "processor": LIST.stem}
         LIST.write_text(json.dumps({**head, "cases": found}, indent=1) + "\n")
-    print(f"{len(found)} cases, {changed} changed")
+    print(f"{len(found)} cases, {changed} changed, {unknown} not in the list of this processor")
     return 1 if changed else 0
 
 

@@ -15,6 +15,7 @@ from pathlib import Path
 import ikplan
 from benchmarks.service.requests import helices, slow_request
 from benchmarks.service.server import Server, processor_s, serving
+from ikplan.processor_time import WALL_FACTOR
 
 __all__ = ["try_faults"]
 
@@ -58,9 +59,10 @@ def _plan_hangs() -> str:
         thread.start()
         time.sleep(1.0)
         (worker,) = server.workers()
-        # Halted, it cannot look at its clock any more; let go, it has to be gone.
+        # Halted, it cannot look at its clock any more; let go, it has to be gone: its wall time,
+        # a multiple of its budget and a grace of 1 s, is over.
         os.kill(worker, signal.SIGSTOP)
-        time.sleep(3.0)
+        time.sleep(WALL_FACTOR * 2.0 + 1.0)
         os.kill(worker, signal.SIGCONT)
         begin = time.perf_counter()
         thread.join()

@@ -7,11 +7,10 @@ from collections.abc import Generator, Iterable
 from ikplan.batch.chunks import Chunk, Done
 from ikplan.batch.outcome import OK, Outcome, failed
 from ikplan.client import Client
+from ikplan.documents import MAX_PLAN_S
 from ikplan.errors import IkplanError
 
 __all__ = ["ServiceExecutor"]
-
-_TIMEOUT_S = 3600.0
 
 
 class ServiceExecutor:
@@ -23,7 +22,7 @@ class ServiceExecutor:
     """
 
     def __init__(self, url: str, *, seconds: bool = True) -> None:
-        self._client = Client(url, timeout=_TIMEOUT_S)
+        self._client = Client(url, timeout=MAX_PLAN_S)
         self._seconds = seconds
 
     def run(self, chunks: Iterable[Chunk]) -> Generator[Done, None, None]:

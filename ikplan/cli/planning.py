@@ -15,7 +15,7 @@ from ikplan.cli.requests.robot import info_of, name_robot
 from ikplan.cli.requests.scene import set_scene, with_meshes_beside
 from ikplan.cli.terminal.progress import progress_bar, watched
 from ikplan.cli.terminal.telling import tell, tell_start
-from ikplan.documents import load_json
+from ikplan.documents import MAX_PLAN_S, load_json
 from ikplan.documents.plan_request import PlanRequest
 from ikplan.errors import IkplanError, InvalidRequest
 
@@ -138,7 +138,7 @@ def _make(options: argparse.Namespace, document: Any, robot: Robot | None) -> Pl
 def _by_service(options: argparse.Namespace, document: Any) -> Plan:
     from ikplan.client import Client
 
-    with Client(options.server, timeout=3600.0) as client:
+    with Client(options.server, timeout=MAX_PLAN_S) as client:
         return watched(
             lambda: client.plan(document), lambda: client.submit(document), quiet=options.quiet
         )

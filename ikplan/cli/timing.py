@@ -14,7 +14,7 @@ from ikplan.cli.requests.robot import info_of, name_robot
 from ikplan.cli.requests.scene import set_scene, with_meshes_beside
 from ikplan.cli.terminal.progress import progress_bar, watched
 from ikplan.cli.terminal.telling import tell_start
-from ikplan.documents import load_json
+from ikplan.documents import MAX_PLAN_S, load_json
 from ikplan.documents.timing_request import TimingRequest
 from ikplan.errors import InvalidRequest
 
@@ -87,7 +87,7 @@ def _here(options: argparse.Namespace, document: Any, robot: Robot | None) -> Pl
 def _by_service(options: argparse.Namespace, document: Any) -> Plan:
     from ikplan.client import Client
 
-    with Client(options.server, timeout=3600.0) as client:
+    with Client(options.server, timeout=MAX_PLAN_S) as client:
         return watched(
             lambda: client.time(document),
             lambda: client.submit_time(document),

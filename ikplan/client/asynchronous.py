@@ -42,7 +42,8 @@ class AsyncClient:
         base_url: Address of the service, such as ``http://127.0.0.1:8000``.
         key: The key that the service wants; None: the environment variable ``IKPLAN_KEY``.
         transport: How requests travel; None: over the network.
-        timeout: Longest wait for an answer [s]; a plan may take as long as its ``budget_s``.
+        timeout: Longest wait for an answer [s]; a plan may take as long as its ``budget_s``, and
+            on a busy machine four times as long.
         retries: How often to ask again when the service is busy (429, 503: as late as its
             ``Retry-After`` says) or the connection fails.
 

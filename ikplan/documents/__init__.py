@@ -1,8 +1,11 @@
 """What the request and result documents are built of; a file for each part of them."""
 
 from ikplan.documents.base import (
+    BUDGET_COUNTS,
     HASHED,
+    MAX_BUDGET_S,
     MAX_NUMBER,
+    MAX_PLAN_S,
     Booleans,
     Document,
     Floats,
@@ -21,8 +24,11 @@ from ikplan.documents.base import (
 )
 
 __all__ = [
+    "BUDGET_COUNTS",
     "HASHED",
+    "MAX_BUDGET_S",
     "MAX_NUMBER",
+    "MAX_PLAN_S",
     "Booleans",
     "Document",
     "Floats",

@@ -27,9 +27,13 @@ from pydantic import (
 
 from ikplan.documents.json_text import load_json, shortened
 from ikplan.errors import InvalidRequest, near_names
+from ikplan.processor_time import WALL_FACTOR
 
 __all__ = [
+    "BUDGET_COUNTS",
+    "MAX_BUDGET_S",
     "MAX_NUMBER",
+    "MAX_PLAN_S",
     "Booleans",
     "Document",
     "Floats",
@@ -48,6 +52,13 @@ __all__ = [
 ]
 
 M = TypeVar("M", bound="Document")
+
+MAX_BUDGET_S = 3600.0
+"""Largest time budget [s]."""
+MAX_PLAN_S = WALL_FACTOR * MAX_BUDGET_S
+"""Longest wall time of a plan [s]."""
+BUDGET_COUNTS = f"processor time, in at most {WALL_FACTOR:g} times as much wall time"
+"""What a time budget counts, in words."""
 
 
 class Document(BaseModel):

@@ -19,7 +19,16 @@ from pydantic import (
     model_validator,
 )
 
-from ikplan.documents import Document, Floats, IfGiven, Vec3, as_list, content_hash
+from ikplan.documents import (
+    BUDGET_COUNTS,
+    MAX_BUDGET_S,
+    Document,
+    Floats,
+    IfGiven,
+    Vec3,
+    as_list,
+    content_hash,
+)
 from ikplan.documents.limits import LimitOptions, SamplingOptions
 from ikplan.documents.path import PathRequest
 from ikplan.documents.poses import (
@@ -195,7 +204,9 @@ class PlanRequest(Document):
     ik: IkOptions = Field(default_factory=IkOptions)
     limits: LimitOptions = Field(default_factory=LimitOptions)
     sampling: SamplingOptions = Field(default_factory=SamplingOptions)
-    budget_s: float = Field(10.0, gt=0, le=3600, description="Time budget of the planner [s].")
+    budget_s: float = Field(
+        10.0, gt=0, le=MAX_BUDGET_S, description=f"Time budget of the planner [s]: {BUDGET_COUNTS}."
+    )
 
     def content_hash(self, *context: str) -> str:
         """Return the plan's id: a hash of this request in canonical form and its context.
@@ -257,7 +268,9 @@ class IkRequest(Document):
         description="Whether a pose without a solution is explained; false: a bare no, which "
         "takes a fraction of the time. The method lm gives up after 200 restarts then.",
     )
-    budget_s: float = Field(10.0, gt=0, le=3600, description="Time budget of the solver [s].")
+    budget_s: float = Field(
+        10.0, gt=0, le=MAX_BUDGET_S, description=f"Time budget of the solver [s]: {BUDGET_COUNTS}."
+    )
 
     _check = field_validator("quaternion_xyzw")(unit_quaternion)
 
@@ -321,7 +334,9 @@ class IkBatchRequest(Document):
         description="Whether poses without a solution are explained; false: a bare no, which "
         "takes a fraction of the time. The method lm gives up after 200 restarts then.",
     )
-    budget_s: float = Field(10.0, gt=0, le=3600, description="Time budget of all poses [s].")
+    budget_s: float = Field(
+        10.0, gt=0, le=MAX_BUDGET_S, description=f"Time budget of all poses [s]: {BUDGET_COUNTS}."
+    )
 
     @model_validator(mode="after")
     def _of_one_kind(self) -> IkBatchRequest:

@@ -6,7 +6,15 @@ from typing import Annotated, Any
 
 from pydantic import BeforeValidator, Discriminator, Field, Tag, model_validator
 
-from ikplan.documents import Document, Floats, IfGiven, as_list, content_hash
+from ikplan.documents import (
+    BUDGET_COUNTS,
+    MAX_BUDGET_S,
+    Document,
+    Floats,
+    IfGiven,
+    as_list,
+    content_hash,
+)
 from ikplan.documents.limits import LimitOptions, SamplingOptions, SegmentLimits
 from ikplan.documents.poses import Tolerance
 from ikplan.documents.scene import FixedJoints, GivenScene, ToolFrame
@@ -88,7 +96,9 @@ class TimingRequest(Document):
         Field([], description="Parts of the path with limits of their own; the strictest holds.")
     )
     sampling: SamplingOptions = Field(default_factory=SamplingOptions)
-    budget_s: float = Field(10.0, gt=0, le=3600, description="Time budget [s].")
+    budget_s: float = Field(
+        10.0, gt=0, le=MAX_BUDGET_S, description=f"Time budget [s]: {BUDGET_COUNTS}."
+    )
 
     def content_hash(self, *context: str) -> str:
         """Return the id of the timing: a hash of this request in canonical form and its context.

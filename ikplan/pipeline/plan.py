@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import contextlib
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
 
@@ -36,14 +36,13 @@ from ikplan.pipeline.resolve import resolve_robot
 from ikplan.pipeline.timing_stage import joint_limits
 from ikplan.planning import (
     JointPathProblem,
-    JointRoute,
     Progress,
     find_repairs,
 )
 from ikplan.planning.moves.leave import leaving_contact
 from ikplan.planning.posture import motion_cost, preferred_configuration, softened
 from ikplan.planning.repair_kinds import merged_document
-from ikplan.planning.segment_number import segment_number
+from ikplan.planning.segment_times import segment_times
 from ikplan.planning.tracking.tracked_path import TrackingFailed
 from ikplan.plans.plan import Plan
 from ikplan.robots import Robot
@@ -273,7 +272,7 @@ def _certified(
             path=followed,
             moves=[move.report for move in route.moves],
             model=model,
-            segment_times=_segment_times(route, times, problem.order),
+            segment_times=segment_times(route, times, problem.order),
             order=problem.order,
             leaving=_leaving(problem, motion),
             plan_id=known_id,
@@ -327,31 +326,6 @@ def _survives(
     except (IkplanError, TrackingFailed):
         return False
     return True
-
-
-def _segment_times(
-    route: JointRoute, times: NDArray[np.float64], order: Sequence[int] | None
-) -> list[tuple[float, float]] | None:
-    """When each segment of the request begins and ends, in the order passed [s]; None: none are."""
-    found: dict[int, tuple[float, float]] = {}
-    for part in route.segments:
-        number = segment_number(part.field)
-        if number is not None:
-            begin, end = float(times[part.first]), float(times[part.last])
-            known = found.get(number, (begin, end))
-            found[number] = min(begin, known[0]), max(end, known[1])
-    if not found:
-        ends = [float(times[w.index]) for w in route.waypoints]
-        return list(zip([0.0, *ends], ends, strict=False)) or None
-    last = begun = 0.0
-    rows = []
-    for number in range(max(found) + 1) if order is None else order:
-        begin, end = found.get(number, (last, last))
-        # One that leads nowhere, at a rounded corner, is passed after the next one has begun.
-        begun = max(begun, begin)
-        rows.append((begun, max(begun, end)))
-        last = rows[-1][1]
-    return rows
 
 
 def _segment_limits(

@@ -2,13 +2,7 @@
 
 from __future__ import annotations
 
-import threading
-from collections.abc import Iterator
-from contextlib import contextmanager
-from typing import cast
-
-from ikplan._kernels.clock import kernel_seconds
-from ikplan.arrays import Flags
+from ikplan._kernels.clock import kernel_seconds, thread_kernels
 from ikplan.time_budget import Progress, TimeBudget
 
 __all__ = ["RequestBudget"]
@@ -25,42 +19,21 @@ class RequestBudget(TimeBudget):
     """
 
     def __init__(self, budget_s: float, progress: Progress | None = None) -> None:
-        self._before = self._booked = kernel_seconds()
         super().__init__(budget_s, progress)
+        self._before = self._booked = kernel_seconds()
+        self._kernels = thread_kernels()
+        self._processor_before = self._kernels.seconds(self._processor)
 
-    @property
-    def left(self) -> float:
-        """Time left of the budget [s]."""
-        return super().left + kernel_seconds() - self._before
+    def _wall_s(self) -> float:
+        return super()._wall_s() - (kernel_seconds() - self._before)
+
+    def _processor_s(self) -> float:
+        # In this order: between two looks at a kernel that is compiled, no time seems spent.
+        spent_s = super()._processor_s()
+        return spent_s - (self._kernels.seconds(self._processor) - self._processor_before)
 
     def _book(self, stage: str) -> None:
         passed = kernel_seconds()
         self._since += passed - self._booked
         self._booked = passed
         super()._book(stage)
-
-    @contextmanager
-    def cutting(self, cut: Flags, evaluations: int) -> Iterator[None]:
-        """End long searches when the budget has run out; see :class:`TimeBudget`."""
-        waiting = _Waiting(cut, self)
-        try:
-            with super().cutting(cast(Flags, waiting), evaluations):
-                yield
-        finally:
-            waiting.over.set()
-
-
-class _Waiting:
-    """Sets a flag when the budget has run out, which may be later than it seemed."""
-
-    def __init__(self, cut: Flags, budget: RequestBudget) -> None:
-        self._cut, self._budget = cut, budget
-        self.over = threading.Event()
-
-    def fill(self, value: bool) -> None:
-        """Set the flag as soon as no time is left, unless the search is over."""
-        while (left := self._budget.left) > 0.0:
-            if self.over.wait(min(left, threading.TIMEOUT_MAX)):
-                return
-        if not self.over.is_set():
-            self._cut.fill(value)

@@ -1,8 +1,8 @@
 """From a path of a request to the configurations of a joint path."""
 
-from ikplan.planning.joint_planner import plan_joint_path
 from ikplan.planning.joint_route import JointPathProblem, JointRoute, RouteWaypoint
 from ikplan.planning.order.free_order import orders_of
+from ikplan.planning.plan_joint_path import plan_joint_path
 from ikplan.planning.repairs import find_repairs
 from ikplan.planning.waypoints.select import select_configurations
 from ikplan.planning.waypoints.waypoint_problem import WaypointProblem

@@ -24,10 +24,10 @@ from ikplan.ik.solve import NoSolution, PoseSolver
 from ikplan.kinematics.forward import forward
 from ikplan.kinematics.target import Target, pose_target
 from ikplan.path import JointLeg, MoveLeg, Pose, ToolLeg, legs_of
-from ikplan.planning.joint_planner import plan_joint_path
 from ikplan.planning.joint_route import JointPathProblem
 from ikplan.planning.ladder.ik_candidates import sample_ik_solutions
 from ikplan.planning.limit_repairs import Survives, limit_repairs, offered
+from ikplan.planning.plan_joint_path import plan_joint_path
 from ikplan.planning.repair_kinds import Repair, boxed, moved_aside, rounded, smaller_clearance
 from ikplan.planning.task_freedom import counts_orientation, freedom_of
 from ikplan.planning.tool_leg import path_tracker

@@ -194,8 +194,8 @@ def track_after(
             raise
         # The goals are the nearest ones; a long path may need a turn that none of them has.
         every, q_from = branches(opened.problem), opened.problem.q_start
-        away = np.linalg.norm(every - q_from, axis=1)
-        turned = StartingWays(every, away, StartCopies(q_from, counted=True), opened.problem)
+        copies = StartCopies(q_from, True, problem.posture)
+        turned = StartingWays(every, problem.away(every, q_from), copies, opened.problem)
         try:
             return track_tool_path(problem, tracker, path, turned)
         except (Unreachable, Disconnected, InCollision, TrackingFailed):

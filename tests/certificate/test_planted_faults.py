@@ -297,13 +297,13 @@ FAULTS: dict[str, Fault] = {
     # Targets.
     "targets are beside the path": (
         "joint waypoints",
-        "ikplan.planning.joint_planner",
+        "ikplan.planning.task_freedom",
         "pose_target",
         _after(_aside),
     ),
     "targets are twisted": (
         "joint pose",
-        "ikplan.planning.joint_planner",
+        "ikplan.planning.task_freedom",
         "pose_target",
         _after(_twisted),
     ),

@@ -30,6 +30,8 @@ def said_by_command() -> dict[str, list[str]]:
 def settled(line: str) -> str:
     """A line without figures of rounding, which differ between machines, and without folders."""
     line = re.sub(r"\d+(\.\d+)?e-\d+|[0-9a-f]{32}", "#", line)
+    # Where an extreme is reached twice, rounding decides which of the two is named.
+    line = re.sub(r"at \d+\.\d+ s", "at # s", line)
     return re.sub(r"wrote \S*/ikplan/robots/", "wrote ~/.config/ikplan/robots/", line)
 
 

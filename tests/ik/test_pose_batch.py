@@ -1,11 +1,16 @@
 """Many poses at a time: each as it is solved alone, whatever it is solved with."""
 
+import time
+
 import numpy as np
 import pinocchio as pin
 import pytest
 
 import ikplan
 from ikplan.errors import InvalidRequest, Unreachable
+from ikplan.ik.poses.arrays import pose_arrays
+from ikplan.ik.poses.batch import solve_batch
+from ikplan.kinematics.arm import arm_of
 from ikplan.pipeline.pose_batch.request import solve_ik_batch_request, solve_ik_requests
 
 ROBOTS = ("iiwa14", "ur5", "z1")
@@ -153,3 +158,25 @@ def test_a_request_of_many_poses_and_requests_of_one_have_the_same_answers():
     (no,) = solve_ik_requests([bare])
     assert isinstance(no, Unreachable)
     assert "no verdict was asked for" in no.reason
+
+
+def test_the_budget_of_a_batch_counts_what_its_threads_do():
+    robot = ikplan.load_robot("ur5")
+    _, poses = reachable(robot, 600)
+    arm, asked = arm_of(robot), pose_arrays(poses)
+    told = []
+
+    def solve(threads):
+        told.clear()
+        begin = time.process_time(), time.thread_time()
+        solve_batch(
+            arm, asked, robot.home[None], 1e-9, 1e-9, 50, 40, 0,
+            threads=threads, check=lambda *part: told.append(part),
+        )  # fmt: skip
+        own = time.thread_time() - begin[1]
+        assert sum(count for count, _ in told) == 600
+        return time.process_time() - begin[0] - own, sum(share for _, share in told)
+
+    assert solve(1)[1] == 0.0  # the thread of the plan counts itself
+    others, share = solve(2)
+    assert 0.5 * others < 2 * share <= others

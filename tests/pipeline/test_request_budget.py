@@ -11,7 +11,7 @@ import pytest
 
 from ikplan import BudgetExceeded
 from ikplan._kernels import clock as clocks
-from ikplan._kernels.clock import counting, kernel_seconds
+from ikplan._kernels.clock import counting, kernel_seconds, thread_kernels
 from ikplan.pipeline.request_budget import RequestBudget
 from ikplan.time_budget import SearchCut
 
@@ -20,22 +20,28 @@ LONG = 10**9
 
 
 class Time:
-    """A clock that is set by hand."""
+    """The clocks of the wall and of the thread, which are set by hand."""
 
     def __init__(self) -> None:
-        self.now = 100.0
+        self.now, self.worked = 100.0, 10.0
 
     def perf_counter(self) -> float:
         return self.now
 
-    def passes(self, seconds: float) -> None:
+    def clock_gettime(self, _: int) -> float:
+        return self.worked
+
+    def passes(self, seconds: float, worked: float | None = None) -> None:
+        """Let time pass, and the thread work for all or some of it."""
         self.now += seconds
+        self.worked += seconds if worked is None else worked
 
 
 @pytest.fixture
 def hand(monkeypatch: pytest.MonkeyPatch) -> Time:
     hand = Time()
     monkeypatch.setattr(time, "perf_counter", hand.perf_counter)
+    monkeypatch.setattr(time, "clock_gettime", hand.clock_gettime)
     return hand
 
 
@@ -59,6 +65,33 @@ def test_compiling_takes_nothing_from_the_budget_and_from_no_stage(hand: Time) -
         budget.check()
 
 
+def test_compiling_takes_nothing_from_either_clock_whoever_does_it(hand: Time) -> None:
+    budget = RequestBudget(10.0)
+    hand.passes(4.0, worked=3.0)
+    assert budget.left == pytest.approx(7.0)
+    with counting():  # by other processes that this thread waits for, and by itself
+        hand.passes(60.0, worked=2.0)
+        assert budget.left == pytest.approx(7.0)
+        hand.passes(60.0, worked=20.0)
+    assert budget.left == pytest.approx(7.0)
+
+    def compile_beside() -> None:
+        with counting():
+            hand.passes(8.0, worked=1.0)
+
+    thread = threading.Thread(target=compile_beside)
+    thread.start()
+    thread.join()
+    # Of this thread's processor time only what it puts into kernels itself is left out.
+    assert budget.left == pytest.approx(6.0)
+    hand.passes(28.0, worked=0.0)
+    assert budget.left == pytest.approx(2.0)
+    with budget.stage("ik"):
+        hand.passes(8.1, worked=0.0)
+        with pytest.raises(BudgetExceeded, match="wall time"):
+            budget.check()
+
+
 def test_kernels_that_were_compiled_before_do_not_lengthen_a_budget(hand: Time) -> None:
     with counting():
         hand.passes(100.0)
@@ -79,7 +112,7 @@ def test_what_fails_to_compile_is_counted_and_ends(hand: Time) -> None:
         fails()
     hand.passes(5.0)
     assert kernel_seconds() - before == pytest.approx(2.0)
-    assert clocks._depth == 0
+    assert clocks._process._depth == thread_kernels()._depth == 0
 
 
 def waits(condition: Callable[[], bool]) -> None:

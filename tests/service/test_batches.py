@@ -18,6 +18,7 @@ from tests.two_joints import URDF
 
 from .bad_requests import GOOD
 from .conftest import ADDRESS
+from .serving import WAIT_S
 from .stand_in import StandIn
 
 HEADERS = {"content-type": NDJSON}
@@ -161,7 +162,7 @@ def test_a_batch_is_answered_as_it_goes_and_stopped_when_nobody_reads_on():
             "http_version": "1.1", "scheme": "http", "server": ("127.0.0.1", 80),
             "client": ("127.0.0.1", 1), "root_path": "",
         }  # fmt: skip
-        async with asyncio.timeout(20), app.router.lifespan_context(app):
+        async with asyncio.timeout(WAIT_S), app.router.lifespan_context(app):
             serving = asyncio.create_task(app(scope, receive, send))
             for k in range(3):
                 while planner.load.running < 2:

@@ -19,6 +19,7 @@ from ikplan_api.store.plan_store import StoreFault
 
 from .bad_requests import GOOD
 from .conftest import ADDRESS
+from .serving import WAIT_S
 from .stand_in import StandIn
 
 ASYNC = {"prefer": "respond-async"}
@@ -37,7 +38,7 @@ def served(
         app = create_app(Settings(store_path=str(path)), planner=stand_in)
         transport = httpx.ASGITransport(app, raise_app_exceptions=False)
         async with (
-            asyncio.timeout(20),
+            asyncio.timeout(WAIT_S),
             app.router.lifespan_context(app),
             httpx.AsyncClient(transport=transport, base_url=ADDRESS) as http,
         ):

@@ -13,6 +13,7 @@ from ikplan_api.settings import Settings
 from ikplan_api.workers.tasks import TaskResult
 
 from .conftest import ADDRESS
+from .serving import bound_s
 from .stand_in import StandIn
 
 IK = {"robot": "ur5", "position": [0.4, 0.1, 0.4]}
@@ -24,7 +25,7 @@ def test_a_search_that_takes_longer_than_its_budget_is_stopped(client):
     begin = time.monotonic()
     with pytest.raises(BudgetExceeded) as caught:
         client.ik(slow)
-    assert time.monotonic() - begin < 5.0
+    assert time.monotonic() - begin < bound_s(5.0)
     assert (caught.value.stage, caught.value.budget_s, caught.value.status) == ("ik", 0.3, 422)
     assert client.ik(IK).position_error < 1e-6
 

@@ -23,6 +23,7 @@ from tests.measured import waypoint_errors
 
 from .bad_requests import GOOD
 from .conftest import ADDRESS
+from .serving import WAIT_S, bound_s
 from .stand_in import StandIn
 
 ASYNC = {"prefer": "respond-async"}
@@ -50,9 +51,9 @@ def at(x: float) -> dict:
 def test_what_runs_gets_its_time_and_what_waits_is_put_off():
     async def run() -> None:
         planner = StandIn()
-        app = create_app(Settings(store_path=":memory:", stop_s=5), planner=planner)
+        app = create_app(Settings(store_path=":memory:", stop_s=100), planner=planner)
         async with (
-            asyncio.timeout(20),
+            asyncio.timeout(WAIT_S),
             httpx.AsyncClient(transport=httpx.ASGITransport(app), base_url=ADDRESS) as http,
         ):
             async with app.router.lifespan_context(app) as state:
@@ -63,7 +64,7 @@ def test_what_runs_gets_its_time_and_what_waits_is_put_off():
                     await asyncio.sleep(0.005)
                 assert json.loads(planner.asked[1]) == at(0.51)
                 planner.progress[1]("ik", 1, 2)
-                assert state["stop"]() == 5
+                assert state["stop"]() == 100
                 await asyncio.sleep(0.01)
                 assert [json.loads(d) for d in planner.cancelled] == [at(0.52), at(0.53)]
                 planner.answer()
@@ -71,7 +72,7 @@ def test_what_runs_gets_its_time_and_what_waits_is_put_off():
                 left = [job.plan_id for job in await app.state.store.pending()]
                 asyncio.get_running_loop().call_later(0.2, planner.answer)
                 begin = time.monotonic()
-            assert 0.1 < time.monotonic() - begin < 4.0
+            assert 0.1 < time.monotonic() - begin < min(bound_s(4.0), 90.0)
             assert len(left) == 3
 
     asyncio.run(run())
@@ -82,7 +83,7 @@ def test_what_takes_too_long_is_not_waited_for():
         planner = StandIn()
         app = create_app(Settings(store_path=":memory:", stop_s=0.3), planner=planner)
         async with (
-            asyncio.timeout(20),
+            asyncio.timeout(WAIT_S),
             httpx.AsyncClient(transport=httpx.ASGITransport(app), base_url=ADDRESS) as http,
         ):
             async with app.router.lifespan_context(app):
@@ -93,7 +94,7 @@ def test_what_takes_too_long_is_not_waited_for():
                 begin = time.monotonic()
             return time.monotonic() - begin
 
-    assert 0.2 < asyncio.run(run()) < 3.0
+    assert 0.2 < asyncio.run(run()) < bound_s(3.0)
 
 
 def test_a_stopped_service_ends_its_streams_and_does_its_jobs_after_the_next_start(tmp_path: Path):
@@ -113,16 +114,16 @@ def test_a_stopped_service_ends_its_streams_and_does_its_jobs_after_the_next_sta
                 server.process.send_signal(signal.SIGTERM)
                 begin = time.monotonic()
                 events = {line for line in told if line.startswith("event:")}
-                assert time.monotonic() - begin < 5.0
+                assert time.monotonic() - begin < bound_s(5.0)
             assert events <= {"event: progress"}
-        assert server.process.wait(30) == -signal.SIGTERM
+        assert server.process.wait(WAIT_S) == -signal.SIGTERM
     finally:
         server.stop()
     with serving(workers="1", store_path=path) as again, ikplan.Client(again.address) as client:
         status = client.job(slow.id).status()
         assert status.state in ("queued", "running")
         client.job(slow.id).cancel()
-        assert [client.job(i).wait(timeout=60).id for i in ids] == ids
+        assert [client.job(i).wait(timeout=WAIT_S).id for i in ids] == ids
 
         # Who waits for an answer when the service is to stop still gets it.
         answers = []
@@ -132,9 +133,9 @@ def test_a_stopped_service_ends_its_streams_and_does_its_jobs_after_the_next_sta
         while "ikplan_tasks_running 1.0" not in httpx.get(f"{again.address}/metrics").text:
             time.sleep(0.02)
         again.process.send_signal(signal.SIGTERM)
-        waiting.join(60)
+        waiting.join(WAIT_S)
         assert waypoint_errors(answers[0], big["path"]).max() <= 1e-8
-        assert again.process.wait(30) == -signal.SIGTERM
+        assert again.process.wait(WAIT_S) == -signal.SIGTERM
 
 
 def test_a_service_that_is_stuck_ends_all_the_same():
@@ -144,10 +145,10 @@ def test_a_service_that_is_stuck_ends_all_the_same():
     with subprocess.Popen(command, **pipes) as process:
         assert process.stderr is not None
         address = process.stderr.readline().split()[3]
-        assert httpx.get(f"{address}/livez", timeout=60).status_code == 200
+        assert httpx.get(f"{address}/livez", timeout=WAIT_S).status_code == 200
         process.send_signal(signal.SIGTERM)
         begin = time.monotonic()
-        assert process.wait(30) == 1
-        assert 5.0 < time.monotonic() - begin < 20.0
+        assert process.wait(WAIT_S) == 1
+        assert 5.0 < time.monotonic() - begin < bound_s(20.0)
         said = process.stderr.read()
     assert "did not end in time" in said

@@ -23,6 +23,7 @@ from ikplan_api.store.sqlite_documents import SqliteDocumentStore
 from ikplan_api.store.sqlite_plans import SqlitePlanStore
 
 from .conftest import ADDRESS
+from .serving import WAIT_S
 from .stand_in import StandIn
 from .test_store import JOB, use
 
@@ -197,7 +198,7 @@ def test_whichever_operation_fails_nothing_accepted_is_lost(tmp_path: Path) -> N
             done = []
             for name, operation in operations(store):
                 try:
-                    await asyncio.wait_for(operation(), 10)
+                    await asyncio.wait_for(operation(), WAIT_S)
                     done.append(name)
                 except StoreFault:
                     continue

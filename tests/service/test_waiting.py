@@ -21,6 +21,7 @@ from ikplan_api.workers.process_planner import ProcessPlanner
 
 from .bad_requests import GOOD
 from .conftest import ADDRESS
+from .serving import WAIT_S
 from .stand_in import StandIn
 from .test_jobs import served, until
 
@@ -42,7 +43,7 @@ async def post(app: Any, **headers: str) -> httpx.Response:
 def asked(planner: StandIn, deadline: str) -> httpx.Response:
     async def run() -> httpx.Response:
         app = create_app(Settings(store_path=":memory:"), planner=planner)
-        async with asyncio.timeout(20), app.router.lifespan_context(app):
+        async with asyncio.timeout(WAIT_S), app.router.lifespan_context(app):
             return await post(app, **{"ikplan-deadline": deadline})
 
     return asyncio.run(run())

@@ -42,7 +42,8 @@ class Planner(LoadSource, Protocol):
             document: The request document.
             robot: The uploaded robot that the request names; None: a robot of the catalogue.
             known: What is known of the request already.
-            limit_s: Time limit from the start of the task [s].
+            limit_s: Limit of its processor time from the start of the task [s]; its wall time is
+                limited to :data:`~ikplan.processor_time.WALL_FACTOR` times as much.
             progress: Receives the progress of the task.
             wait_if_full: If the queue is full, wait instead of raising.
             attempts: Counts the attempts; None: there are none before.

@@ -14,11 +14,14 @@ import time
 from ikplan.errors import BudgetExceeded, MemoryExceeded, ServiceUnavailable
 from ikplan.pipeline.identity import UNKNOWN, KnownRequest
 from ikplan.planning import Progress
+from ikplan.processor_time import WALL_FACTOR
+from ikplan.time_budget import ran_out
 from ikplan.workers.process import TaskNotStarted
 from ikplan_api.telemetry.load import Load
 from ikplan_api.workers import tasks
 from ikplan_api.workers.attempts import Attempts
 from ikplan_api.workers.tasks import TaskInput, TaskResult
+from ikplan_api.workers.worker import TaskLimits
 from ikplan_api.workers.worker_slot import (
     TaskTimeout,
     WorkerOutOfMemory,
@@ -53,7 +56,7 @@ class ProcessPlanner:
         workers: Number of worker processes.
         max_queued: Tasks that may wait for a worker; further tasks are refused.
         memory_bytes: Private memory that a worker may allocate [bytes]; 0: no limit.
-        grace_s: Time beyond its limit in which a task may end by itself [s].
+        grace_s: Time beyond its limits in which a task may end by itself [s].
         max_wait_s: Longest time that a task waits for a worker, unless it is to wait [s].
     """
 
@@ -169,6 +172,7 @@ class ProcessPlanner:
         wait_s: float,
         attempts: Attempts,
     ) -> TaskResult:
+        limits = TaskLimits(limit_s + self._grace_s, WALL_FACTOR * limit_s + self._grace_s)
         for _ in range(_STARTS):
             slot = await self._free_slot(wait_s)
             if slot is None:
@@ -180,7 +184,7 @@ class ProcessPlanner:
             began = time.monotonic()
             attempts.begin()
             try:
-                return await slot.run(number, kind, task, limit_s + self._grace_s)
+                return await slot.run(number, kind, task, limits)
             except TaskNotStarted:
                 attempts.withdraw()
                 continue
@@ -188,11 +192,11 @@ class ProcessPlanner:
                 attempts.withdraw()
                 raise
             except TaskTimeout as error:
+                stage = task_progress.stage
                 raise BudgetExceeded(
-                    f"the budget of {limit_s:g} s ran out in the stage {task_progress.stage!r} and "
-                    "the planner was stopped; try a larger budget_s, fewer waypoints or a faster "
-                    "ik.method",
-                    stage=task_progress.stage,
+                    f"{ran_out(limit_s, stage, by_processor=error.by_processor)}, and the planner "
+                    "was stopped; try a larger budget_s, fewer waypoints or a faster ik.method",
+                    stage=stage,
                     budget_s=limit_s,
                 ) from error
             except WorkerOutOfMemory as error:

@@ -22,6 +22,7 @@ from ikplan_api.workers.tasks import TaskInput, TaskResult
 __all__ = [
     "OUT_OF_MEMORY",
     "READY_S",
+    "TaskLimits",
     "WorkerReply",
     "initialize",
     "prepare",
@@ -38,6 +39,18 @@ _SHORT = 32 * 1024
 """Longest document that a pipe carries in one piece [bytes]."""
 _reports: list[socket.socket] = []
 _documents: list[socket.socket] = []
+
+
+class TaskLimits(NamedTuple):
+    """Time in which a task must end, from the start of its first stage.
+
+    Attributes:
+        processor_s: Processor time of the process [s].
+        wall_s: Wall time [s].
+    """
+
+    processor_s: float
+    wall_s: float
 
 
 class WorkerReply(NamedTuple):
@@ -83,16 +96,16 @@ def ready() -> int:
 class _Reporter:
     """Sends progress to the service; starts the task's clock at its first stage."""
 
-    def __init__(self, task: int, limit_s: float) -> None:
+    def __init__(self, task: int, limits: TaskLimits) -> None:
         self._task = task
-        self._limit_s = limit_s
+        self._limits = limits
         self._stage = ""
         self._next = 0.0
 
     def __call__(self, stage: str, done: int, total: int) -> None:
         now = time.monotonic()
         if not self._stage:
-            _set_alarm(self._limit_s)
+            _set_alarms(*self._limits)
         elif stage == self._stage and now < self._next:
             return
         self._stage, self._next = stage, now + _EVERY_S
@@ -102,27 +115,28 @@ class _Reporter:
                 reports.send(json.dumps([self._task, stage, done, total]).encode())
 
 
-def _set_alarm(seconds: float) -> None:
-    """End this process after a time [s]: no handler catches the signal."""
-    signal.setitimer(signal.ITIMER_REAL, seconds)
+def _set_alarms(processor_s: float, wall_s: float) -> None:
+    """End this process after either time [s]; 0: never. No handler catches the signals."""
+    signal.setitimer(signal.ITIMER_PROF, processor_s)
+    signal.setitimer(signal.ITIMER_REAL, wall_s)
 
 
-def run(number: int, kind: str, task: TaskInput, limit_s: float) -> WorkerReply:
+def run(number: int, kind: str, task: TaskInput, limits: TaskLimits) -> WorkerReply:
     """Run a task.
 
     Args:
         number: Number of the task in progress reports.
         kind: Name of the task.
         task: Its input.
-        limit_s: Time limit from the start of the first stage [s].
+        limits: Time in which it must end.
 
     Raises:
         IkplanError: The verdict on the request.
         Fault: An unexpected failure.
     """
-    _set_alarm(READY_S + limit_s)
+    _set_alarms(0.0, READY_S + limits.wall_s)
     try:
-        return _reply(tasks.run_task(kind, replace(task, progress=_Reporter(number, limit_s))))
+        return _reply(tasks.run_task(kind, replace(task, progress=_Reporter(number, limits))))
     except IkplanError:
         raise
     except MemoryError:
@@ -131,7 +145,7 @@ def run(number: int, kind: str, task: TaskInput, limit_s: float) -> WorkerReply:
         raise Fault(traceback.format_exc()) from None
     finally:
         # Before the reply is sent: a worker that ends while it sends breaks the pipe.
-        _set_alarm(0.0)
+        _set_alarms(0.0, 0.0)
 
 
 def _reply(result: TaskResult) -> WorkerReply:

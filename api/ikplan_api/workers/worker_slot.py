@@ -22,7 +22,15 @@ _LONG = 4 * 2**20
 
 
 class TaskTimeout(Exception):
-    """The worker was killed because the task took too long."""
+    """The worker was killed because the task took too long.
+
+    Args:
+        by_processor: Whether its processor time ran out, not its wall time.
+    """
+
+    def __init__(self, *, by_processor: bool) -> None:
+        super().__init__()
+        self.by_processor = by_processor
 
 
 class WorkerOutOfMemory(Exception):
@@ -71,7 +79,9 @@ class WorkerSlot:
             end.close()
         self._documents = None
 
-    async def run(self, number: int, kind: str, task: TaskInput, limit_s: float) -> TaskResult:
+    async def run(
+        self, number: int, kind: str, task: TaskInput, limits: worker.TaskLimits
+    ) -> TaskResult:
         """Run a task on the worker; if ``healthy`` is false afterwards, call ``fill``.
 
         Raises:
@@ -83,10 +93,10 @@ class WorkerSlot:
         """
         self.healthy = False
         try:
-            # The worker has a timer of its own; the longer limit is for a halted process.
-            patience_s = worker.READY_S + limit_s + _GRACE_S
+            # The worker has timers of its own; the longer limit is for a halted process.
+            patience_s = worker.READY_S + limits.wall_s + _GRACE_S
             doing = self._process.begin(
-                worker.run, number, kind, task, limit_s, timeout_s=patience_s
+                worker.run, number, kind, task, limits, timeout_s=patience_s
             )
             reply = await asyncio.wrap_future(doing)
         except (IkplanError, Fault):
@@ -95,7 +105,7 @@ class WorkerSlot:
         except ProcessExpired as error:
             raise _loss(error) from error
         except TimeoutError as error:
-            raise TaskTimeout from error
+            raise TaskTimeout(by_processor=False) from error
         except RuntimeError as error:  # raised by pebble for a pool that lost its worker
             raise TaskNotStarted from error
         result = reply.result
@@ -119,8 +129,8 @@ class WorkerSlot:
 def _loss(error: ProcessExpired) -> Exception:
     """Return the error for a worker's exit code."""
     code = int(error.exitcode)
-    if code == -signal.SIGALRM:
-        return TaskTimeout()
+    if code in (-signal.SIGALRM, -signal.SIGPROF):
+        return TaskTimeout(by_processor=code == -signal.SIGPROF)
     if code == worker.OUT_OF_MEMORY:
         return WorkerOutOfMemory()
     return worker_lost(error)

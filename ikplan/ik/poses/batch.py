@@ -8,6 +8,7 @@ from concurrent.futures import ThreadPoolExecutor
 import numba
 import numpy as np
 
+from ikplan._kernels.clock import working_seconds
 from ikplan.arrays import Array, Flags
 from ikplan.ik.poses.arrays import PoseArrays
 from ikplan.ik.poses.kernels import solve_lm_batch
@@ -64,7 +65,7 @@ def solve_batch(
     seed: int,
     *,
     threads: int,
-    check: Callable[[int], None],
+    check: Callable[[int, float], None],
 ) -> tuple[Array, Array]:
     """Solve poses, each as the method lm does alone.
 
@@ -78,8 +79,8 @@ def solve_batch(
         iterations: Largest number of steps from one seed.
         seed: Shifts the restart sequence.
         threads: Largest number of threads.
-        check: Is called now and then with the number of poses of a part that is done, and may
-            raise to end the batch.
+        check: Is called now and then with the number of poses of a part that is done and its
+            share of the processor time of all other threads [s], and may raise to end the batch.
 
     Returns:
         Solutions, or the best configurations found, shape (n, dof) [rad or m]; distance [m],
@@ -122,13 +123,18 @@ def solve_batch(
     parts = [(k, min(k + size, count)) for k in range(0, count, size)]
     if threads == 1:
         for first, last in parts:
-            check(part(first, last))
+            check(part(first, last), 0.0)
         return q, errors
+
+    def timed(first: int, last: int) -> tuple[int, float]:
+        begin = working_seconds()
+        return part(first, last), (working_seconds() - begin) / threads
+
     with ThreadPoolExecutor(threads) as pool:
-        running = [pool.submit(part, *bounds) for bounds in parts]
+        running = [pool.submit(timed, *bounds) for bounds in parts]
         try:
             for done in running:
-                check(done.result())
+                check(*done.result())
         finally:
             for done in running:
                 done.cancel()

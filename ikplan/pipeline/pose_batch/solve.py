@@ -264,9 +264,10 @@ def _by_kernel(
     q, errors = np.empty((len(poses.p), arm.dof)), np.empty((len(poses.p), 3))
     done = 0
 
-    def check(count: int) -> None:
+    def check(count: int, processor_s: float) -> None:
         nonlocal done
         done += count
+        clock.spend(processor_s)
         clock.check()
 
     for rows, tries in ((~beyond, restarts), (beyond, 0)):

@@ -13,13 +13,13 @@ from ikplan.documents.scene import AttachedBody
 from ikplan.documents.segment import JointSegment, MoveSegment
 from ikplan.kinematics.target import Target
 from ikplan.path import JointLeg, Leg, MoveLeg, Pose, ToolLeg, legs_of
-from ikplan.planning.joint_planner import plan_joint_path
 from ikplan.planning.joint_route import JointPathProblem
 from ikplan.planning.order.choose import Cluster, choose_order
 from ikplan.planning.order.costs import Costs, Ways
 from ikplan.planning.order.measure import JointMotion, LeastTime
 from ikplan.planning.order.stages import stages_of
 from ikplan.planning.order.tasks import tasks_of
+from ikplan.planning.plan_joint_path import plan_joint_path
 from ikplan.planning.segment_number import segment_to
 from ikplan.planning.tool_pose import tool_pose
 

@@ -136,7 +136,7 @@ class _Finder:
         rough = self._tracker.rough_sequences(path, goals.q[:_BRANCHES])
         if not rough:
             q = goals.q
-            costs = np.linalg.norm(q - self._q_from, axis=1)
+            costs = self._problem.away(q, self._q_from)
             opened = None
             if isinstance(leg, MoveLeg) and waypoint.q is None:
                 target, to = goals.targets[0], self._problem_of(waypoint)

@@ -218,7 +218,11 @@ def compare(
         and solver.population is not None
         and (methods is None or solver.name in methods)
     ]
-    budget = {"population": population, "iterations": iterations, "seed": seed}
+    budget: dict[str, int] = {
+        "population": population,
+        "iterations": iterations,
+        "seed": seed,
+    }
     return [
         Comparison(
             solver.name,

@@ -10,11 +10,11 @@ import pytest
 from numpy.typing import NDArray
 
 import ikplan
-from ikplan import IkRequest, InvalidRequest, PlanRequest, Robot, load_robot
+from ikplan import InvalidRequest, PlanRequest, Robot, load_robot
 from ikplan.pipeline.poses import solve_ik_request
 from tests.two_joints import URDF
 
-CLEAR = {"objective": "clearance"}
+CLEAR: dict[str, Any] = {"objective": "clearance"}
 ROBOT = load_robot("iiwa14")
 
 
@@ -140,12 +140,12 @@ def test_a_batch_answers_as_each_pose_alone() -> None:
 )
 def test_without_bodies_it_is_refused(scene: dict[str, Any] | None, match: str) -> None:
     with pytest.raises(InvalidRequest, match=match) as caught:
-        ikplan.solve_ik(ROBOT, ROBOT.fk(ROBOT.home), scene=scene, **CLEAR)
+        ikplan.solve_ik(ROBOT, ROBOT.fk(ROBOT.home), scene=scene, objective="clearance")
     assert caught.value.field == "ik.objective"
     assert caught.value.allowed == ["motion"]
     with pytest.raises(InvalidRequest, match=match):
-        ikplan.solve_ik_batch(ROBOT, [ROBOT.fk(ROBOT.home)], scene=scene, **CLEAR)
-    request = IkRequest(robot="iiwa14", position=[0.4, 0.0, 0.6], scene=scene, ik=CLEAR)
+        ikplan.solve_ik_batch(ROBOT, [ROBOT.fk(ROBOT.home)], scene=scene, objective="clearance")
+    request = {"robot": "iiwa14", "position": [0.4, 0.0, 0.6], "scene": scene, "ik": CLEAR}
     with pytest.raises(InvalidRequest, match=match):
         solve_ik_request(request)
 
@@ -153,7 +153,7 @@ def test_without_bodies_it_is_refused(scene: dict[str, Any] | None, match: str) 
 def test_a_robot_without_shapes_is_refused_with_its_links() -> None:
     robot = ikplan.robots.robot_from_urdf(URDF)
     with pytest.raises(InvalidRequest, match="without a shape"):
-        ikplan.solve_ik(robot, robot.fk(robot.home), scene={}, **CLEAR)
+        ikplan.solve_ik(robot, robot.fk(robot.home), scene={}, objective="clearance")
 
 
 @pytest.mark.parametrize(

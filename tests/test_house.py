@@ -37,7 +37,7 @@ RANK = {
     "scene": 3,
     "joint_path": 4,
     "path": 4,
-    "collision": 5,
+    "collision": 4,
     "ik": 5,
     "certificate": 6,
     "planning": 6,

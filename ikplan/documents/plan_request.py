@@ -124,6 +124,12 @@ class IkOptions(Document):
         description='How joint motion is kept small: "global" over the whole path, "greedy" '
         "waypoint by waypoint.",
     )
+    objective: Annotated[Literal["motion", "clearance"], IfGiven()] = Field(
+        "motion",
+        description='What is least: "motion", the motion of the joints, or "clearance", how near '
+        "configurations are to touching anything. In a plan it chooses the configurations of "
+        "waypoints that joint motions lead to; paths with tool paths or moves do not take it.",
+    )
     effort: Annotated[
         Annotated[int, Field(ge=1, le=10_000_000)] | None,
         IfGiven(),

@@ -18,7 +18,9 @@ from ikplan.kinematics.target import ORIENTATION_WEIGHT, Target, no_freedom, pos
 if TYPE_CHECKING:
     from ikplan.robots import Robot
 
-__all__ = ["check_options", "check_start", "check_tolerances", "target_of"]
+__all__ = ["check_objective", "check_options", "check_start", "check_tolerances", "target_of"]
+
+OBJECTIVES = ("motion", "clearance")
 
 
 def check_options(
@@ -42,6 +44,20 @@ def check_options(
     for name, value in params.items():
         if not isinstance(value, bool | int | float | str | np.integer):
             raise _wrong(f"ik.params.{name}", value, "a number, a string, true or false")
+
+
+def check_objective(objective: Any) -> None:
+    """Refuse an objective that a request document could not hold.
+
+    Raises:
+        InvalidRequest: Names what is allowed.
+    """
+    if objective not in OBJECTIVES:
+        raise InvalidRequest(
+            f"ik.objective: must be one of {', '.join(OBJECTIVES)}, not {objective!r}",
+            field="ik.objective",
+            allowed=list(OBJECTIVES),
+        )
 
 
 def check_tolerances(position: float, orientation: float) -> None:

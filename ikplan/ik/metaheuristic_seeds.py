@@ -9,6 +9,7 @@ import numpy as np
 
 from ikplan.arrays import Array
 from ikplan.errors import InvalidRequest
+from ikplan.ik.crowding import Surroundings
 from ikplan.ik.metaheuristics.bounds import BOUNDS
 from ikplan.ik.metaheuristics.population import Outcome, Problem
 from ikplan.ik.objective import (
@@ -46,6 +47,8 @@ class Searcher:
 
     Attributes:
         cut: Shape (1,); once another thread makes it true, every search ends early and raises.
+        around: What configurations are to keep clear of, as a term of the objective, in metres;
+            None: nothing.
 
     Raises:
         InvalidRequest: A population too small for the method, or a decoupling asked of an arm
@@ -101,6 +104,7 @@ class Searcher:
         self._packed = solver.pack(values)
         self._rng = generator(seed)
         self.cut = np.zeros(1, dtype=np.bool_)
+        self.around: Surroundings | None = None
 
     def objective(self, target: Target, q_start: Array) -> Objective:
         """Return what is minimised for a target.
@@ -109,6 +113,13 @@ class Searcher:
             InvalidRequest: The objective asked for needs an orientation that the target lacks.
         """
         name = self.values["objective"]
+        if self.values["decouple"] and self.around is not None:
+            raise InvalidRequest(
+                "ik.params.decouple: a search over the arm without its wrist cannot keep clear of "
+                "bodies",
+                field="ik.params.decouple",
+                allowed=[False],
+            )
         if self.values["decouple"] and target.oriented and self.arm.wrist is not None:
             return wrist_objective(
                 self.arm.wrist,
@@ -131,6 +142,7 @@ class Searcher:
                 target.p,
                 weight_position=weights.omega_position,
                 weight_orientation=weights.omega_rotation,
+                around=self._around(weights.omega_position),
             )
         kinds = {"position": POSITION, "orientation": ORIENTATION, "weighted": WEIGHTED}
         kind = kinds.get(name, WEIGHTED if target.oriented else POSITION)
@@ -141,6 +153,17 @@ class Searcher:
             kind,
             weight_position=self.values["weight_position"],
             weight_orientation=self.values["weight_orientation"],
+            around=self._around(self.values["weight_position"] if kind == WEIGHTED else 1.0),
+        )
+
+    def _around(self, metre: float) -> Surroundings | None:
+        """What to keep clear of, where the objective counts a metre's distance as ``metre``."""
+        if self.around is None:
+            return None
+        # Without a distance in the objective, its own unit stands for the metre.
+        scale = metre or 1.0
+        return self.around._replace(
+            near=scale * self.around.near, weight=scale * self.around.weight
         )
 
     def run(

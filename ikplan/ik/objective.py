@@ -13,6 +13,7 @@ import numpy as np
 
 from ikplan._jit import kernel, leaf_kernel
 from ikplan.arrays import Array
+from ikplan.ik.crowding import Surroundings, crowding_term
 from ikplan.kinematics.chain import Chain
 from ikplan.kinematics.forward import Frame, moved, placed
 from ikplan.kinematics.wrist import SphericalWrist, nearest_wrist
@@ -64,6 +65,7 @@ class Objective(NamedTuple):
         target: Rotation wanted, row by row, and position wanted [m], shape (12,).
         wrist: Kind WRIST only: rotations A, B and R_tool of the wrist, row by row, its lower and
             upper limits and the values to stay close to, shape (36,); empty for other kinds.
+        around: What to keep clear of, as a term beside the error of the pose; None: nothing.
     """
 
     kind: int
@@ -74,6 +76,7 @@ class Objective(NamedTuple):
     joints: Array
     target: Array
     wrist: Array
+    around: Surroundings | None
 
 
 @leaf_kernel
@@ -144,7 +147,7 @@ def evaluate(objective: Objective, x: Array) -> float:
     d0, d1, d2 = frame[9] - g[9], frame[10] - g[10], frame[11] - g[11]
     distance = math.sqrt(d0 * d0 + d1 * d1 + d2 * d2)
     if kind == POSITION:
-        return distance
+        return distance + crowding_term(objective.around, x, distance)
     if kind == WRIST:
         return distance if _wrist_inside(objective, frame) else distance + 1.0
     square = 0.0
@@ -153,8 +156,10 @@ def evaluate(objective: Objective, x: Array) -> float:
         square += a * a + b * b + c * c
     rotation = math.sqrt(square)
     if kind == ORIENTATION:
-        return rotation / math.sqrt(3.0)
-    return objective.weight_position * distance + objective.weight_orientation * rotation
+        value = rotation / math.sqrt(3.0)
+    else:
+        value = objective.weight_position * distance + objective.weight_orientation * rotation
+    return value + crowding_term(objective.around, x, value)
 
 
 @kernel
@@ -177,6 +182,7 @@ def pose_objective(
     *,
     weight_position: float = 1.0,
     weight_orientation: float = 0.1,
+    around: Surroundings | None = None,
 ) -> Objective:
     """Build the objective of a tool pose.
 
@@ -187,6 +193,7 @@ def pose_objective(
         kind: POSITION, ORIENTATION or WEIGHTED.
         weight_position: omega_P, per metre.
         weight_orientation: omega_R, per unit of Delta R.
+        around: What to keep clear of; None: nothing.
     """
     n, dof = chain.coupling.shape
     joints = np.empty((n, 2 + dof))
@@ -205,6 +212,7 @@ def pose_objective(
         joints,
         target,
         np.empty(0),
+        around,
     )
 
 
@@ -232,5 +240,5 @@ def wrist_objective(
 def function_objective(kind: int) -> Objective:
     """Build a test function: SPHERE or ROSENBROCK, in as many dimensions as the bounds have."""
     return Objective(
-        kind, False, 1.0, 1.0, np.zeros((1, 12)), np.zeros((0, 2)), np.zeros(12), np.empty(0)
+        kind, False, 1.0, 1.0, np.zeros((1, 12)), np.zeros((0, 2)), np.zeros(12), np.empty(0), None
     )

@@ -14,10 +14,12 @@ from numpy.typing import ArrayLike
 from pinocchio import SE3, Quaternion
 
 from ikplan.arrays import Array, Flags
+from ikplan.collision.check import ContactArrays
 from ikplan.documents.pose_results import IkSolution
 from ikplan.errors import InvalidRequest, Unreachable
 from ikplan.ik.arguments import check_options, check_start, check_tolerances, target_of
 from ikplan.ik.closest_approach import ClosestApproach, explain_unreachable
+from ikplan.ik.crowding import surroundings
 from ikplan.ik.levenberg_marquardt import target_error
 from ikplan.ik.metaheuristic_seeds import Searcher
 from ikplan.ik.nearest_solutions import nearest_solutions
@@ -146,6 +148,15 @@ class PoseSolver:
     def search_evaluations(self) -> int:
         """About how many candidates one search evaluates."""
         return 0 if self.searcher is None else self.searcher.population * self.searcher.iterations
+
+    def keep_clear(self, arrays: ContactArrays) -> None:
+        """Make clearance a term of what the search minimises; other methods have no such thing.
+
+        Args:
+            arrays: The bodies to keep clear of.
+        """
+        if self.searcher is not None:
+            self.searcher.around = surroundings(arrays)
 
     def solve(self, target: Target, q_start: Array) -> Solved:
         """Return solutions of a target, the one nearest to ``q_start`` first.

@@ -11,7 +11,8 @@ from ikplan.documents.plan_request import IkBatchRequest, IkRequest, PlanRequest
 from ikplan.documents.scene import AttachedBody, Obstacle, Scene, ToolFrame, ToolGeometry
 from ikplan.documents.shape import MeshShape
 from ikplan.documents.timing_request import TimingRequest
-from ikplan.errors import InCollision
+from ikplan.errors import InCollision, InvalidRequest
+from ikplan.ik.solve import PoseSolver
 from ikplan.robots import Robot
 from ikplan.scene.body import CollisionModel
 from ikplan.scene.model import collision_model
@@ -20,9 +21,10 @@ from ikplan.scene.resolve import resolve_geometry, resolve_scene
 if TYPE_CHECKING:
     from ikplan.certificate.clearance import JointCurve
     from ikplan.certificate.clearance.leaving import Leaving
+    from ikplan.collision.checker import CollisionChecker
     from ikplan.pipeline.timing_stage import Timing
 
-__all__ = ["handed_out", "prove_motion", "requested_model", "with_meshes"]
+__all__ = ["handed_out", "keep_clear", "prove_motion", "requested_model", "with_meshes"]
 
 R = TypeVar("R", PlanRequest, TimingRequest, IkRequest, IkBatchRequest)
 
@@ -55,6 +57,41 @@ def requested_model(
             return None
         scene = resolve_scene(scene, None)  # a file that is left is refused
     return collision_model(robot, scene, fixed_joints, tool.geometry)
+
+
+def keep_clear(
+    robot: Robot, solver: PoseSolver, model: CollisionModel | None, margin: float = 0.0
+) -> CollisionChecker:
+    """Make clearance what a solver looks for, and return the check of its bodies.
+
+    Args:
+        robot: The robot, with its tool.
+        solver: The solver.
+        model: The bodies; None: the request asks for no check.
+        margin: Gap asked for on top of the clearance [m].
+
+    Raises:
+        InvalidRequest: There are no two bodies to keep apart.
+    """
+    if model is None:
+        raise InvalidRequest(
+            "ik.objective: clearance needs bodies to keep clear of: give a scene, {} for the arm "
+            "against itself",
+            field="ik.objective",
+            allowed=["motion"],
+        )
+    if len(model.pairs) == 0:
+        raise InvalidRequest(
+            f"ik.objective: clearance needs two bodies at least that are to be kept apart; links "
+            f"of {robot.name} without a shape: {', '.join(model.unchecked) or 'none'}",
+            field="ik.objective",
+            allowed=["motion"],
+        )
+    from ikplan.collision.checker import CollisionChecker
+
+    contact = CollisionChecker(robot, model, margin)
+    solver.keep_clear(contact.arrays(None))
+    return contact
 
 
 def with_meshes(request: R) -> R:

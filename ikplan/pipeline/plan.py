@@ -26,7 +26,7 @@ from ikplan.errors import (
 from ikplan.ik.arguments import check_start
 from ikplan.limits.motion_limits import MotionLimits
 from ikplan.pipeline.assemble import assemble_plan, waypoint_results
-from ikplan.pipeline.collisions import requested_model, with_meshes
+from ikplan.pipeline.collisions import keep_clear, requested_model, with_meshes
 from ikplan.pipeline.helpers import helped_by
 from ikplan.pipeline.identity import plan_id
 from ikplan.pipeline.motion_stages import MotionStages, TimedRoute
@@ -129,7 +129,9 @@ def make_plan(
         solver = pose_solver(robot, request.ik, _EXACT, _EXACT)
     model = requested_model(robot, request.scene, request.fixed_joints, request.tool, always=True)
     contact = None
-    if model is not None and len(model.pairs):
+    if request.ik.objective == "clearance":
+        contact = keep_clear(robot, solver, model, CONTACT_MARGIN)
+    elif model is not None and len(model.pairs):
         contact = CollisionChecker(robot, model, CONTACT_MARGIN)
     problem = JointPathProblem(
         robot,

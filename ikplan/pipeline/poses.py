@@ -17,11 +17,11 @@ from ikplan.documents.plan_request import IkOptions, IkRequest
 from ikplan.documents.pose_results import IkSolution
 from ikplan.documents.poses import Tolerance
 from ikplan.documents.scene import Scene, ToolFrame
-from ikplan.ik.arguments import check_start, target_of
+from ikplan.ik.arguments import check_objective, check_start, target_of
 from ikplan.ik.solve import PoseSolver, pose_distance, solve_pose
 from ikplan.kinematics.arm import arm_of
 from ikplan.path.rotation.so3 import rotation_of
-from ikplan.pipeline.collisions import requested_model, with_meshes
+from ikplan.pipeline.collisions import keep_clear, requested_model, with_meshes
 from ikplan.pipeline.helpers import helped_by
 from ikplan.pipeline.request_budget import RequestBudget
 from ikplan.pipeline.resolve import resolve_robot
@@ -100,7 +100,7 @@ def solve_ik_request(
         robot, request.ik, tolerance.position, tolerance.orientation, verdict=request.verdict
     )
     model = requested_model(robot, request.scene, request.fixed_joints, request.tool, always=False)
-    return free_pose(robot, solver, pose, request.start, model, clock)
+    return free_pose(robot, solver, pose, request.start, model, clock, request.ik.objective)
 
 
 def solve_ik(
@@ -117,6 +117,7 @@ def solve_ik(
     tolerance_position: float = 1e-6,
     tolerance_orientation: float = 1e-6,
     scene: Mapping[str, Any] | Scene | None = None,
+    objective: str = "motion",
 ) -> IkSolution:
     """Find joint values that bring the tool to a pose, near to a start configuration.
 
@@ -134,12 +135,15 @@ def solve_ik(
         tolerance_orientation: Angle that counts as solved [rad].
         scene: What must not be touched, as in a request; mesh files are read relative to the
             working folder. ``{}``: the arm itself only. None: nothing is checked.
+        objective: What is least: "motion", the distance from the start; "clearance", how crowded
+            the configuration is by what ``scene`` names, see docs/solvers.md.
 
     Returns:
-        The nearest solution found; with a scene, the nearest found that is free of contact.
+        The nearest solution found; with a scene, the nearest found that is free of contact, or
+        the least crowded.
 
     Raises:
-        InvalidRequest: An argument is wrong.
+        InvalidRequest: An argument is wrong, or there is nothing to keep clear of.
         Unreachable: No solution within tolerance; carries the best one and the reason.
         InCollision: Every solution found is in contact; for which pairs of bodies.
     """
@@ -158,11 +162,14 @@ def solve_ik(
             tolerance_position,
             tolerance_orientation,
         )
-    if scene is None:
+    check_objective(objective)
+    if scene is None and objective == "motion":
         return solve_pose(robot, solver, pose, start)
-    resolved = resolve_scene(parse(Scene, scene), Path.cwd())
-    model = requested_model(robot, resolved, {}, ToolFrame(), always=False)
-    return free_pose(robot, solver, pose, start, model, TimeBudget(_LONG_S))
+    model = None
+    if scene is not None:
+        resolved = resolve_scene(parse(Scene, scene), Path.cwd())
+        model = requested_model(robot, resolved, {}, ToolFrame(), always=False)
+    return free_pose(robot, solver, pose, start, model, TimeBudget(_LONG_S), objective)
 
 
 @functools.lru_cache(maxsize=64)
@@ -191,8 +198,9 @@ def free_pose(
     start: ArrayLike | None,
     model: CollisionModel | None,
     clock: TimeBudget,
+    objective: str = "motion",
 ) -> IkSolution:
-    """Return the solution nearest to the start; of those free of contact where it is not.
+    """Return the solution nearest to the start, of those free of contact; or the least crowded.
 
     Args:
         robot: The robot, with its tool.
@@ -201,22 +209,27 @@ def free_pose(
         start: As there.
         model: Bodies that must not touch; None: nothing is checked.
         clock: The time budget.
+        objective: As for :func:`solve_ik`.
 
     Raises:
+        InvalidRequest: The objective is clearance, and there is nothing to keep clear of.
         Unreachable: No solution within tolerance.
         InCollision: Every solution found is in contact.
         BudgetExceeded: The budget ran out.
     """
+    contact = keep_clear(robot, solver, model) if objective == "clearance" else None
     with clock.stage("ik"), clock.cutting(solver.cut, solver.search_evaluations):
         solution = solve_pose(robot, solver, pose, start)
         if model is None or len(model.pairs) == 0:
             return solution
         from ikplan.collision.checker import CollisionChecker
+        from ikplan.planning.waypoints.clear_solutions import clearest_solution
         from ikplan.planning.waypoints.free_solutions import free_solutions
         from ikplan.planning.waypoints.waypoint_problem import WaypointProblem
 
-        contact = CollisionChecker(robot, model)
-        if contact.free(solution.q[None])[0]:
+        clearest = contact is not None and solver.refined
+        contact = contact or CollisionChecker(robot, model)
+        if not clearest and contact.free(solution.q[None])[0]:
             return solution
         q_start = check_start(robot, robot.home if start is None else start)
         tolerance = Tolerance.model_construct(
@@ -225,7 +238,10 @@ def free_pose(
         problem = WaypointProblem(
             robot, solver, [target_of(pose)], q_start, False, tolerance, clock, contact=contact
         )
-        return _solution(problem, free_solutions(problem, 0, q_start)[0])
+        if not clearest:
+            return _solution(problem, free_solutions(problem, 0, q_start)[0])
+        clock.count(solution.evaluations)
+        return _solution(problem, clearest_solution(problem, 0, q_start, solution.q))
 
 
 def _solution(problem: WaypointProblem, q: Array) -> IkSolution:

@@ -10,6 +10,7 @@ from ikplan.planning.joint_planner import JointPathPlanner
 from ikplan.planning.joint_route import JointPathProblem, JointRoute
 from ikplan.planning.tool_pose import tool_pose
 from ikplan.planning.tracking.tracked_path import TrackingFailed
+from ikplan.planning.waypoints.select import check_objective
 
 __all__ = ["plan_joint_path"]
 
@@ -39,6 +40,7 @@ def plan_joint_path(problem: JointPathProblem) -> JointRoute:
         planner.check_start_free()
         start = Pose(*tool_pose(problem, problem.q_start))
     legs = legs_of(problem.path, start, planner.fk, problem.rounding, problem.order)
+    check_objective(problem.options, legs)
     try:
         return _planned(planner, legs)
     except (Unreachable, Disconnected, InCollision, TrackingFailed):

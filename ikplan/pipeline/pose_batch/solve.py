@@ -19,7 +19,7 @@ from ikplan.ik.arguments import check_start
 from ikplan.ik.poses.arrays import PoseArrays, pose_arrays
 from ikplan.ik.poses.batch import beyond_shoulder, solve_batch, thread_count
 from ikplan.ik.solve import BARE_RESTARTS, PoseSolver
-from ikplan.pipeline.collisions import requested_model
+from ikplan.pipeline.collisions import keep_clear, requested_model
 from ikplan.pipeline.poses import free_pose, pose_solver
 from ikplan.robots import Robot
 from ikplan.robots.reach import reach as reach_of
@@ -66,6 +66,7 @@ def solve_ik_batch(
     tolerance_orientation: float = 1e-6,
     scene: Mapping[str, Any] | Scene | None = None,
     threads: int | None = None,
+    objective: str = "motion",
 ) -> IkBatchSolution:
     """Find joint values for many poses, each as :func:`ikplan.solve_ik` does alone.
 
@@ -91,6 +92,7 @@ def solve_ik_batch(
         scene: What must not be touched, as in a request; mesh files are read relative to the
             working folder. ``{}``: the arm itself only. None: nothing is checked.
         threads: Largest number of threads; None: one a processor (``NUMBA_NUM_THREADS``).
+        objective: As for :func:`ikplan.solve_ik`.
 
     Returns:
         ``.q``, ``.solved``, ``.position_error``, ``.orientation_error``, and why poses were
@@ -107,6 +109,7 @@ def solve_ik_batch(
             "population": population,
             "iterations": iterations,
             "params": dict(params or {}),
+            "objective": objective,
         },
     )
     model = None
@@ -185,6 +188,9 @@ def find_solutions(
     solver = pose_solver(
         robot, options.ik, options.tolerance_position, options.tolerance_orientation
     )
+    clear = options.ik.objective == "clearance"
+    if clear:
+        keep_clear(robot, solver, model)  # refused as a whole where there is nothing to do so
     with clock.stage("ik"):
         if options.ik.method == "lm":
             q, errors = _by_kernel(reach_of(robot), solver, poses, q_start, options, clock)
@@ -197,7 +203,7 @@ def find_solutions(
         again = ~solved
         if options.ik.method == "lm" and not options.verdict:
             again[:] = False
-        again |= _touching(robot, model, q, solved)
+        again |= solved if clear else _touching(robot, model, q, solved)
         refused = []
         for k in np.flatnonzero(again):
             clock.check()
@@ -322,7 +328,9 @@ def _alone(
     )
     start = q_start[k if len(q_start) > 1 else 0]
     try:
-        solution = free_pose(robot, solver, poses.target(k), start, model, clock)
+        solution = free_pose(
+            robot, solver, poses.target(k), start, model, clock, options.ik.objective
+        )
     except Unreachable as error:
         q[k] = error.q
         errors[k] = error.position_error, error.orientation_error or 0.0, 0.0

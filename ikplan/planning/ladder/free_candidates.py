@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
@@ -35,21 +35,26 @@ def shortest_free_sequence(
     q_start: Array,
     start_free: bool,
     cost: MotionCost,
-    is_free: Callable[[int, Array, Array], bool],
+    price: Callable[[int, Array, Array], float],
+    charges: Sequence[Array] | None = None,
 ) -> Array | None:
     """Return the shortest sequence of candidates whose motions are free, or None.
 
-    Motions are checked only where a shortest sequence uses them (lazy evaluation of edges,
+    Motions are looked at only where a shortest sequence uses them (lazy evaluation of edges,
     R. Bohlin and L. E. Kavraki, "Path planning using lazy PRM", 2000): one in contact is left
-    out, and the search goes on.
+    out, another becomes longer by its price, and the search goes on.
 
     Args:
         candidates: Solutions of each of n targets, one at least.
         q_start: Where the arm is, shape (dof,) [rad or m].
         start_free: Whether the motion begins at the first target.
         cost: What a sequence costs.
-        is_free: Whether the straight motion to target k, from one configuration to another, is
-            free: ``is_free(k, q_before, q)``.
+        price: What the straight motion to target k costs beside its length, from one
+            configuration to another: ``price(k, q_before, q)``, inf where it is in contact, at
+            least 0 [rad or m].
+        charges: What is known to be charged beside that, at the start, shape (1,), and at the
+            candidates of each target, shape (c,): a motion is charged the larger one of its ends.
+            None: nothing.
 
     Returns:
         Configurations, shape (n, dof) [rad or m]; None: there is none, or it was not found within
@@ -64,21 +69,28 @@ def shortest_free_sequence(
         lengths.append(np.linalg.norm(steps, axis=2))
     for step, row in zip(lengths, rows, strict=True):
         step += posture_distances(row, cost) / len(rows)
-    proven: set[tuple[int, int, int]] = set()
+    if charges is not None:
+        if start_free:
+            charges = [np.zeros(1), *charges[1:]]
+        for step, (before, after) in zip(lengths, itertools.pairwise(charges), strict=True):
+            step += np.maximum(before[:, None], after[None])
+    priced: set[tuple[int, int, int]] = set()
     for _ in range(_ROUNDS):
         chosen = _shortest(lengths)
         if chosen is None:
             return None
-        refused = False
+        dearer = False
         for k, (i, j) in enumerate(zip([0, *chosen], chosen, strict=False)):
-            if (k == 0 and start_free) or (k, i, j) in proven:
+            if (k == 0 and start_free) or (k, i, j) in priced:
                 continue
-            if not is_free(k, q_start if k == 0 else rows[k - 1][i], rows[k][j]):
-                lengths[k][i, j] = np.inf
-                refused = True
-                break
-            proven.add((k, i, j))
-        if not refused:
+            extra = price(k, q_start if k == 0 else rows[k - 1][i], rows[k][j])
+            priced.add((k, i, j))
+            if extra > 0.0:
+                lengths[k][i, j] += extra
+                dearer = True
+                if extra == np.inf:
+                    break
+        if not dearer:
             return np.array([rows[k][j] for k, j in enumerate(chosen)])
     return None
 

@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from ikplan.arrays import Array
+from ikplan.errors import InCollision
 from ikplan.planning.ladder.free_candidates import shortest_free_sequence
-from ikplan.planning.ladder.ik_candidates import IkCandidates
+from ikplan.planning.ladder.ik_candidates import IkCandidates, Targets
 from ikplan.planning.ladder.shortest_sequences import ik_candidates, shortened_sequences
 from ikplan.planning.tracking.start_copies import StartCopies
 from ikplan.planning.waypoints.free_solutions import free_solutions
@@ -17,7 +18,7 @@ from ikplan.planning.waypoints.waypoint_problem import (
     WaypointProblem,
 )
 
-__all__ = ["select_least_motion"]
+__all__ = ["no_way", "sampled_candidates", "select_least_motion"]
 
 
 def select_least_motion(problem: WaypointProblem) -> Array:
@@ -38,17 +39,8 @@ def select_least_motion(problem: WaypointProblem) -> Array:
         BudgetExceeded: The time budget ran out.
     """
     arm = problem.solver.arm
-    lower, upper = arm.search_bounds(problem.q_start)
     targets = stack_targets(problem.targets)
-    with problem.clock.stage("ik"):
-        seeds = _metaheuristic_seeds(problem, lower, upper)
-        candidates = ik_candidates(
-            arm, targets, problem.q_start, problem.clock, seeds, problem.solver.seed
-        )
-        problem.clock.check()
-        _rescue(problem, candidates)
-        if problem.contact is not None:
-            _keep_free(problem, candidates)
+    candidates = sampled_candidates(problem, targets)
     best, best_length = candidates.q[:, 0], np.inf
     # One waypoint from a free start is met without motion by every solution: the nearest is chosen.
     choose_begin = problem.start_free and len(problem.targets) > 1
@@ -64,6 +56,32 @@ def select_least_motion(problem: WaypointProblem) -> Array:
         # Full turns of the whole motion leave it as long as it is.
         best, _ = StartCopies(problem.q_start, False, problem.posture).fitting(arm, best)
     return best
+
+
+def sampled_candidates(problem: WaypointProblem, targets: Targets) -> IkCandidates:
+    """Return solutions of each target, one at least, none of them in contact.
+
+    Args:
+        problem: The targets.
+        targets: The same as arrays.
+
+    Raises:
+        Unreachable: A waypoint has no solution; names every such waypoint.
+        InCollision: All solutions of a waypoint found are in contact.
+        BudgetExceeded: The time budget ran out.
+    """
+    arm = problem.solver.arm
+    lower, upper = arm.search_bounds(problem.q_start)
+    with problem.clock.stage("ik"):
+        seeds = _metaheuristic_seeds(problem, lower, upper)
+        candidates = ik_candidates(
+            arm, targets, problem.q_start, problem.clock, seeds, problem.solver.seed
+        )
+        problem.clock.check()
+        _rescue(problem, candidates)
+        if problem.contact is not None:
+            _keep_free(problem, candidates)
+    return candidates
 
 
 def _keep_free(problem: WaypointProblem, candidates: IkCandidates) -> None:
@@ -94,21 +112,28 @@ def _around(problem: WaypointProblem, candidates: IkCandidates) -> Array:
     contact = problem.contact
     assert contact is not None
 
-    def is_free(k: int, q_before: Array, q: Array) -> bool:
+    def price(k: int, q_before: Array, q: Array) -> float:
         problem.clock.check()
-        return contact.first_contact(np.vstack([q_before, q]), problem.segment(k)) is None
+        free = contact.first_contact(np.vstack([q_before, q]), problem.segment(k)) is None
+        return 0.0 if free else np.inf
 
     found = shortest_free_sequence(
-        candidates, problem.q_start, problem.start_free, problem.cost, is_free
+        candidates, problem.q_start, problem.start_free, problem.cost, price
     )
     if found is None:
-        straight = problem.first_contact(candidates.q[:, 0])
-        assert straight is not None
-        row = problem.first_row + max(straight.step - (not problem.start_free), 0)
-        raise motion_in_collision(
-            contact, straight, row, f"the joint motion to waypoint {row}", problem.segment(0)
-        )
+        raise no_way(problem, candidates)
     return found
+
+
+def no_way(problem: WaypointProblem, candidates: IkCandidates) -> InCollision:
+    """Return the verdict where no sequence of candidates has free motions between them."""
+    assert problem.contact is not None
+    straight = problem.first_contact(candidates.q[:, 0])
+    assert straight is not None
+    row = problem.first_row + max(straight.step - (not problem.start_free), 0)
+    return motion_in_collision(
+        problem.contact, straight, row, f"the joint motion to waypoint {row}", problem.segment(0)
+    )
 
 
 def _metaheuristic_seeds(problem: WaypointProblem, lower: Array, upper: Array) -> Array:

@@ -99,7 +99,7 @@ def _clearest_sequence(problem: WaypointProblem, candidates: IkCandidates) -> Ar
     def price(k: int, q_before: Array, q: Array) -> float:
         clock.check()
         crowded = _crowding_on(problem, k, q_before, q)
-        return PRICE * (crowded.max() - max(crowded[0], crowded[-1]))
+        return float(PRICE * (crowded.max() - max(crowded[0], crowded[-1])))
 
     def contact_only(k: int, q_before: Array, q: Array) -> float:
         clock.check()

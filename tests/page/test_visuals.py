@@ -106,7 +106,7 @@ def test_a_symbolic_link_out_of_the_package_is_not_followed(
     (tmp_path / "secret.stl").write_bytes(b"secret")
     (root / "arm" / "link.stl").symlink_to(tmp_path / "secret.stl")
     (root / "inside.stl").symlink_to(root / "arm" / "own.stl")
-    monkeypatch.setattr(folders, "_package_roots", lambda _: [root])
+    monkeypatch.setattr(folders, "_package_roots", lambda *_: [root])
     assert find_mesh("package://arm/own.stl")[1] == root / "arm" / "own.stl"
     assert find_mesh("package://inside.stl")[1] == root / "arm" / "own.stl"
     with pytest.raises(InvalidRobot, match="leads out"):

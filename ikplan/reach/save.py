@@ -18,8 +18,8 @@ def check_files(output: str | Path | None, plot: str | Path | None) -> None:
     """Refuse files that a map cannot be written to, before it is made.
 
     Args:
-        output: The table; None: none is wanted.
-        plot: The figure; None: none is wanted.
+        output: The table; None: do not write it.
+        plot: The figure; None: do not write it.
 
     Raises:
         InvalidRequest: A suffix is wrong, or a package is not installed.

@@ -62,7 +62,7 @@ class JobAttempts(Attempts):
         self.save()
 
     def verdict(self, lost: WorkerLost) -> IkplanError:
-        """Return what a caller is told; an accepted job is not left open."""
+        """Return the answer to a caller; an accepted job is not left open."""
         return self.lost(lost) if self.accepted else super().verdict(lost)
 
     def save(self) -> None:

@@ -44,7 +44,7 @@ class Attempts:
         self.begun -= 1
 
     def verdict(self, lost: WorkerLost) -> IkplanError:
-        """Return what a caller is told after the last attempt.
+        """Return the answer to a caller after the last attempt.
 
         A request that crashes its workers gets :class:`WorkerLost`. Where the workers were ended
         from outside the request may succeed later, and gets :class:`ServiceUnavailable`.

@@ -50,7 +50,7 @@ def pose_arrays(poses: Any) -> PoseArrays:
             position and unit quaternion (xyzw) of shape (n, 7), or positions of shape (n, 3) [m].
 
     Raises:
-        InvalidRequest: They are none of these, or one is no pose; its index is told.
+        InvalidRequest: They are none of these, or one is no pose; names its index.
     """
     if isinstance(poses, Sequence) and len(poses) and hasattr(poses[0], "homogeneous"):
         try:

@@ -1,4 +1,4 @@
-"""Many targets of one arm by Levenberg-Marquardt, on as many threads as are wanted."""
+"""Many targets of one arm by Levenberg-Marquardt, on some threads."""
 
 from __future__ import annotations
 

@@ -99,7 +99,7 @@ def solve_ik_batch(
         refused.
 
     Raises:
-        InvalidRequest: An argument is wrong; for a pose or a start its index is told.
+        InvalidRequest: An argument is wrong; the error of a pose or a start names its index.
     """
     ik = parse(
         IkOptions,

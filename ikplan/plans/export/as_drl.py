@@ -13,7 +13,14 @@ import numpy as np
 
 from ikplan.arrays import Array
 from ikplan.plans.export.formats import Arm, Format
-from ikplan.plans.export.program_text import comments, fixed, language_of, points_of, refusal
+from ikplan.plans.export.program_text import (
+    comments,
+    fixed,
+    language_of,
+    points_of,
+    refusal,
+    refuse_longer,
+)
 
 if TYPE_CHECKING:
     from ikplan.documents.plan_document import PlanDocument
@@ -58,13 +65,8 @@ def encode(
     """
     language = language_of(Arm.of_plan(plan), _LANGUAGE, _TITLE)
     made = points_of(plan, language, "blended", stored, robot, tolerance)
-    count, longest = len(made.degrees), language.longest_program
-    if longest is not None and count > longest:
-        raise refusal(
-            _LANGUAGE,
-            f"the program would have {count} points, and the longest that the controller of "
-            f"{plan.robot!r} is known to run has {longest}: plan the path in parts",
-        )
+    count = len(made.degrees)
+    refuse_longer(language, plan.robot, count)
     scale = 10.0**_RADIUS_DIGITS
     ways = 1e3 * np.linalg.norm(np.diff(made.tool, axis=0), axis=1)
     radii = np.floor(np.minimum(ways[:-1], ways[1:]) / 2.0 * scale) / scale

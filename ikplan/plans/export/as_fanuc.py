@@ -10,8 +10,6 @@ from __future__ import annotations
 import textwrap
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 from ikplan.arrays import Array
 from ikplan.plans.export.formats import Arm, Format
 from ikplan.plans.export.program_text import (
@@ -20,6 +18,8 @@ from ikplan.plans.export.program_text import (
     name_from,
     points_of,
     refusal,
+    refuse_longer,
+    single_precision,
 )
 from ikplan.plans.programs.times import Times
 
@@ -72,7 +72,7 @@ def check(arm: Arm) -> None:
 
 def stored(degrees: Array) -> Array:
     """Return what is left of degrees in a program: three decimals, held in single precision."""
-    return np.asarray(np.round(degrees, _DIGITS).astype(np.float32).astype(np.float64))
+    return single_precision(degrees, _DIGITS)
 
 
 def encode(
@@ -89,13 +89,8 @@ def encode(
     """
     language = language_of(Arm.of_plan(plan), _LANGUAGE, _TITLE)
     made = points_of(plan, language, "blended", stored, robot, tolerance, TIMES)
-    count, longest = len(made.degrees), language.longest_program
-    if longest is not None and count > longest:
-        raise refusal(
-            _LANGUAGE,
-            f"the program would have {count} points, and the longest that the controller of "
-            f"{plan.robot!r} is known to run has {longest}: plan the path in parts",
-        )
+    count = len(made.degrees)
+    refuse_longer(language, plan.robot, count)
     if made.steps.max() > _LONGEST_STEP:
         raise refusal(
             _LANGUAGE,

@@ -19,7 +19,8 @@ from ikplan.plans.export.program_text import (
     language_of,
     name_from,
     points_of,
-    refusal,
+    refuse_longer,
+    single_precision,
 )
 
 if TYPE_CHECKING:
@@ -48,7 +49,7 @@ def check(arm: Arm) -> None:
 
 def stored(degrees: Array) -> Array:
     """Return what is left of degrees in a program: four decimals, held in single precision."""
-    return np.asarray(np.round(degrees, _DIGITS).astype(np.float32).astype(np.float64))
+    return single_precision(degrees, _DIGITS)
 
 
 def encode(
@@ -65,15 +66,7 @@ def encode(
     """
     language = language_of(Arm.of_plan(plan), _LANGUAGE, _TITLE)
     made = points_of(plan, language, "spline", stored, robot, tolerance)
-    longest, count = language.longest_program, len(made.degrees)
-    if longest is not None and count > longest:
-        raise refusal(
-            _LANGUAGE,
-            f"the program would have {count} points, and the longest that the controller of "
-            f"{plan.robot!r} is known to run has {longest}; the arm stops where a spline ends: "
-            "plan the path in parts, each from where the one before ends, or give the robot's "
-            "controller another longest_program",
-        )
+    refuse_longer(language, plan.robot, len(made.degrees), "; the arm stops where a spline ends")
     rows = [
         "{"
         + ",".join(f"A{k} {fixed(value, _DIGITS)}" for k, value in enumerate(row, start=1))

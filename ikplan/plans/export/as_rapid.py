@@ -15,7 +15,14 @@ import numpy as np
 
 from ikplan.arrays import Array
 from ikplan.plans.export.formats import Arm, Format
-from ikplan.plans.export.program_text import comments, fixed, language_of, name_from, points_of
+from ikplan.plans.export.program_text import (
+    comments,
+    fixed,
+    language_of,
+    name_from,
+    points_of,
+    single_precision,
+)
 
 if TYPE_CHECKING:
     from ikplan.documents.plan_document import PlanDocument
@@ -43,7 +50,7 @@ def check(arm: Arm) -> None:
 
 def stored(degrees: Array) -> Array:
     """Return what is left of degrees in a program: four decimals, held in single precision."""
-    return np.asarray(np.round(degrees, _DIGITS).astype(np.float32).astype(np.float64))
+    return single_precision(degrees, _DIGITS)
 
 
 def encode(

@@ -28,6 +28,8 @@ __all__ = [
     "name_from",
     "points_of",
     "refusal",
+    "refuse_longer",
+    "single_precision",
 ]
 
 _JOINTS = 6
@@ -149,6 +151,33 @@ def name_from(stem: str, longest: int) -> str:
     """Return a name for a program from that of a file: letters, digits, underscores."""
     name = re.sub(r"[^A-Za-z0-9_]", "_", stem) or "ikplan"
     return (name if name[0].isalpha() else f"p_{name}")[:longest]
+
+
+def single_precision(degrees: Array, digits: int) -> Array:
+    """Return degrees with some decimals, as a controller holds them in single precision."""
+    return np.asarray(np.round(degrees, digits).astype(np.float32).astype(np.float64))
+
+
+def refuse_longer(language: LanguageInfo, robot: str, points: int, why: str = "") -> None:
+    """Refuse a program of more points than the longest that the controller is known to run.
+
+    Args:
+        language: What is known of the language.
+        robot: Name of the robot.
+        points: How many the program has.
+        why: Why it is not split, to be told.
+
+    Raises:
+        InvalidRequest: It has more.
+    """
+    longest = language.longest_program
+    if longest is not None and points > longest:
+        raise refusal(
+            language.name,
+            f"the program would have {points} points, and the longest that the controller of "
+            f"{robot!r} is known to run has {longest}{why}: plan the path in parts, each from "
+            "where the one before ends, or give the robot's controller another longest_program",
+        )
 
 
 def refusal(language: str, detail: str) -> InvalidRequest:

@@ -132,6 +132,7 @@ class Package:
         (root / "ikplan" / "__init__.py").touch()
         (inner / "__init__.py").touch()
         shutil.copy(SOURCE / "_jit.py", root / "ikplan" / "_jit.py")
+        shutil.copy(SOURCE / "processor_time.py", root / "ikplan")
         shutil.copytree(SOURCE / "_kernels", root / "ikplan" / "_kernels")
         (root / "ikplan" / "top.py").write_text(TOP)
         self.write(factor=2.0)

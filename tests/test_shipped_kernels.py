@@ -39,6 +39,7 @@ class Installed:
         for folder in (root / "ikplan", inner):
             (folder / "__init__.py").touch()
         shutil.copy(SOURCE / "_jit.py", root / "ikplan")
+        shutil.copy(SOURCE / "processor_time.py", root / "ikplan")
         shutil.copytree(SOURCE / "_kernels", root / "ikplan" / "_kernels")
         (inner / "base.py").write_text(BASE.format(factor=factor))
         (root / "ikplan" / "top.py").write_text(TOP)

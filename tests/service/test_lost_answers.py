@@ -40,7 +40,7 @@ def slot_with(reply: worker.WorkerReply) -> tuple[WorkerSlot, socket.socket]:
 def run(slot: WorkerSlot, healthy: list[bool]) -> TaskResult:
     async def ask() -> TaskResult:
         try:
-            return await slot.run(1, "fk", TaskInput(b"{}"), 1.0)
+            return await slot.run(1, "fk", TaskInput(b"{}"), worker.TaskLimits(1.0, 1.0))
         finally:
             healthy.append(slot.healthy)
             slot._initial[1].close()

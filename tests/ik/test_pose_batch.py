@@ -105,6 +105,23 @@ def test_solutions_in_contact_are_replaced_or_refused():
     assert "ball" in blocked.refused[0].reason
 
 
+@pytest.mark.parametrize("method", ["lm", "ik-ba", "newton-raphson"])
+def test_a_pose_in_contact_has_finite_errors_and_a_count_whatever_the_method(method):
+    robot = ikplan.load_robot("ur5")
+    pose = robot.fk(robot.home)
+    ball = {"name": "ball", "shape": {"type": "sphere", "radius": 0.03}}
+    scene = {"obstacles": [{**ball, "position": pose.translation.tolist()}]}
+    found = ikplan.solve_ik_batch(robot, [pose], scene=scene, method=method)
+    assert not found.solved.any()
+    T = robot.fk(found.q[0])
+    error = pin.log6(T.actInv(pose))
+    assert found.position_error[0] == pytest.approx(
+        np.linalg.norm(T.translation - pose.translation)
+    )
+    assert found.orientation_error[0] == pytest.approx(np.linalg.norm(error.angular), abs=1e-6)
+    assert found.evaluations >= 0
+
+
 def test_another_method_solves_each_pose_as_alone():
     robot = ikplan.load_robot("ur5")
     _, poses = reachable(robot, 2)

@@ -41,6 +41,21 @@ class PoseArrays(NamedTuple):
             self.R[k if self.oriented else 0], self.p[k], self.oriented, weight, no_freedom()
         )
 
+    def missed(self, k: int, R: Array, p: Array) -> tuple[float, float]:
+        """Return how far the tool is from pose k [m], and by what angle it is turned [rad].
+
+        Args:
+            k: Number of the pose.
+            R: Rotation of the tool in the base, shape (3, 3).
+            p: Its position, shape (3,) [m].
+        """
+        distance = float(np.linalg.norm(p - self.p[k]))
+        if not self.oriented:
+            return distance, 0.0
+        M = R.T @ self.R[k]
+        twice_sine = np.hypot(np.hypot(M[2, 1] - M[1, 2], M[0, 2] - M[2, 0]), M[1, 0] - M[0, 1])
+        return distance, float(np.arctan2(twice_sine, np.trace(M) - 1.0))
+
 
 def pose_arrays(poses: Any) -> PoseArrays:
     """Return poses as arrays.

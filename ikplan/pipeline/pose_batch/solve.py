@@ -336,6 +336,9 @@ def _alone(
         errors[k] = error.position_error, error.orientation_error or 0.0, 0.0
         return error.reason
     except InCollision as error:
+        if not np.isfinite(errors[k, 0]):  # no solution of a kernel stands there
+            q[k], T = error.q, robot.fk(error.q)
+            errors[k] = (*poses.missed(k, T.rotation, T.translation), 0.0)
         return error.detail
     q[k] = solution.q
     errors[k] = (

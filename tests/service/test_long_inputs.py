@@ -118,4 +118,5 @@ def test_what_is_loaded_at_the_start_is_never_searched_for_garbage() -> None:
     finally:
         gc.unfreeze()
     assert started > before + 10_000
-    assert warm >= started + kept
+    # Some of what was frozen before may be freed meanwhile.
+    assert warm >= started + kept - 200

@@ -90,7 +90,9 @@ def figures(
             unjudged += followed is None
             if followed is not None and followed[0] is not None:
                 disproved += 1
-                print(f"  disproved: request {number}: {followed[0].tolist()}: {refusal}", flush=True)
+                print(
+                    f"  disproved: request {number}: {followed[0].tolist()}: {refusal}", flush=True
+                )
         elif isinstance(refusal, ikplan.Unreachable):
             tolerance = request.path.tolerance
             off = refusal.position_error, refusal.orientation_error or 0.0

@@ -123,7 +123,9 @@ def figures(count: int, seed: int = 15, names: list[str] | None = None) -> Itera
             except ikplan.NoPlan as error:
                 refused += judged
                 if judged:
-                    print(f"  refused: {name}, {off:.2e} off, {start.tolist()}: {error}", flush=True)
+                    print(
+                        f"  refused: {name}, {off:.2e} off, {start.tolist()}: {error}", flush=True
+                    )
             seconds.append(time.perf_counter() - began)
         yield Figure(f"{name}: lines that the judge passes, of {tried}", passed, "")
         yield Figure(f"{name}: of these refused", refused, "", most=0)

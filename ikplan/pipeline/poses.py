@@ -24,7 +24,6 @@ from ikplan.kinematics.arm import arm_of
 from ikplan.path.rotation.so3 import rotation_of
 from ikplan.pipeline.collisions import keep_clear, requested_model, with_meshes
 from ikplan.pipeline.helpers import helped_by
-from ikplan.pipeline.preferred_pose import preferred_pose
 from ikplan.pipeline.request_budget import RequestBudget
 from ikplan.pipeline.resolve import resolve_robot
 from ikplan.robots import Robot
@@ -103,7 +102,7 @@ def solve_ik_request(
     )
     model = requested_model(robot, request.scene, request.fixed_joints, request.tool, always=False)
     if request.ik.posture is not None:
-        return preferred_pose(
+        return _preferred(
             robot,
             solver,
             pose,
@@ -193,8 +192,32 @@ def solve_ik(
                 allowed=[True],
             )
         clock, wanted = TimeBudget(_LONG_S), parse(Posture, posture)
-        return preferred_pose(robot, solver, pose, start, model, clock, wanted, objective)
+        return _preferred(robot, solver, pose, start, model, clock, wanted, objective)
     return free_pose(robot, solver, pose, start, model, TimeBudget(_LONG_S), objective)
+
+
+def _preferred(
+    robot: Robot,
+    solver: PoseSolver,
+    pose: Any,
+    start: ArrayLike | None,
+    model: CollisionModel | None,
+    clock: TimeBudget,
+    posture: Posture,
+    objective: str,
+) -> IkSolution:
+    """The solution that a posture prefers, free of contact where there are bodies."""
+    from ikplan.collision.checker import CollisionChecker
+    from ikplan.planning.preferred_pose import preferred_pose
+
+    clearest = objective == "clearance"
+
+    def contact_of(within: Robot, solver: PoseSolver) -> CollisionChecker | None:
+        if clearest:
+            return keep_clear(within, solver, model)
+        return None if model is None or len(model.pairs) == 0 else CollisionChecker(robot, model)
+
+    return preferred_pose(robot, solver, pose, start, clock, posture, contact_of, clearest=clearest)
 
 
 @functools.lru_cache(maxsize=64)

@@ -28,7 +28,14 @@ from ikplan.planning.joint_route import JointPathProblem
 from ikplan.planning.ladder.ik_candidates import sample_ik_solutions
 from ikplan.planning.limit_repairs import Survives, limit_repairs, offered
 from ikplan.planning.plan_joint_path import plan_joint_path
-from ikplan.planning.repair_kinds import Repair, boxed, moved_aside, rounded, smaller_clearance
+from ikplan.planning.repair_kinds import (
+    Repair,
+    boxed,
+    by_joint_motion,
+    moved_aside,
+    rounded,
+    smaller_clearance,
+)
 from ikplan.planning.task_freedom import counts_orientation, freedom_of
 from ikplan.planning.tool_leg import path_tracker
 from ikplan.planning.tracking.start_copies import StartCopies, distinct_modulo_turns
@@ -60,11 +67,11 @@ def find_repairs(
 
     Coordinates in millimetres where all are far beyond reach, of which the error then tells too;
     else another branch to start in, a box, rounded corners, a free tool axis, free orientation;
-    for what is out of reach the smallest shift of the path frame found, else one along an axis;
-    where bodies touch, a smaller clearance; where there is no timing, a smaller payload or the
-    robot's own torque limits where torques bind, and a smaller speed of the tool: a joint path
-    does not depend on speeds. Each kind has a fixed number of attempts. Every one was planned
-    before it is offered; none is, when the time budget is used up.
+    for what is out of reach the smallest shift of the path frame found, else one along an axis; a
+    joint motion through the waypoints; where bodies touch, a smaller clearance; where there is no
+    timing, a smaller payload or the robot's own torque limits where torques bind, and a smaller
+    speed of the tool: a joint path does not depend on speeds. Each kind has a fixed number of
+    attempts. Every one was planned before it is offered; none is, when the time budget is used up.
 
     Args:
         problem: The path that has no plan.
@@ -110,6 +117,8 @@ def _kinds(
         yield moved_aside(problem, _moved, _lays)
     elif error.position_error <= _FARTHEST:
         yield _shifted(problem)
+    if not isinstance(error, TimingFailed):
+        yield by_joint_motion(problem, _lays)
     if isinstance(error, InCollision):
         yield smaller_clearance(error, clearance)
 

@@ -2,28 +2,39 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from ikplan.arrays import Array
+from ikplan.collision.check import ContactCheck
 from ikplan.documents.pose_results import IkSolution
 from ikplan.documents.poses import Posture, Tolerance
 from ikplan.errors import InCollision, Unreachable
 from ikplan.ik.arguments import check_start, target_of
 from ikplan.ik.solve import NoSolution, PoseSolver, pose_distance, solve_pose
 from ikplan.kinematics.arm import arm_of
-from ikplan.pipeline.collisions import keep_clear
+from ikplan.planning.ladder.motion_cost import sequence_cost
+from ikplan.planning.ladder.path_shortening import shorten_sequence
+from ikplan.planning.posture import (
+    motion_cost,
+    preferred_configuration,
+    report_posture,
+    within_soft_limits,
+)
+from ikplan.planning.waypoints.clear_waypoints import select_clear
+from ikplan.planning.waypoints.least_motion import select_least_motion
+from ikplan.planning.waypoints.stack import stack_targets
+from ikplan.planning.waypoints.waypoint_problem import WaypointProblem
 from ikplan.robots import Robot
-from ikplan.scene.body import CollisionModel
 from ikplan.time_budget import TimeBudget
 
-if TYPE_CHECKING:
-    from ikplan.planning.waypoints.waypoint_problem import WaypointProblem
-
 __all__ = ["preferred_pose"]
+
+ContactOf = Callable[[Robot, PoseSolver], ContactCheck | None]
 
 
 def preferred_pose(
@@ -31,10 +42,11 @@ def preferred_pose(
     solver: PoseSolver,
     pose: Any,
     start: ArrayLike | None,
-    model: CollisionModel | None,
     clock: TimeBudget,
     posture: Posture,
-    objective: str = "motion",
+    contact_of: ContactOf,
+    *,
+    clearest: bool,
 ) -> IkSolution:
     """Return the solution that a posture prefers.
 
@@ -46,10 +58,11 @@ def preferred_pose(
         solver: The solver.
         pose: As for :func:`ikplan.solve_ik`.
         start: Where the solution is near to; None: where the posture would be.
-        model: Bodies that must not touch; None: nothing is checked.
         clock: The time budget.
         posture: What is preferred.
-        objective: As for :func:`ikplan.solve_ik`.
+        contact_of: Returns what refuses configurations of a robot in contact, for a solver of its
+            own; None: nothing is checked.
+        clearest: Whether the least crowded solution is looked for.
 
     Raises:
         InvalidRequest: The posture does not fit the robot, or there is nothing to keep clear of.
@@ -57,29 +70,12 @@ def preferred_pose(
         InCollision: Every solution found is in contact.
         BudgetExceeded: The budget ran out.
     """
-    from ikplan.planning.posture import (
-        motion_cost,
-        preferred_configuration,
-        report_posture,
-        within_soft_limits,
-    )
-
     cost = motion_cost(robot, posture)
     q_start = (
         preferred_configuration(robot, posture) if start is None else check_start(robot, start)
     )
 
     def chosen(within: Robot, solver: PoseSolver) -> Array:
-        from ikplan.collision.checker import CollisionChecker
-        from ikplan.planning.waypoints.clear_waypoints import select_clear
-        from ikplan.planning.waypoints.least_motion import select_least_motion
-        from ikplan.planning.waypoints.waypoint_problem import WaypointProblem
-
-        contact = None
-        if objective == "clearance":
-            contact = keep_clear(within, solver, model)
-        elif model is not None and len(model.pairs):
-            contact = CollisionChecker(robot, model)
         tolerance = Tolerance.model_construct(
             position=solver.tolerance_position, orientation=solver.tolerance_orientation
         )
@@ -92,10 +88,10 @@ def preferred_pose(
             True,
             tolerance,
             clock,
-            contact=contact,
+            contact=contact_of(within, solver),
             posture=cost,
         )
-        if objective == "clearance":
+        if clearest:
             return np.array(select_clear(problem)[0])
         return _nearer_to_posture(problem, select_least_motion(problem)[0], posture)
 
@@ -129,10 +125,6 @@ def _nearer_to_posture(problem: WaypointProblem, q: Array, posture: Posture) -> 
 
     At the start itself the cost has an edge, at which a descent along the self-motion rests.
     """
-    from ikplan.planning.ladder.motion_cost import sequence_cost
-    from ikplan.planning.ladder.path_shortening import shorten_sequence
-    from ikplan.planning.waypoints.stack import stack_targets
-
     arm, cost, q_start = problem.solver.arm, problem.cost, problem.q_start
     wanted = q_start if posture.q is None else np.array(posture.q, dtype=np.float64)
     wanted = np.clip(wanted, np.maximum(cost.lower, arm.lower), np.minimum(cost.upper, arm.upper))

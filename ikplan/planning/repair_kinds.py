@@ -16,6 +16,7 @@ from ikplan.path import Leg, ToolLeg
 from ikplan.planning.joint_route import JointPathProblem
 
 __all__ = [
+    "LONGEST_ASIDE",
     "Repair",
     "boxed",
     "by_joint_motion",
@@ -31,7 +32,9 @@ _BOXES = ((1e-3, 1e-2), (5e-3, 5e-2))
 _BLENDS = (5e-3, 2e-2)
 """Radii within which corners are rounded [m]."""
 _ASIDE = (0.02, 0.1)
-"""Shifts along each axis that are tried where bodies touch [m]."""
+"""Shifts along each axis that are tried [m]."""
+
+LONGEST_ASIDE = max(_ASIDE)
 
 Lays = Callable[[JointPathProblem], bool]
 

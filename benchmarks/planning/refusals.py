@@ -1,4 +1,7 @@
-"""Random refusals, held to a solver of many restarts, and their repairs, each planned."""
+"""Random refusals, held to an independent solver and tracker, and their repairs, each planned.
+
+Unreachable is held to many restarts, Disconnected to a dense tracker from many branches.
+"""
 
 from __future__ import annotations
 
@@ -10,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 import ikplan
+from benchmarks.planning.judge import followed_from
 from benchmarks.requests.drawing import draw
 from benchmarks.speed.measure import Figure
 from ikplan.ik.levenberg_marquardt import Effort, refine
@@ -17,9 +21,10 @@ from ikplan.ik.workspace import new_workspace
 from ikplan.kinematics.arm import arm_of
 from ikplan.kinematics.target import Target, pose_target
 from ikplan.path import rotation_of
+from ikplan.pipeline.resolve import resolve_robot
 from ikplan.planning.repair_kinds import merged_document
 from ikplan.planning.task_freedom import freedom_of
-from ikplan.robots import Robot, load_robot
+from ikplan.robots import Robot
 
 __all__ = ["figures", "reached"]
 
@@ -55,17 +60,19 @@ def _target(error: ikplan.Unreachable, request: ikplan.PlanRequest) -> Target:
     return pose_target(np.array(told["position"]), R, freedom=freedom_of(request.path))
 
 
-def figures(count: int) -> Iterator[Figure]:
+def figures(
+    count: int, seed: int = SEED, names: list[str] | None = None, kind: str = "plan"
+) -> Iterator[Figure]:
     """Yield how many of random requests are refused, and what of these refusals is wrong."""
     verdicts: Counter[str] = Counter()
     kinds: Counter[str] = Counter()
-    inside = disproved = offered = broken = without = 0
+    inside = disproved = unjudged = offered = broken = without = 0
     for number in range(count):
-        document: dict[str, Any] = draw("plan", SEED, number, BUDGET_S)
+        document: dict[str, Any] = draw(kind, seed, number, BUDGET_S, names)
         document["scene"] = {"self_collision": False}
         try:
             ikplan.plan(document)
-        except (ikplan.Unreachable, ikplan.Disconnected) as error:
+        except (ikplan.Unreachable, ikplan.Disconnected, ikplan.TimingFailed) as error:
             refusal = error
         except ikplan.IkplanError as error:
             verdicts[type(error).__name__] += 1
@@ -74,22 +81,32 @@ def figures(count: int) -> Iterator[Figure]:
             verdicts["planned"] += 1
             continue
         verdicts[type(refusal).__name__] += 1
-        without += not refusal.repairs
-        if isinstance(refusal, ikplan.Unreachable):
-            request = ikplan.PlanRequest.model_validate(document)
+        if not refusal.repairs:
+            without += 1
+            print(f"  no repair offered: request {number}: {refusal}", flush=True)
+        request = ikplan.PlanRequest.model_validate(document)
+        if isinstance(refusal, ikplan.Disconnected):
+            followed = followed_from(request)
+            unjudged += followed is None
+            if followed is not None and followed[0] is not None:
+                disproved += 1
+                print(
+                    f"  disproved: request {number}: {followed[0].tolist()}: {refusal}", flush=True
+                )
+        elif isinstance(refusal, ikplan.Unreachable):
             tolerance = request.path.tolerance
             off = refusal.position_error, refusal.orientation_error or 0.0
             if off[0] <= tolerance.position and off[1] <= tolerance.orientation:
                 inside += 1
-                print(f"  inside the tolerance: request {number}: {refusal}")
-            elif request.tool is None and reached(
-                load_robot(document["robot"]),
+                print(f"  inside the tolerance: request {number}: {refusal}", flush=True)
+            elif reached(
+                resolve_robot(request, None),
                 _target(refusal, request),
                 tolerance.position,
                 tolerance.orientation,
             ):
                 disproved += 1
-                print(f"  disproved: request {number}: {refusal}")
+                print(f"  disproved: request {number}: {refusal}", flush=True)
         for repair in refusal.repairs:
             offered += 1
             kinds[" ".join(repair["detail"].split()[:2])] += 1
@@ -97,11 +114,12 @@ def figures(count: int) -> Iterator[Figure]:
                 ikplan.plan(merged_document(document, repair["change"]))
             except ikplan.IkplanError as error:
                 broken += 1
-                print(f"  no repair: request {number}: {repair}: {error}")
+                print(f"  no repair: request {number}: {repair}: {error}", flush=True)
     for verdict, number in sorted(verdicts.items()):
         yield Figure(f"{verdict}, of {count}", number, "")
     yield Figure("Unreachable, but the closest is inside the tolerance", inside, "", most=0)
-    yield Figure("Unreachable, disproved by many restarts", disproved, "", most=0)
+    yield Figure("refusals disproved", disproved, "", most=0)
+    yield Figure("Disconnected, not judged: several tool paths, or none", unjudged, "")
     yield Figure("repairs offered", offered, "")
     yield Figure("repairs that do not plan", broken, "", most=0)
     yield Figure("verdicts without a repair", without, "")

@@ -99,10 +99,10 @@ def line_request(robot: Robot, start: Array, R: Array, end: Array) -> dict[str, 
     }
 
 
-def figures(count: int) -> Iterator[Figure]:
+def figures(count: int, seed: int = 15, names: list[str] | None = None) -> Iterator[Figure]:
     """Yield what of random lines past singularities is planned."""
-    for name in SINGULAR_JOINTS:
-        robot, rng = load_robot(name), np.random.default_rng(15)
+    for name in names or SINGULAR_JOINTS:
+        robot, rng = load_robot(name), np.random.default_rng(seed)
         tried = passed = refused = planned = 0
         seconds: list[float] = []
         worst = 0.0
@@ -123,7 +123,9 @@ def figures(count: int) -> Iterator[Figure]:
             except ikplan.NoPlan as error:
                 refused += judged
                 if judged:
-                    print(f"  refused: {name}, {off:.2e} off, {start.tolist()}: {error}")
+                    print(
+                        f"  refused: {name}, {off:.2e} off, {start.tolist()}: {error}", flush=True
+                    )
             seconds.append(time.perf_counter() - began)
         yield Figure(f"{name}: lines that the judge passes, of {tried}", passed, "")
         yield Figure(f"{name}: of these refused", refused, "", most=0)

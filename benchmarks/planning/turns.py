@@ -107,10 +107,10 @@ def goes_through(robot: Robot, arc: Arc) -> bool:
     )
 
 
-def figures(count: int) -> Iterator[Figure]:
+def figures(count: int, seed: int = 15, names: list[str] | None = None) -> Iterator[Figure]:
     """Yield which arcs go through, and which of these are refused."""
-    for name in ROBOTS:
-        robot, rng = load_robot(name), np.random.default_rng(15)
+    for name in names or ROBOTS:
+        robot, rng = load_robot(name), np.random.default_rng(seed)
         through = refused = planned = 0
         seconds: list[float] = []
         for _ in range(count):
@@ -122,7 +122,7 @@ def figures(count: int) -> Iterator[Figure]:
                 judged = goes_through(robot, arc)
                 refused += judged
                 if judged:
-                    print(f"  refused: {name}: {arc}: {error}")
+                    print(f"  refused: {name}: {arc}: {error}", flush=True)
             else:
                 judged = True
                 planned += 1

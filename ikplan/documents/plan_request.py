@@ -142,7 +142,8 @@ class IkOptions(Document):
     posture: Annotated[Posture | None, IfGiven()] = Field(
         None,
         description="Which motions are preferred: near a configuration, within soft limits, with "
-        "weights of the joints; for plans. null: those of least joint motion, all joints alike.",
+        "weights of the joints; for plans, and for single poses, whose motion is that from the "
+        "start; not for batches of poses. null: those of least joint motion, all joints alike.",
     )
 
     move_engine: Annotated[
@@ -245,7 +246,9 @@ class IkRequest(Document):
         description="Tool orientation, unit quaternion (x, y, z, w); absent: any orientation.",
     )
     start: Floats | None = Field(
-        None, description="Joint values to stay close to [rad or m]; null: the robot's home."
+        None,
+        description="Joint values to stay close to [rad or m]; null: those that `ik.posture` "
+        "prefers, else the robot's home.",
     )
     tool: ToolFrame = Field(
         default_factory=ToolFrame,
@@ -275,11 +278,9 @@ class IkRequest(Document):
     _check = field_validator("quaternion_xyzw")(unit_quaternion)
 
     @model_validator(mode="after")
-    def _no_posture(self) -> IkRequest:
-        if self.ik.posture is not None:
-            raise ValueError(
-                "ik.posture is for plans; start says what the solution of a pose is near to"
-            )
+    def _chosen_by_posture(self) -> IkRequest:
+        if self.ik.posture is not None and not self.ik.refine:
+            raise ValueError("ik.posture chooses among refined solutions; ik.refine is false")
         return self
 
 
@@ -340,6 +341,8 @@ class IkBatchRequest(Document):
 
     @model_validator(mode="after")
     def _of_one_kind(self) -> IkBatchRequest:
+        if self.ik.posture is not None:
+            raise ValueError("ik.posture is for plans and single poses, not for batches of poses")
         oriented = sum(pose.quaternion_xyzw is not None for pose in self.poses)
         if oriented not in (0, len(self.poses)):
             raise ValueError("all poses have an orientation, or none")

@@ -27,7 +27,7 @@ Rows = Annotated[
 Index = Annotated[int, Field(ge=0)]
 
 
-_Near = Annotated[float, Field(ge=1e-8, le=10)]
+_Near = Annotated[float, Field(ge=1e-8, le=1000)]
 _NearEach = Annotated[list[_Near], Field(min_length=1, max_length=1000), Tag("[values]")]
 
 

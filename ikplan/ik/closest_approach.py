@@ -15,7 +15,10 @@ from ikplan.kinematics.arm import Arm
 from ikplan.kinematics.chain import Chain
 from ikplan.kinematics.target import Target
 
-__all__ = ["ClosestApproach", "explain_unreachable"]
+__all__ = ["ClosestApproach", "explain_unreachable", "within"]
+
+_GAIN = 10.0
+"""How much nearer an error of the orientation may bring the tool, at most [m/rad]."""
 
 
 @dataclass(frozen=True)
@@ -98,6 +101,53 @@ def explain_unreachable(
         q, float(distance), float(angle) if target.oriented else None, limits, reason
     )
     return closest, int(spent)
+
+
+def within(
+    arm: Arm,
+    target: Target,
+    closest: ClosestApproach,
+    q_near: Array,
+    position: float,
+    orientation: float,
+    *,
+    restarts: int = 150,
+) -> tuple[ClosestApproach | None, int]:
+    """Find a configuration within the tolerance of a target that cannot be met exactly.
+
+    The closest approach holds the orientation and is off in the position alone; where that is too
+    far, the error is made least in units of the tolerance, so that it is shared between the two.
+
+    Args:
+        arm: The arm.
+        target: A target without a solution.
+        closest: The closest that the arm gets to it.
+        q_near: Configuration that solutions were wanted near to, shape (dof,) [rad or m].
+        position: Distance that is tolerated [m].
+        orientation: Angle that is tolerated [rad].
+        restarts: Further seeds to try.
+
+    Returns:
+        The configuration with its errors, None where none is found, and the evaluations spent.
+    """
+
+    def tolerated(distance: float, angle: float) -> bool:
+        return distance <= position and angle <= orientation
+
+    distance, angle = closest.position_error, closest.orientation_error or 0.0
+    if tolerated(distance, angle):
+        return closest, 0
+    if not target.oriented or distance > position + _GAIN * orientation:
+        return None, 0
+    lower, upper = arm.search_bounds(q_near)
+    shared = target._replace(weight=min(max(position / orientation, 0.01), 10.0))
+    q = closest.q.copy()
+    seeds = np.clip(np.vstack([closest.q, q_near]), lower, upper)
+    distance, angle, spent = _closest(arm.chain, shared, seeds, lower, upper, restarts, q)
+    if not tolerated(distance, angle):
+        return None, int(spent)
+    found = ClosestApproach(q, float(distance), float(angle), closest.limits, closest.reason)
+    return found, int(spent)
 
 
 def _shell_reason(arm: Arm, target: Target) -> str | None:

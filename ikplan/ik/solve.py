@@ -18,7 +18,7 @@ from ikplan.collision.check import ContactArrays
 from ikplan.documents.pose_results import IkSolution
 from ikplan.errors import InvalidRequest, Unreachable
 from ikplan.ik.arguments import check_options, check_start, check_tolerances, target_of
-from ikplan.ik.closest_approach import ClosestApproach, explain_unreachable
+from ikplan.ik.closest_approach import ClosestApproach, explain_unreachable, within
 from ikplan.ik.crowding import surroundings
 from ikplan.ik.levenberg_marquardt import target_error
 from ikplan.ik.metaheuristic_seeds import Searcher
@@ -235,10 +235,13 @@ class PoseSolver:
                 raise NoSolution(ClosestApproach(q, *found, [], BARE_NO), evaluations)
             closest, spent = explain_unreachable(self.arm, target, q, q_start)
             evaluations += spent
-            q, distance, angle = closest.q, closest.position_error, closest.orientation_error or 0.0
             # The verdict searches longer than the solver, and may find what that did not.
-            if distance > self.tolerance_position or angle > self.tolerance_orientation:
+            tolerance = self.tolerance_position, self.tolerance_orientation
+            met, spent = within(self.arm, target, closest, q_start, *tolerance)
+            evaluations += spent
+            if met is None:
                 raise NoSolution(closest, evaluations)
+            q, distance, angle = met.q, met.position_error, met.orientation_error or 0.0
         return Solved(q[None], np.array([distance]), np.array([angle]), evaluations)
 
     def solve_first(self, T: Array, q_start: Array, q: Array) -> tuple[float, float, float, int]:

@@ -15,8 +15,9 @@ from ikplan.arrays import Array
 from ikplan.documents import parse
 from ikplan.documents.plan_request import IkOptions, IkRequest
 from ikplan.documents.pose_results import IkSolution
-from ikplan.documents.poses import Tolerance
+from ikplan.documents.poses import Posture, Tolerance
 from ikplan.documents.scene import Scene, ToolFrame
+from ikplan.errors import InvalidRequest
 from ikplan.ik.arguments import check_objective, check_start, target_of
 from ikplan.ik.solve import PoseSolver, pose_distance, solve_pose
 from ikplan.kinematics.arm import arm_of
@@ -100,6 +101,17 @@ def solve_ik_request(
         robot, request.ik, tolerance.position, tolerance.orientation, verdict=request.verdict
     )
     model = requested_model(robot, request.scene, request.fixed_joints, request.tool, always=False)
+    if request.ik.posture is not None:
+        return _preferred(
+            robot,
+            solver,
+            pose,
+            request.start,
+            model,
+            clock,
+            request.ik.posture,
+            request.ik.objective,
+        )
     return free_pose(robot, solver, pose, request.start, model, clock, request.ik.objective)
 
 
@@ -118,6 +130,7 @@ def solve_ik(
     tolerance_orientation: float = 1e-6,
     scene: Mapping[str, Any] | Scene | None = None,
     objective: str = "motion",
+    posture: Mapping[str, Any] | Posture | None = None,
 ) -> IkSolution:
     """Find joint values that bring the tool to a pose, near to a start configuration.
 
@@ -137,10 +150,12 @@ def solve_ik(
             working folder. ``{}``: the arm itself only. None: nothing is checked.
         objective: What is least: "motion", the distance from the start; "clearance", how crowded
             the configuration is by what ``scene`` names, see docs/solvers.md.
+        posture: Which solutions are preferred, as ``ik.posture`` of a request: near a
+            configuration, within soft limits, with weights of the joints. None: the nearest.
 
     Returns:
-        The nearest solution found; with a scene, the nearest found that is free of contact, or
-        the least crowded.
+        The nearest solution found, or the one that the posture prefers; with a scene, of those
+        that are free of contact, or the least crowded.
 
     Raises:
         InvalidRequest: An argument is wrong, or there is nothing to keep clear of.
@@ -163,13 +178,46 @@ def solve_ik(
             tolerance_orientation,
         )
     check_objective(objective)
-    if scene is None and objective == "motion":
+    if scene is None and objective == "motion" and posture is None:
         return solve_pose(robot, solver, pose, start)
     model = None
     if scene is not None:
         resolved = resolve_scene(parse(Scene, scene), Path.cwd())
         model = requested_model(robot, resolved, {}, ToolFrame(), always=False)
+    if posture is not None:
+        if not refine:
+            raise InvalidRequest(
+                "ik.posture chooses among refined solutions; refine is false",
+                field="ik.refine",
+                allowed=[True],
+            )
+        clock, wanted = TimeBudget(_LONG_S), parse(Posture, posture)
+        return _preferred(robot, solver, pose, start, model, clock, wanted, objective)
     return free_pose(robot, solver, pose, start, model, TimeBudget(_LONG_S), objective)
+
+
+def _preferred(
+    robot: Robot,
+    solver: PoseSolver,
+    pose: Any,
+    start: ArrayLike | None,
+    model: CollisionModel | None,
+    clock: TimeBudget,
+    posture: Posture,
+    objective: str,
+) -> IkSolution:
+    """The solution that a posture prefers, free of contact where there are bodies."""
+    from ikplan.collision.checker import CollisionChecker
+    from ikplan.planning.preferred_pose import preferred_pose
+
+    clearest = objective == "clearance"
+
+    def contact_of(within: Robot, solver: PoseSolver) -> CollisionChecker | None:
+        if clearest:
+            return keep_clear(within, solver, model)
+        return None if model is None or len(model.pairs) == 0 else CollisionChecker(robot, model)
+
+    return preferred_pose(robot, solver, pose, start, clock, posture, contact_of, clearest=clearest)
 
 
 @functools.lru_cache(maxsize=64)

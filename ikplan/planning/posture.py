@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -15,7 +16,13 @@ from ikplan.ik.arguments import check_start
 from ikplan.planning.ladder.motion_cost import MotionCost, plain_cost
 from ikplan.robots import Robot
 
-__all__ = ["motion_cost", "preferred_configuration", "report_posture", "softened"]
+__all__ = [
+    "motion_cost",
+    "preferred_configuration",
+    "report_posture",
+    "softened",
+    "within_soft_limits",
+]
 
 _KEPT = 1e-9
 """How far past a soft limit rounding may bring a sample [rad or m]."""
@@ -82,8 +89,22 @@ def softened(robot: Robot, request: PlanRequest) -> Robot | None:
     posture = request.ik.posture
     if posture is None or (posture.lower is None and posture.upper is None):
         return None
+    return within_soft_limits(robot, posture, _given_values(robot, request))
+
+
+def within_soft_limits(robot: Robot, posture: Posture, given: Sequence[Array] = ()) -> Robot:
+    """Return the robot within the soft limits of a posture, widened to hold given values.
+
+    Args:
+        robot: The robot.
+        posture: The posture.
+        given: Configurations that count as inside, shape (dof,) each [rad or m].
+
+    Raises:
+        InvalidRequest: The soft limits do not have one value a joint, or a range has no inside.
+    """
     lower, upper = soft_limits(robot, posture)
-    for q in _given_values(robot, request):
+    for q in given:
         lower, upper = np.minimum(lower, q), np.maximum(upper, q)
     specs = tuple(
         joint

@@ -15,7 +15,16 @@ from ikplan.errors import InCollision
 from ikplan.path import Leg, ToolLeg
 from ikplan.planning.joint_route import JointPathProblem
 
-__all__ = ["Repair", "boxed", "merged_document", "moved_aside", "rounded", "smaller_clearance"]
+__all__ = [
+    "LONGEST_ASIDE",
+    "Repair",
+    "boxed",
+    "by_joint_motion",
+    "merged_document",
+    "moved_aside",
+    "rounded",
+    "smaller_clearance",
+]
 
 
 _BOXES = ((1e-3, 1e-2), (5e-3, 5e-2))
@@ -23,7 +32,9 @@ _BOXES = ((1e-3, 1e-2), (5e-3, 5e-2))
 _BLENDS = (5e-3, 2e-2)
 """Radii within which corners are rounded [m]."""
 _ASIDE = (0.02, 0.1)
-"""Shifts along each axis that are tried where bodies touch [m]."""
+"""Shifts along each axis that are tried [m]."""
+
+LONGEST_ASIDE = max(_ASIDE)
 
 Lays = Callable[[JointPathProblem], bool]
 
@@ -78,6 +89,18 @@ def rounded(problem: JointPathProblem, legs: Sequence[Leg], lays: Lays) -> Itera
         if lays(replace(problem, path=path.model_copy(update={"blend": blend}))):
             detail = f"round the corners of the path within {blend * 1e3:g} mm"
             yield Repair({"path": {"blend": blend}}, detail)
+
+
+def by_joint_motion(problem: JointPathProblem, lays: Lays) -> Iterator[Repair]:
+    """Yield a joint motion through the waypoints in the place of the tool's path between them."""
+    path = problem.path
+    if path.waypoints is None or len(path.waypoints) < 2 or path.interpolation == "joint":
+        return
+    if lays(replace(problem, path=path.model_copy(update={"interpolation": "joint"}))):
+        detail = (
+            "pass the waypoints by a joint motion: what the tool does between them is then free"
+        )
+        yield Repair({"path": {"interpolation": "joint"}}, detail)
 
 
 def moved_aside(

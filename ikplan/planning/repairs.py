@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import itertools
 from collections.abc import Iterator
 from dataclasses import replace
 from typing import Any
@@ -28,7 +29,15 @@ from ikplan.planning.joint_route import JointPathProblem
 from ikplan.planning.ladder.ik_candidates import sample_ik_solutions
 from ikplan.planning.limit_repairs import Survives, limit_repairs, offered
 from ikplan.planning.plan_joint_path import plan_joint_path
-from ikplan.planning.repair_kinds import Repair, boxed, moved_aside, rounded, smaller_clearance
+from ikplan.planning.repair_kinds import (
+    LONGEST_ASIDE,
+    Repair,
+    boxed,
+    by_joint_motion,
+    moved_aside,
+    rounded,
+    smaller_clearance,
+)
 from ikplan.planning.task_freedom import counts_orientation, freedom_of
 from ikplan.planning.tool_leg import path_tracker
 from ikplan.planning.tracking.start_copies import StartCopies, distinct_modulo_turns
@@ -47,6 +56,8 @@ of reach, how many a round of it examines."""
 _ROUNDS = 8
 _FARTHEST = 0.5
 """Longest shift that is offered [m]."""
+_FARTHER = (1.0, 1.5, 2.5)
+"""How much farther than the shift that the places looked at need is tried."""
 
 
 def find_repairs(
@@ -60,11 +71,11 @@ def find_repairs(
 
     Coordinates in millimetres where all are far beyond reach, of which the error then tells too;
     else another branch to start in, a box, rounded corners, a free tool axis, free orientation;
-    for what is out of reach the smallest shift of the path frame found, else one along an axis;
-    where bodies touch, a smaller clearance; where there is no timing, a smaller payload or the
-    robot's own torque limits where torques bind, and a smaller speed of the tool: a joint path
-    does not depend on speeds. Each kind has a fixed number of attempts. Every one was planned
-    before it is offered; none is, when the time budget is used up.
+    for what is out of reach the smallest shift of the path frame found, else one along an axis; a
+    joint motion through the waypoints; where bodies touch, a smaller clearance; where there is no
+    timing, a smaller payload or the robot's own torque limits where torques bind, and a smaller
+    speed of the tool: a joint path does not depend on speeds. Each kind has a fixed number of
+    attempts. Every one was planned before it is offered; none is, when the time budget is used up.
 
     Args:
         problem: The path that has no plan.
@@ -109,9 +120,17 @@ def _kinds(
     if not isinstance(error, Unreachable):
         yield moved_aside(problem, _moved, _lays)
     elif error.position_error <= _FARTHEST:
-        yield _shifted(problem)
+        yield itertools.chain(_shifted(problem), _aside(problem, error))
+    if not isinstance(error, TimingFailed):
+        yield by_joint_motion(problem, _lays)
     if isinstance(error, InCollision):
         yield smaller_clearance(error, clearance)
+
+
+def _aside(problem: JointPathProblem, error: Unreachable) -> Iterator[Repair]:
+    """A shift along an axis, where one of those tried is as long as what the arm lacks."""
+    if error.position_error <= LONGEST_ASIDE:
+        yield from moved_aside(problem, _moved, _lays)
 
 
 def _in_millimetres(problem: JointPathProblem) -> Iterator[Repair]:
@@ -192,7 +211,12 @@ def _shifted(problem: JointPathProblem) -> Iterator[Repair]:
     if not shift.any():
         return
     feasible, low = 1.0, 0.0
-    if not _lays(_moved(problem, shift)):
+    # A little farther, the parts of a path that were not looked at may be within reach too.
+    for farther in _FARTHER:
+        if np.linalg.norm(farther * shift) <= _FARTHEST and _lays(_moved(problem, farther * shift)):
+            shift = farther * shift
+            break
+    else:
         return
     for _ in range(5):
         middle = 0.5 * (low + feasible)

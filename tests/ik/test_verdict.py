@@ -9,7 +9,7 @@ import numpy as np
 import pinocchio as pin
 import pytest
 
-from ikplan import Robot, Unreachable, load_robot, solve_ik
+from ikplan import Robot, Unreachable, load_robot, plan, solve_ik
 from ikplan.ik.closest_approach import explain_unreachable
 from ikplan.kinematics.arm import arm_of
 from ikplan.kinematics.target import pose_target
@@ -162,3 +162,35 @@ def test_the_limits_named_are_those_that_bind(shoulder, elbow, target) -> None:
             wider = tuple(b + 0.05 * (2 * k - 1) * at[k] for k, b in enumerate(bounds))
             both = (wider, elbow) if joint == 0 else (shoulder, wider)
             assert miss(*both)[0] < distance - 1e-3
+
+
+@pytest.mark.parametrize(("name", "joint"), [("z1", 4), ("z1", 3)])
+def test_an_error_is_shared_between_position_and_orientation(name: str, joint: int) -> None:
+    """Past a limit of the wrist by less than the tolerance, an exact orientation costs more."""
+    robot = load_robot(name)
+    rng = np.random.default_rng(3)
+    refused = 0
+    for _ in range(12):
+        q = robot.random_configuration(rng)
+        past = q.copy()
+        q[joint] = robot.upper[joint]
+        past[joint] = robot.upper[joint] + 8e-4
+        T = robot.fk(past)
+        off = pin.log6(robot.fk(q).actInv(T)).vector
+        if np.linalg.norm(off[:3]) > 1e-4:
+            continue
+        tolerance = {"tolerance_position": 1e-4, "tolerance_orientation": 1e-3}
+        found = solve_ik(robot, T, start=q, method="lm", **tolerance)
+        assert found.position_error <= 1e-4
+        assert found.orientation_error is not None
+        assert found.orientation_error <= 1e-3
+        quaternion = pin.Quaternion(T.rotation).normalized().coeffs().tolist()
+        waypoint = {"position": T.translation.tolist(), "quaternion_xyzw": quaternion}
+        request = {"robot": name, "path": {"waypoints": [waypoint]}}
+        found_plan = plan({**request, "scene": {"self_collision": False}})
+        assert found_plan.certificate.valid
+        try:
+            solve_ik(robot, T, start=q, method="lm")
+        except Unreachable:
+            refused += 1
+    assert refused > 0

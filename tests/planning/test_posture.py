@@ -14,6 +14,7 @@ from ikplan import InvalidRequest, load_robot
 from ikplan.documents.plan_request import PlanRequest
 from ikplan.kinematics.arm import arm_of
 from ikplan.kinematics.target import pose_target
+from ikplan.pipeline.pose_batch.request import solve_ik_batch_request, solve_ik_requests
 from ikplan.pipeline.poses import solve_ik_request
 from ikplan.planning.ladder.motion_cost import (
     MotionCost,
@@ -156,11 +157,100 @@ def test_a_posture_that_makes_no_sense_is_refused(posture: dict[str, Any], field
     assert refused.value.field == field
 
 
-def test_a_posture_of_a_single_pose_is_refused() -> None:
-    with pytest.raises(InvalidRequest, match="start"):
-        solve_ik_request(
-            {"robot": "ur5", "position": [0.4, 0.1, 0.4], "ik": {"posture": {"q": [0.0] * 6}}}
-        )
+def test_a_pose_takes_the_branch_that_is_preferred_from_home_and_near_a_start() -> None:
+    """Every branch of the closed form is found by asking for it, or by a strong pull."""
+    ur5 = UR5
+    T = ur5.fk([0.3, -1.2, 1.4, -1.8, -1.57, 0.4])
+    for elbow in (1.0, -1.0):
+        for wrist in (1.0, -1.0):
+            wanted = np.array([0.4, -1.1 if elbow > 0 else -0.2, 1.3 * elbow, -1.2, wrist, 0.3])
+            posture = {"q": wanted.tolist()}
+            found = ikplan.solve_ik(ur5, T, method="lm", posture=posture)
+            assert np.sign(found.q[2]) == elbow
+            assert np.linalg.norm(pin.log6(ur5.fk(found.q).actInv(T)).vector) < 1e-6
+            assert found.posture is not None
+            assert found.posture.mean_distance == pytest.approx(np.linalg.norm(found.q - wanted))
+            near = ikplan.solve_ik(
+                ur5, T, start=ur5.home, method="lm", posture={**posture, "pull": 50.0}
+            )
+            assert np.abs(near.q - found.q).max() < 1e-6
+
+
+def test_a_pose_near_a_start_weighs_the_way_against_the_posture() -> None:
+    """Self-motion of the panda: the cost is least on the circle of its elbow, by dense search."""
+    q = np.array(PANDA.home)
+    T = PANDA.fk(q)
+    wanted = q + np.array([0.5, 0.0, -0.5, 0.0, 0.3, 0.0, 0.0])
+    weights = np.array([1.0, 2.0, 0.5, 1.0, 1.0, 0.3, 1.0])
+    for pull in (0.0, 0.5, 3.0):
+        posture = {"q": wanted.tolist(), "weights": weights.tolist(), "pull": pull}
+        found = ikplan.solve_ik(PANDA, T, start=q, method="lm", posture=posture).q
+
+        def cost(row: Any, pull: float = pull) -> float:
+            away = [np.linalg.norm(weights * (row - to)) for to in (q, wanted)]
+            return float(away[0] + pull * away[1])
+
+        others = [
+            ikplan.solve_ik(PANDA, T, start=q + share * (wanted - q), method="lm").q
+            for share in np.linspace(0.0, 1.0, 11)
+        ]
+        assert cost(found) <= min(map(cost, others)) + 1e-6
+    assert cost(found) < cost(q)
+
+
+def test_soft_limits_of_a_pose_are_kept_where_a_solution_is_within_and_told_where_not() -> None:
+    ur5 = UR5
+    T = ur5.fk([0.3, -1.2, 1.4, -1.8, -1.57, 0.4])
+    pose = {
+        "robot": "ur5",
+        "position": T.translation.tolist(),
+        "quaternion_xyzw": pin.Quaternion(T.rotation).coeffs().tolist(),
+    }
+    low = [-7.0, -7.0, -7.0, -7.0, -7.0, -7.0]
+    high = [7.0, 7.0, 0.0, 7.0, 7.0, 7.0]
+    posture: dict[str, Any] = {"lower": low, "upper": high}
+    kept = solve_ik_request({**pose, "ik": {"posture": posture}})
+    assert kept.q[2] <= 1e-9
+    assert kept.posture is not None
+    assert kept.posture.soft_limits_kept
+    posture["lower"] = [-7.0, -7.0, -0.1, -7.0, -7.0, -7.0]
+    left = solve_ik_request({**pose, "ik": {"posture": posture}})
+    assert left.posture is not None
+    assert list(left.posture.outside) == [ur5.joint_names[2]]
+    assert left.position_error < 1e-6
+
+
+def test_a_posture_of_a_pose_keeps_clear_of_the_arm_itself() -> None:
+    ur5 = UR5
+    T = ur5.fk([0.3, -1.2, 1.4, -1.8, -1.57, 0.4])
+    for elbow in (1.3, -1.3):
+        posture = {"q": [0.4, -1.1, elbow, -1.2, -1.4, 0.3]}
+        found = ikplan.solve_ik(ur5, T, scene={}, posture=posture)
+        assert ur5.clearance(found.q).distance > 0.0
+        assert np.sign(found.q[2]) == np.sign(elbow)
+
+
+def test_a_posture_where_nothing_is_chosen_is_refused() -> None:
+    pose = {"robot": "ur5", "position": [0.4, 0.1, 0.4]}
+    ik = {"posture": {"q": [0.0] * 6}}
+    with pytest.raises(InvalidRequest, match="refine"):
+        solve_ik_request({**pose, "ik": {**ik, "refine": False}})
+    batch = {"robot": "ur5", "poses": [{"position": [0.4, 0.1, 0.4]}], "ik": ik}
+    with pytest.raises(InvalidRequest, match="batches"):
+        solve_ik_batch_request(batch)
+    with pytest.raises(InvalidRequest, match="6 "):
+        solve_ik_request({**pose, "ik": {"posture": {"weights": [1.0] * 5}}})
+
+
+def test_poses_of_a_batch_of_requests_keep_their_postures() -> None:
+    pose = {"robot": "ur5", "position": [0.4, 0.1, 0.4]}
+    each = [
+        {**pose, "ik": {"method": "lm", "posture": {"q": [0.4, -1.0, elbow, 0.0, 0.0, 0.0]}}}
+        for elbow in (1.3, -1.3)
+    ]
+    for request, answer in zip(each, solve_ik_requests([*each, pose]), strict=False):
+        assert not isinstance(answer, Exception)
+        assert answer.q == pytest.approx(solve_ik_request(request).q, abs=0.0)
 
 
 def test_the_distance_over_turns_is_the_least_of_all_copies() -> None:

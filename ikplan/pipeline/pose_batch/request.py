@@ -88,7 +88,8 @@ def solve_ik_requests(
         except IkplanError as error:
             answers[index] = error
             continue
-        if request.scene is None and request.ik.method == "lm":
+        plain = request.scene is None and request.ik.posture is None
+        if plain and request.ik.method == "lm":
             alike.setdefault(_key(request), {})[index] = request
         else:
             answers[index] = _alone(request, robot)

@@ -14,7 +14,7 @@ from ikplan.path.rotation.so3 import log
 from ikplan.planning.ladder.ik_candidates import target_at
 from ikplan.planning.tracking.path_tracker import PathTracker
 from ikplan.planning.tracking.tracked_path import TrackingFailed
-from ikplan.planning.waypoints.unreachable import within_tolerance
+from ikplan.planning.waypoints.unreachable import met_within
 from ikplan.robots import Robot
 
 __all__ = ["explain_tracking_failure"]
@@ -90,9 +90,10 @@ def _solved(solver: PoseSolver, target: Target, q_near: Array, tolerance: Tolera
     try:
         return np.asarray(solver.solve(target, q_near).q[0])
     except NoSolution as verdict:
-        if within_tolerance(verdict.closest, tolerance):
-            return np.asarray(verdict.closest.q)
-        raise
+        met = met_within(solver, target, verdict, q_near, tolerance)
+        if met is None:
+            raise
+        return met
 
 
 def _name(row: int) -> str:

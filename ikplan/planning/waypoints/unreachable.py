@@ -7,12 +7,12 @@ from typing import Any
 from ikplan.arrays import Array
 from ikplan.documents.plan_request import Tolerance
 from ikplan.errors import Unreachable
-from ikplan.ik.closest_approach import ClosestApproach
-from ikplan.ik.solve import NoSolution, target_as_data, unreachable
+from ikplan.ik.closest_approach import ClosestApproach, within
+from ikplan.ik.solve import NoSolution, PoseSolver, target_as_data, unreachable
 from ikplan.kinematics.target import Target
 from ikplan.planning.waypoints.waypoint_problem import WaypointProblem
 
-__all__ = ["unreachable_path", "within_tolerance"]
+__all__ = ["met_within", "unreachable_path"]
 
 _MOST_EXAMINED = 200
 """Waypoints after the first unreachable one that are examined as well."""
@@ -36,7 +36,8 @@ def unreachable_path(
         try:
             q_before = problem.solver.solve(problem.targets[k], q_before).q[0]
         except NoSolution as verdict:
-            if not within_tolerance(verdict.closest, problem.tolerance):
+            target = problem.targets[k]
+            if met_within(problem.solver, target, verdict, q_before, problem.tolerance) is None:
                 closest_by_waypoint[k] = verdict.closest
     unexamined = count - 1 - examined[-1] if examined else 0
     row = problem.first_row
@@ -52,10 +53,22 @@ def unreachable_path(
     return error
 
 
-def within_tolerance(closest: ClosestApproach, tolerance: Tolerance) -> bool:
-    """Whether the closest configuration to a target is close enough."""
-    angle = closest.orientation_error or 0.0
-    return closest.position_error <= tolerance.position and angle <= tolerance.orientation
+def met_within(
+    solver: PoseSolver, target: Target, verdict: NoSolution, q_near: Array, tolerance: Tolerance
+) -> Array | None:
+    """Return a configuration within the tolerance of a target without a solution, or None.
+
+    Args:
+        solver: Found none.
+        target: The target.
+        verdict: The verdict of the solver; what is spent here is added to its evaluations.
+        q_near: Configuration to be near to, shape (dof,) [rad or m].
+        tolerance: How far off the target the tool may be.
+    """
+    bounds = tolerance.position, tolerance.orientation
+    met, spent = within(solver.arm, target, verdict.closest, q_near, *bounds)
+    verdict.evaluations += spent
+    return None if met is None else met.q
 
 
 def _row(k: int, closest: ClosestApproach, target: Target) -> dict[str, Any]:

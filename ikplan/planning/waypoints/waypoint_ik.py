@@ -7,7 +7,7 @@ import numpy as np
 from ikplan.arrays import Array
 from ikplan.errors import Unreachable
 from ikplan.ik.solve import NoSolution, target_as_data
-from ikplan.planning.waypoints.unreachable import unreachable_path, within_tolerance
+from ikplan.planning.waypoints.unreachable import met_within, unreachable_path
 from ikplan.planning.waypoints.waypoint_problem import WaypointProblem
 
 __all__ = ["solve_waypoint"]
@@ -29,9 +29,10 @@ def solve_waypoint(problem: WaypointProblem, k: int, q_before: Array) -> Array:
     try:
         solved = problem.solver.solve(target, q_before)
     except NoSolution as verdict:
+        met = met_within(problem.solver, target, verdict, q_before, tolerance)
         problem.clock.count(verdict.evaluations)
-        if within_tolerance(verdict.closest, tolerance):
-            return verdict.closest.q
+        if met is not None:
+            return met
         raise unreachable_path(problem, k, verdict.closest, q_before) from verdict
     problem.clock.count(solved.evaluations)
     distance, angle = float(solved.position_error[0]), float(solved.orientation_error[0])

@@ -83,6 +83,7 @@ def _mealpy(optimiser: Any, objective: Any, rng: np.random.Generator) -> None:
         "obj_func": lambda x: float(objective(x)),
         "log_to": None,
     }
+    np.random.seed(int(rng.integers(2**31)))  # noqa: NPY002 - L-SHADE draws from there as well
     optimiser.solve(problem, seed=int(rng.integers(2**31)))
 
 

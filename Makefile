@@ -6,7 +6,7 @@ MINUTES ?= 30
 STAMP  := $(VENV)/.ready
 DOCS   := $(VENV)/.docs-ready
 
-.PHONY: help setup demo kernels page picture test coverage check docs serve bench papers mutants fuzz lock sbom audit clean
+.PHONY: help setup demo kernels client page picture test coverage check docs serve bench papers mutants fuzz lock sbom audit clean
 help:            ## list the targets
 	@grep -E '^[a-z]+: .*##|^[a-z]+:  *##' $(MAKEFILE_LIST) | sed 's/:.*##/\t/'
 
@@ -24,6 +24,9 @@ demo: $(STAMP)   ## plan the helix of examples/ and write out/helix.{json,csv,pn
 kernels: $(STAMP) ## compile every kernel, for any processor of the family, into a wheel in dist; minutes
 	$(BIN)/python kernels/build.py kernels/ikplan_kernels/kernels.pack
 	$(BIN)/python -m pip wheel --quiet --disable-pip-version-check --no-deps --wheel-dir dist kernels
+
+client: $(STAMP) ## write the wheel of the client alone to dist
+	$(BIN)/python -m pip wheel --quiet --disable-pip-version-check --no-deps --wheel-dir dist ./client
 
 page: $(STAMP)   ## check and bundle the page that the service shows at /
 	$(BIN)/python web/build.py

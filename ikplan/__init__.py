@@ -11,6 +11,9 @@ from ikplan._lazy import on_first_use
 from ikplan._version import __version__
 
 if TYPE_CHECKING:
+    from ikplan.arena.compare import compare
+    from ikplan.arena.comparison import Comparison
+    from ikplan.arena.objective import objective
     from ikplan.client import AsyncClient, AsyncPlanJob, Client, PlanJob
     from ikplan.documents.certificate import Certificate
     from ikplan.documents.plan_request import FkRequest, IkRequest, PlanRequest
@@ -39,6 +42,7 @@ if TYPE_CHECKING:
         WorkerLost,
     )
     from ikplan.gcode import read_gcode
+    from ikplan.ik.registry import register_solver
     from ikplan.pipeline.move import move
     from ikplan.pipeline.plan import plan
     from ikplan.pipeline.pose_batch.solve import solve_ik_batch
@@ -60,6 +64,7 @@ else:
             "Certificate": "documents.certificate",
             "CertificateViolated": "errors",
             "Client": "client",
+            "Comparison": "arena.comparison",
             "Disconnected": "errors",
             "FkRequest": "documents.plan_request",
             "FkResult": "documents.pose_results",
@@ -88,7 +93,10 @@ else:
             "TimingRequest": "documents.timing_request",
             "Unreachable": "errors",
             "WorkerLost": "errors",
+            "compare": "arena.compare",
             "load_robot": "robots",
+            "objective": "arena.objective",
+            "register_solver": "ik.registry",
             "move": "pipeline.move",
             "plan": "pipeline.plan",
             "reach_map": "reach.reach_map",
@@ -111,6 +119,7 @@ __all__ = [
     "Certificate",
     "CertificateViolated",
     "Client",
+    "Comparison",
     "Disconnected",
     "FkRequest",
     "FkResult",
@@ -140,13 +149,16 @@ __all__ = [
     "Unreachable",
     "WorkerLost",
     "__version__",
+    "compare",
     "load_robot",
     "move",
+    "objective",
     "plan",
     "reach_map",
     "read_gcode",
     "read_scene",
     "read_waypoints",
+    "register_solver",
     "robot_names",
     "solve_ik",
     "solve_ik_batch",

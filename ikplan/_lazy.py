@@ -21,7 +21,16 @@ def on_first_use(package: str, homes: Mapping[str, str]) -> Callable[[str], Any]
     def get(name: str) -> Any:
         if name not in homes:
             raise AttributeError(f"module {package!r} has no attribute {name!r}")
-        value = getattr(importlib.import_module(f"{package}.{homes[name]}"), name)
+        try:
+            value = getattr(importlib.import_module(f"{package}.{homes[name]}"), name)
+        except ModuleNotFoundError as error:
+            if error.name is None or error.name.partition(".")[0] == package.partition(".")[0]:
+                raise
+            raise ModuleNotFoundError(
+                f"{package}.{name} needs {error.name}, which is not installed; the client alone "
+                "(ikplan-client) plans by a service only: pip install ikplan",
+                name=error.name,
+            ) from error
         setattr(sys.modules[package], name, value)
         return value
 

@@ -47,6 +47,7 @@ RANK = {
     "client": 9,
     "workers": 9,
     "reach": 9,
+    "arena": 9,
     "batch": 10,
     "cli": 11,
     "ikplan_api": 12,

@@ -22,6 +22,7 @@ from ikplan.cli.options import (
     add_talk,
 )
 from ikplan.cli.reach_options import add_reach
+from ikplan.cli.studies.compare_options import add_compare
 from ikplan.cli.terminal.exit_codes import NO_PLAN
 from ikplan.errors import InvalidRequest
 
@@ -252,6 +253,15 @@ def make_parser() -> argparse.ArgumentParser:
     )
     add_reach(reach)
     reach.set_defaults(run=_command("reach", "reach"))
+
+    compare = commands.add_parser(
+        "compare",
+        help="compare searches on the same targets",
+        description="The same targets, starts, objective and evaluations for all; tests over "
+        "targets with Holm's correction, a figure, and rows that COCO's tools read.",
+    )
+    add_compare(compare)
+    compare.set_defaults(run=_command("studies.compare", "compare"))
 
     time = commands.add_parser("time", help="time a joint path: no planning")
     time.add_argument("robot", nargs="?", metavar="ROBOT", help="a name, with joint values")

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+import pinocchio as pin
 from numpy.typing import ArrayLike
 
 from ikplan.arrays import Array
@@ -113,17 +114,27 @@ _ANY_ROTATION.setflags(write=False)
 
 
 def target_of(pose: Any) -> Target:
-    """Return the target of a ``pinocchio.SE3`` or a position, shape (3,) [m]; a target as it is.
+    """Return the target of a pose in any of its forms; a target as it is.
+
+    Args:
+        pose: ``pinocchio.SE3``; a homogeneous matrix, shape (4, 4), or what has one by
+            ``as_matrix()``; position and unit quaternion xyzw, shape (7,); a pair of a position and
+            a quaternion xyzw, a matrix of shape (3, 3) or a SciPy ``Rotation``; or a position
+            alone, shape (3,) [m].
 
     Raises:
-        InvalidRequest: It is neither, not finite, too far away, or its rotation is none.
+        InvalidRequest: It is none of these, not finite, too far away, or its rotation is none.
     """
     if isinstance(pose, Target):
         return pose
     R_wanted = getattr(pose, "rotation", None)
-    oriented = R_wanted is not None
     try:
-        p = np.array(pose.translation if oriented else pose, dtype=np.float64)
+        if R_wanted is not None:
+            position = pose.translation
+        else:
+            R_wanted, position = _rotation_and_position(pose)
+        oriented = R_wanted is not None
+        p = np.array(position, dtype=np.float64)
         R = np.array(R_wanted if oriented else _ANY_ROTATION, dtype=np.float64, order="C")
     except (TypeError, ValueError) as error:
         raise _no_pose() from error
@@ -139,11 +150,43 @@ def target_of(pose: Any) -> Target:
     return Target(R, p, oriented, ORIENTATION_WEIGHT if oriented else 0.0, _NO_FREEDOM)
 
 
+def _rotation_and_position(pose: Any) -> tuple[Any, Any]:
+    """Return the rotation matrix (None: a position alone) and the position of a pose."""
+    if hasattr(pose, "as_matrix"):
+        pose = pose.as_matrix()
+    if isinstance(pose, Sequence) and len(pose) == 2:
+        position, turn = pose
+        return _rotation(turn), position
+    values = np.asarray(pose, dtype=np.float64)
+    if values.shape == (4, 4):
+        if (values[3] != (0.0, 0.0, 0.0, 1.0)).any():
+            raise _no_pose()
+        return values[:3, :3], values[:3, 3]
+    if values.shape == (7,):
+        return _rotation(values[3:]), values[:3]
+    return None, values
+
+
+def _rotation(turn: Any) -> Any:
+    """Return the matrix of a rotation given as such, as a quaternion xyzw, or by SciPy."""
+    if hasattr(turn, "as_matrix"):
+        return turn.as_matrix()
+    values = np.asarray(turn, dtype=np.float64)
+    if values.shape != (4,):
+        return values
+    norm = math.sqrt(float(values @ values))
+    if not abs(norm - 1.0) <= 1e-3:
+        raise _no_pose()
+    return pin.Quaternion(values / norm).matrix()
+
+
 def _no_pose() -> InvalidRequest:
+    forms = (
+        "a pinocchio.SE3, a matrix of shape (4, 4), x y z qx qy qz qw, a pair of a position and a "
+        "rotation (quaternion xyzw, matrix or SciPy Rotation), or three finite numbers"
+    )
     return InvalidRequest(
-        "pose: must be a pinocchio.SE3 with a proper rotation, or three finite numbers",
-        field="pose",
-        allowed="pinocchio.SE3 or position of shape (3,)",
+        f"pose: must be {forms}, with a proper rotation", field="pose", allowed=forms
     )
 
 

@@ -120,6 +120,13 @@ class Searcher:
                 field="ik.params.decouple",
                 allowed=[False],
             )
+        if self.values["decouple"] and self.values.get("weight_motion", 0.0) > 0.0:
+            raise InvalidRequest(
+                "ik.params.weight_motion: a search over the arm without its wrist has no joint "
+                "values of the wrist to weigh",
+                field="ik.params.weight_motion",
+                allowed=[0.0],
+            )
         if self.values["decouple"] and target.oriented and self.arm.wrist is not None:
             return wrist_objective(
                 self.arm.wrist,
@@ -142,6 +149,8 @@ class Searcher:
                 target.p,
                 weight_position=weights.omega_position,
                 weight_orientation=weights.omega_rotation,
+                weight_motion=self.values.get("weight_motion", 0.0),
+                q_start=q_start,
                 around=self._around(weights.omega_position),
             )
         kinds = {"position": POSITION, "orientation": ORIENTATION, "weighted": WEIGHTED}
@@ -153,6 +162,8 @@ class Searcher:
             kind,
             weight_position=self.values["weight_position"],
             weight_orientation=self.values["weight_orientation"],
+            weight_motion=self.values.get("weight_motion", 0.0),
+            q_start=q_start,
             around=self._around(self.values["weight_position"] if kind == WEIGHTED else 1.0),
         )
 

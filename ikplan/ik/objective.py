@@ -58,11 +58,13 @@ class Objective(NamedTuple):
         coupled: Whether the serial joints are more than the joint values themselves.
         weight_position: omega_P, per metre.
         weight_orientation: omega_R, per unit of Delta R.
+        weight_motion: What a radian (or metre) of distance from the start weighs; 0: nothing.
         placements: Placements of the chain, shape (n + 1, 12), see
             :class:`~ikplan.kinematics.chain.Chain`.
         joints: A row a serial joint: 1 where it slides, its offset, and its coupling to the
             joint values, shape (n, 2 + dof).
-        target: Rotation wanted, row by row, and position wanted [m], shape (12,).
+        target: Rotation wanted, row by row, and position wanted [m], shape (12,); where the motion
+            weighs something, then the start configuration, shape (12 + dof,).
         wrist: Kind WRIST only: rotations A, B and R_tool of the wrist, row by row, its lower and
             upper limits and the values to stay close to, shape (36,); empty for other kinds.
         around: What to keep clear of, as a term beside the error of the pose; None: nothing.
@@ -72,6 +74,7 @@ class Objective(NamedTuple):
     coupled: bool
     weight_position: float
     weight_orientation: float
+    weight_motion: float
     placements: Array
     joints: Array
     target: Array
@@ -107,6 +110,18 @@ def _test_function(kind: int, x: Array) -> float:
     for k in range(x.shape[0] - 1):
         total += 100.0 * (x[k + 1] - x[k] * x[k]) ** 2 + (1.0 - x[k]) ** 2
     return total
+
+
+@leaf_kernel
+def _motion_term(objective: Objective, x: Array) -> float:
+    """Return what the distance from the start weighs."""
+    if objective.weight_motion == 0.0:
+        return 0.0
+    square = 0.0
+    for k in range(x.shape[0]):
+        step = x[k] - objective.target[12 + k]
+        square += step * step
+    return objective.weight_motion * math.sqrt(square)
 
 
 @kernel
@@ -147,7 +162,7 @@ def evaluate(objective: Objective, x: Array) -> float:
     d0, d1, d2 = frame[9] - g[9], frame[10] - g[10], frame[11] - g[11]
     distance = math.sqrt(d0 * d0 + d1 * d1 + d2 * d2)
     if kind == POSITION:
-        return distance + crowding_term(objective.around, x, distance)
+        return distance + crowding_term(objective.around, x, distance) + _motion_term(objective, x)
     if kind == WRIST:
         return distance if _wrist_inside(objective, frame) else distance + 1.0
     square = 0.0
@@ -159,7 +174,7 @@ def evaluate(objective: Objective, x: Array) -> float:
         value = rotation / math.sqrt(3.0)
     else:
         value = objective.weight_position * distance + objective.weight_orientation * rotation
-    return value + crowding_term(objective.around, x, value)
+    return value + crowding_term(objective.around, x, value) + _motion_term(objective, x)
 
 
 @kernel
@@ -182,6 +197,8 @@ def pose_objective(
     *,
     weight_position: float = 1.0,
     weight_orientation: float = 0.1,
+    weight_motion: float = 0.0,
+    q_start: Array | None = None,
     around: Surroundings | None = None,
 ) -> Objective:
     """Build the objective of a tool pose.
@@ -193,6 +210,8 @@ def pose_objective(
         kind: POSITION, ORIENTATION or WEIGHTED.
         weight_position: omega_P, per metre.
         weight_orientation: omega_R, per unit of Delta R.
+        weight_motion: What the distance from ``q_start`` weighs, per radian or metre.
+        q_start: Start configuration, shape (dof,) [rad or m]; needed where the motion weighs.
         around: What to keep clear of; None: nothing.
     """
     n, dof = chain.coupling.shape
@@ -200,14 +219,18 @@ def pose_objective(
     joints[:, 0] = chain.prismatic
     joints[:, 1] = chain.offset
     joints[:, 2:] = chain.coupling
-    target = np.empty(12)
+    weighs = weight_motion != 0.0 and q_start is not None
+    target = np.empty(12 + (dof if weighs else 0))
     target[:9] = np.asarray(R_target).ravel()
-    target[9:] = p_target
+    target[9:12] = p_target
+    if weighs:
+        target[12:] = q_start
     return Objective(
         kind,
         bool(chain.coupled),
         float(weight_position),
         float(weight_orientation),
+        float(weight_motion) if weighs else 0.0,
         chain.placements,
         joints,
         target,
@@ -239,6 +262,5 @@ def wrist_objective(
 
 def function_objective(kind: int) -> Objective:
     """Build a test function: SPHERE or ROSENBROCK, in as many dimensions as the bounds have."""
-    return Objective(
-        kind, False, 1.0, 1.0, np.zeros((1, 12)), np.zeros((0, 2)), np.zeros(12), np.empty(0), None
-    )
+    nothing = np.zeros((1, 12)), np.zeros((0, 2)), np.zeros(12), np.empty(0), None
+    return Objective(kind, False, 1.0, 1.0, 0.0, *nothing)

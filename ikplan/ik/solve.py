@@ -24,7 +24,7 @@ from ikplan.ik.levenberg_marquardt import target_error
 from ikplan.ik.metaheuristic_seeds import Searcher
 from ikplan.ik.nearest_solutions import nearest_solutions
 from ikplan.ik.poses.kernels import solve_lm_pose
-from ikplan.ik.registry import find_solver
+from ikplan.ik.registry import find_solver, replacements
 from ikplan.ik.restarts import solve_lm
 from ikplan.ik.solver import Solver
 from ikplan.kinematics.arm import Arm
@@ -86,7 +86,9 @@ class NoSolution(Exception):
 
 @functools.lru_cache(maxsize=256)
 def _prepared(
-    method: str, params: tuple[tuple[str, type, Any], ...]
+    method: str,
+    params: tuple[tuple[str, type, Any], ...],
+    replaced: int,  # noqa: ARG001 - a name may mean another solver once one was replaced
 ) -> tuple[Solver, Mapping[str, Any]]:
     """Return a solver and its checked parameters; the types tell 1 from True in the cache."""
     solver = find_solver(method)
@@ -126,7 +128,9 @@ class PoseSolver:
         check_options(self.method, self.seed, self.population, self.iterations, self.params)
         check_tolerances(self.tolerance_position, self.tolerance_orientation)
         self._solver, self._values = _prepared(
-            self.method, tuple((name, type(value), value) for name, value in self.params.items())
+            self.method,
+            tuple((name, type(value), value) for name, value in self.params.items()),
+            replacements(),
         )
         self._few_restarts = min(_FEW_RESTARTS, int(self._values.get("restarts", _FEW_RESTARTS)))
         self.searcher: Searcher | None = None

@@ -111,6 +111,14 @@ def common_parameters(warm: str = "cold") -> list[Parameter]:
             description="omega_R of the weighted objective, per unit of ||R - R_d||_F.",
         ),
         Parameter(
+            name="weight_motion",
+            default=0.0,
+            minimum=0.0,
+            unit="m/rad",
+            description="What the distance of the joint values from the start weighs beside the "
+            "error of the pose, in the unit of the objective.",
+        ),
+        Parameter(
             name="decouple",
             default=False,
             description="Search the wrist centre with the first joints only, and take the last "

@@ -136,7 +136,9 @@ def solve_ik(
 
     Args:
         robot: The robot.
-        pose: ``pinocchio.SE3`` of the tool in the base, or a position, shape (3,) [m].
+        pose: The tool in the base: a ``pinocchio.SE3``, a homogeneous matrix of shape (4, 4), x y z
+            qx qy qz qw of shape (7,), a pair of a position and a rotation (quaternion xyzw, matrix
+            or SciPy ``Rotation``); or a position alone, shape (3,) [m].
         start: Configuration to stay near to, shape (dof,) [rad or m]; None: the robot's home.
         method: Name of a solver, see :func:`ikplan.ik.registry.solvers`.
         seed: Seed of the random numbers.

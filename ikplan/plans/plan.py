@@ -11,6 +11,11 @@ from numpy.typing import ArrayLike
 from ikplan.documents.plan_document import PlanDocument
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from matplotlib.figure import Figure
+    from pandas import DataFrame
+
     from ikplan.documents.limits import LimitOptions
     from ikplan.documents.scene import Scene
     from ikplan.plans.playback import JointState
@@ -69,31 +74,52 @@ class Plan(PlanDocument):
 
         save(self, Path(path), format, robot=robot, tolerance=tolerance)
 
-    def plot(self, path: str | Path, scene: Mapping[str, Any] | Scene | None = None) -> None:
+    def plot(
+        self,
+        path: str | Path | None = None,
+        scene: Mapping[str, Any] | Scene | None = None,
+        *,
+        axes: Any = None,
+    ) -> Figure:
         """Draw joint positions, velocities against their limits, clearance, and the tool's path.
 
         Args:
-            path: Image file; the suffix (png, svg, pdf) names the format.
+            path: Image file; the suffix (png, svg, pdf) names the format. None: none is written.
             scene: The scene of the request, to draw obstacles and the clearance to them; for
                 robots of the catalogue.
+            axes: Axes of Matplotlib to draw into, in the style that holds there: one for the joint
+                positions, or two for positions and velocities. None: a new figure of all.
+
+        Returns:
+            The figure; a notebook shows it.
 
         Raises:
-            InvalidRequest: No image can be written with that suffix, or the scene is wrong.
+            InvalidRequest: No image can be written with that suffix, the scene is wrong, or there
+                are more than two axes.
             RobotNotFound: With a scene, the robot is not in the catalogue.
         """
-        from ikplan.plans.figures.plan import plot_plan
+        from ikplan.plans.figures.curves import draw_curves
+        from ikplan.plans.figures.plan import check_image_suffix, draw_plan, save_figure
 
-        if scene is None:
-            plot_plan(self, Path(path))
-            return
-        from ikplan.documents import parse
-        from ikplan.documents.scene import Scene
-        from ikplan.robots import catalogue_robot
-        from ikplan.scene.model import collision_model
-        from ikplan.scene.resolve import resolve_scene
+        if path is not None:
+            check_image_suffix(path)
+        if axes is not None:
+            figure = draw_curves(self, axes)
+        elif scene is None:
+            figure = draw_plan(self)
+        else:
+            from ikplan.documents import parse
+            from ikplan.documents.scene import Scene
+            from ikplan.robots import catalogue_robot
+            from ikplan.scene.model import collision_model
+            from ikplan.scene.resolve import resolve_scene
 
-        resolved = resolve_scene(parse(Scene, scene), Path.cwd())
-        plot_plan(self, Path(path), model=collision_model(catalogue_robot(self.robot), resolved))
+            resolved = resolve_scene(parse(Scene, scene), Path.cwd())
+            model = collision_model(catalogue_robot(self.robot), resolved)
+            figure = draw_plan(self, model=model)
+        if path is not None:
+            save_figure(figure, path)
+        return figure
 
     def plot_timing(
         self, path: str | Path, limits: Mapping[str, Any] | LimitOptions | None = None
@@ -107,6 +133,38 @@ class Plan(PlanDocument):
         from ikplan.plans.figures.timing import plot_timing
 
         plot_timing(self, Path(path), limits=limits)
+
+    def to_dataframe(self) -> DataFrame:
+        """Return the samples as a DataFrame of pandas: columns ``q joint``, ``dq joint``, ...
+
+        The index is the time [s]; units are in ``attrs["units"]``, by column.
+
+        Raises:
+            InvalidRequest: pandas is not installed.
+        """
+        from ikplan.plans.tables import samples_frame
+
+        return samples_frame(self)
+
+    def __repr__(self) -> str:
+        """Return the plan in one line: a plan holds some ten thousand numbers."""
+        return (
+            f"Plan({self.robot!r}, {len(self.waypoints.time)} waypoints, "
+            f"{self.duration:.3f} s, id={self.id!r})"
+        )
+
+    def __rich_repr__(self) -> Iterator[Any]:
+        """Tell rich the same."""
+        yield self.robot
+        yield "waypoints", len(self.waypoints.time)
+        yield "duration", self.duration
+        yield "id", self.id
+
+    def _repr_html_(self) -> str:
+        """Return the certificate and the figure, as a notebook shows them."""
+        from ikplan.plans.tables import html_summary
+
+        return html_summary(self)
 
     @classmethod
     def load(cls, document: Mapping[str, Any] | str | bytes) -> Plan:

@@ -82,7 +82,7 @@ BAD_POSES: list[Any] = [
     [0.1, 0.2, INF],
     [2e6, 0.0, 0.0],
     ["x", "y", "z"],
-    np.eye(4),
+    np.eye(3),
     Pose(np.diag([1.0, 1.0, -1.0]), AT),
     Pose(np.diag([1.0, 1.0, 1.1]), AT),
     Pose(np.full((3, 3), NAN), AT),

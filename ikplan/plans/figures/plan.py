@@ -11,15 +11,15 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from matplotlib.figure import Figure
 
-from ikplan.errors import InvalidRobot, RobotNotFound
+from ikplan.errors import InvalidRobot
 from ikplan.plans.figures.bodies import draw_bodies, draw_clearance
+from ikplan.plans.figures.curves import known_robot, position_curves, velocity_curves
 from ikplan.plans.figures.style import (
     COLOURS,
     IMAGE_SUFFIXES,
     METADATA,
     check_image_suffix,
     colour,
-    line_style,
     style,
 )
 from ikplan.plans.summary import certificate_rows
@@ -35,7 +35,7 @@ if TYPE_CHECKING:
     from ikplan.robots import Robot
     from ikplan.scene.body import CollisionModel
 
-__all__ = ["IMAGE_SUFFIXES", "check_image_suffix", "draw_plan", "plot_plan"]
+__all__ = ["IMAGE_SUFFIXES", "check_image_suffix", "draw_plan", "plot_plan", "save_figure"]
 
 _AROUND = 0.25
 """Half width of what is shown around a path where there are obstacles, at least [m]."""
@@ -63,8 +63,18 @@ def plot_plan(
         InvalidRequest: No image can be written with that suffix.
         OSError: The file cannot be written.
     """
+    check_image_suffix(path)
+    save_figure(draw_plan(plan, robot=robot, model=model), path)
+
+
+def save_figure(figure: Figure, path: str | Path) -> None:
+    """Write a figure, the same bytes each time.
+
+    Raises:
+        InvalidRequest: No image can be written with that suffix.
+        OSError: The file cannot be written.
+    """
     suffix = check_image_suffix(path)
-    figure = draw_plan(plan, robot=robot, model=model)
     with style():
         figure.savefig(path, format=suffix[1:], dpi=150, metadata=METADATA[suffix])
 
@@ -78,9 +88,7 @@ def draw_plan(
 
 
 def _draw(plan: PlanDocument, robot: Robot | None, model: CollisionModel | None) -> Figure:
-    known = robot if robot is not None else _from_catalogue(plan)
-    if known is not None and list(known.joint_names) != plan.joint_names:
-        known = None
+    known = known_robot(plan, robot)
     checked = plan.certificate.clearance is not None and plan.certificate.clearance.pair is not None
     if checked and model is None and known is not None:
         model = _own_bodies(known)
@@ -129,15 +137,6 @@ def _settle(figure: Figure, panels: Sequence[SubFigure]) -> None:
         axes.set_position(np.round(axes.get_position(original=True).bounds, 6))
 
 
-def _from_catalogue(plan: PlanDocument) -> Robot | None:
-    from ikplan.robots import catalogue_robot
-
-    try:
-        return catalogue_robot(plan.robot)
-    except RobotNotFound:
-        return None
-
-
 def _own_bodies(robot: Robot) -> CollisionModel | None:
     """The bodies of the arm; None: its description makes no sense, which a plan has told."""
     try:
@@ -155,20 +154,10 @@ def _positions(
     axes: Axes, ranges: Axes, plan: PlanDocument, robot: Robot | None, unit: str
 ) -> None:
     """Positions over time, and beside them, on the same scale, the range of each joint."""
+    position_curves(axes, plan, unit)
     scale = 180.0 / np.pi if unit == "rad" else 1.0
-    shown = "deg" if unit == "rad" else "m"
     joints = [j for j, u in enumerate(plan.joint_units) if u == unit]
     motion = plan.trajectory
-    for j in joints:
-        axes.plot(
-            motion.time,
-            scale * motion.q[:, j],
-            color=colour(j),
-            ls=line_style(j),
-        )
-        axes.plot(plan.waypoints.time, scale * plan.waypoints.q[:, j], ".", ms=5, color=colour(j))
-    axes.set_title("Joint positions, dots at the waypoints")
-    axes.set_ylabel(f"position [{shown}]")
     ranges.set_title("used of limits" if robot is not None else "range used")
     for place, j in enumerate(joints):
         low, high = scale * motion.q[:, j].min(), scale * motion.q[:, j].max()
@@ -181,11 +170,7 @@ def _positions(
 
 def _velocities(axes: Axes, ranges: Axes, plan: PlanDocument, robot: Robot | None) -> None:
     """Velocities over their limits, and beside them the largest of each joint."""
-    motion = plan.trajectory
-    limits = robot.velocity_limit if robot is not None else np.ones(len(plan.joint_names))
-    ratio = motion.dq / limits
-    for j in range(len(plan.joint_names)):
-        axes.plot(motion.time, ratio[:, j], color=colour(j), ls=line_style(j))
+    ratio = velocity_curves(axes, plan, robot)
     joints = list(range(len(plan.joint_names)))
     peaks = np.abs(ratio).max(axis=0)
     ranges.bar(joints, peaks, width=0.6, color=[colour(j) for j in joints])

@@ -1,0 +1,1 @@
+"""Solvers from outside: what they minimise, and how they enter the registry."""

@@ -12,7 +12,7 @@ from benchmarks.speed.measure import Figure, FkClock, Section
 from ikplan import load_robot, solve_ik
 from ikplan.kinematics.arm import arm_of
 from ikplan.kinematics.target import pose_target
-from ikplan.planning.ladder.ik_candidates import sample_ik_solutions
+from ikplan.planning.ladder.ik_candidates import IkCandidates, sample_ik_solutions
 from ikplan.planning.waypoints.stack import stack_targets
 
 __all__ = ["SECTION"]
@@ -35,11 +35,24 @@ def _study(name: str, count: int, repeats: int) -> Iterator[Figure]:
     yield Figure(f"{name}: worst error of {count} poses", worst, "m, rad", most=1e-6)
     yield Figure(f"{name}: solve_ik", clock.ratio(calls, repeats), "x FK", most=20.0)
     targets = stack_targets([pose_target(pose.translation, pose.rotation) for pose in poses])
-    waypoints = functools.partial(
-        sample_ik_solutions,
-        *(arm.chain, targets, np.empty((count, 0, arm.dof)), np.array(robot.home)),
-        *(arm.lower, arm.upper, 40, 100, 4, 0.5, 1e-9, arm.closed_form),
-    )
+    no_seeds, home = np.empty((count, 0, arm.dof)), np.array(robot.home)
+
+    def waypoints() -> IkCandidates:
+        return sample_ik_solutions(
+            arm.chain,
+            targets,
+            no_seeds,
+            home,
+            arm.lower,
+            arm.upper,
+            40,
+            100,
+            4,
+            0.5,
+            1e-9,
+            arm.closed_form,
+        )
+
     waypoints()
     ratio = clock.ratio([waypoints] * 3, repeats) / count
     yield Figure(f"{name}: candidates of a waypoint", ratio, "x FK", most=1e-5 / FK)

@@ -314,7 +314,7 @@ class PoseSolver:
         if self._by_closed_form:
             return solve_closed_form_pose(
                 *self.arm.chain,
-                *self.arm.closed_form,
+                *self.arm.closed_form,  # type: ignore[arg-type]
                 T,
                 q_start,
                 self.arm.lower,

@@ -18,16 +18,24 @@ from ikplan.collision.check import ContactArrays
 from ikplan.documents.pose_results import IkSolution
 from ikplan.errors import InvalidRequest, Unreachable
 from ikplan.ik.arguments import check_options, check_start, check_tolerances, target_of
+from ikplan.ik.closed_form import (
+    closed_form_solutions,
+    has_closed_form,
+    solve_closed_form_pose,
+)
 from ikplan.ik.closest_approach import ClosestApproach, explain_unreachable, within
 from ikplan.ik.crowding import surroundings
 from ikplan.ik.levenberg_marquardt import target_error
 from ikplan.ik.metaheuristic_seeds import Searcher
 from ikplan.ik.nearest_solutions import nearest_solutions
 from ikplan.ik.poses.kernels import solve_lm_pose
-from ikplan.ik.registry import find_solver, replacements
+from ikplan.ik.registry import find_solver, replacements, solvers
 from ikplan.ik.restarts import solve_lm
 from ikplan.ik.solver import Solver
+from ikplan.ik.workspace import new_workspace
 from ikplan.kinematics.arm import Arm
+from ikplan.kinematics.closed_form.branches import MOST_BRANCHES
+from ikplan.kinematics.closed_form.form import NO_FORM
 from ikplan.kinematics.target import Target
 from ikplan.robots.reach import unit_hint, with_hint
 
@@ -37,6 +45,7 @@ if TYPE_CHECKING:
 __all__ = [
     "BARE_NO",
     "BARE_RESTARTS",
+    "QUICK",
     "NoSolution",
     "PoseSolver",
     "Solved",
@@ -49,6 +58,8 @@ _RESCUE_RESTARTS = 2000
 BARE_RESTARTS = 200
 """Restarts before a target is given up without a verdict: of 100,000 random reachable poses each,
 7 of panda, 2 of z1 and none of iiwa14, ur5 and xarm7 are missed."""
+QUICK = ("lm", "closed-form")
+"""Methods that keep nothing of the poses they solve, and are tried in one call of a kernel."""
 BARE_NO = "no solution was found, and no verdict was asked for"
 """The reason of a pose that is given up without a verdict."""
 _FEW_RESTARTS = 20
@@ -142,6 +153,16 @@ class PoseSolver:
             raise InvalidRequest(
                 f"ik.population: {self.method} has no population", field="ik.population"
             )
+        self._by_closed_form = self.method == "closed-form"
+        if self._by_closed_form and self.arm.closed_form.kind == NO_FORM:
+            others = [solver.name for solver in solvers() if solver.name != self.method]
+            raise InvalidRequest(
+                "ik.method: no closed form is known of this arm (it takes six joints whose last "
+                "three axes meet in one point, or whose axes 2, 3 and 4 are parallel and the last "
+                "two meet); 'lm' solves its poses",
+                field="ik.method",
+                allowed=others,
+            )
 
     @property
     def cut(self) -> Flags:
@@ -172,6 +193,8 @@ class PoseSolver:
         Raises:
             NoSolution: None was found within tolerance; carries the verdict.
         """
+        if self._by_closed_form:
+            return self._solve_by_closed_form(target, q_start)
         if self.searcher is None:
             return self._solve_by_refinement(target, q_start)
         if not self.refined:
@@ -208,6 +231,40 @@ class PoseSolver:
             rescued.orientation_error,
             rescued.evaluations + evaluations,
         )
+
+    def _solve_by_closed_form(self, target: Target, q_start: Array) -> Solved:
+        """Every branch within the limits; where they may not be all, what lm finds as well."""
+        arm = self.arm
+        if not has_closed_form(arm.closed_form, target):
+            return self._solve_by_refinement(target, q_start)
+        q = np.empty((MOST_BRANCHES, arm.dof))
+        exact = min(self.tolerance_position, self.tolerance_orientation)
+        count, all_found, evaluations = closed_form_solutions(
+            arm.chain,
+            arm.closed_form,
+            target,
+            q_start,
+            arm.lower,
+            arm.upper,
+            exact,
+            q,
+            new_workspace(arm.chain),
+        )
+        q = q[:count]
+        if count == 0 or not all_found:
+            try:
+                further = self._solve_by_refinement(target, q_start)
+            except NoSolution as verdict:
+                verdict.evaluations += evaluations
+                if count == 0:
+                    raise
+                evaluations = verdict.evaluations
+            else:
+                q = np.vstack([q, further.q])
+                evaluations += further.evaluations
+        q = q[np.argsort(np.linalg.norm(q - q_start, axis=1), kind="stable")]
+        errors = np.array([pose_distance(arm, target, row) for row in q])
+        return Solved(q, errors[:, 0], errors[:, 1], evaluations)
 
     def _solve_by_refinement(self, target: Target, q_start: Array) -> Solved:
         lower, upper = self.arm.search_bounds(q_start)
@@ -249,7 +306,9 @@ class PoseSolver:
         return Solved(q[None], np.array([distance]), np.array([angle]), evaluations)
 
     def solve_first(self, T: Array, q_start: Array, q: Array) -> tuple[float, float, float, int]:
-        """Try a pose from few seeds, in a tenth of the time that :meth:`solve` takes around it.
+        """Try a pose by lm from few seeds, or in closed form, with little around it.
+
+        The time is a tenth of what :meth:`solve` takes.
 
         Args:
             T: Tool pose wanted, homogeneous, shape (4, 4).
@@ -259,6 +318,18 @@ class PoseSolver:
         Returns:
             As :func:`solve_lm_pose`; infinities where :meth:`solve` is to be asked.
         """
+        if self._by_closed_form:
+            return solve_closed_form_pose(
+                *self.arm.chain,
+                *self.arm.closed_form,  # type: ignore[arg-type]
+                T,
+                q_start,
+                self.arm.lower,
+                self.arm.upper,
+                self.tolerance_position,
+                self.tolerance_orientation,
+                q,
+            )
         lower, upper = self.arm.search_bounds(q_start)
         return solve_lm_pose(
             *self.arm.chain,
@@ -295,7 +366,7 @@ def solve_pose(
 ) -> IkSolution:
     """Find joint values with a solver that is set up already, see :func:`ikplan.solve_ik`."""
     q_start = np.array(robot.home) if start is None else check_start(robot, start)
-    if solver.method == "lm" and isinstance(pose, SE3):
+    if solver.method in QUICK and isinstance(pose, SE3):
         q = np.empty(len(q_start))
         found = solver.solve_first(pose.homogeneous, q_start, q)
         if found[0] < math.inf:

@@ -177,7 +177,7 @@ class Solver(BaseModel):
     name: str
     title: str
     source: str = Field(description="Paper, equations and tables.")
-    family: str = Field(description='"metaheuristic", "newton" or "refinement".')
+    family: str = Field(description='"metaheuristic", "newton", "refinement" or "closed-form".')
     notes: str = ""
     parameters: list[Parameter]
     population: int | None = Field(description="N of the paper; null: the method has none.")

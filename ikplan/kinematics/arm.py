@@ -11,6 +11,7 @@ import numpy as np
 
 from ikplan.arrays import Array
 from ikplan.kinematics.chain import Chain, chain_of
+from ikplan.kinematics.closed_form.form import ClosedForm, find_closed_form
 from ikplan.kinematics.forward import forward_into
 from ikplan.kinematics.wrist import SphericalWrist, find_wrist
 
@@ -46,6 +47,7 @@ class Arm:
         wrist: The spherical wrist, if the arm has one.
         shoulder: The shoulder, if the arm has one, a wrist, and one joint between them.
         bounded: Whether every joint has position limits.
+        closed_form: The closed form of its inverse kinematics; of the kind NO_FORM if it has none.
     """
 
     chain: Chain
@@ -54,6 +56,7 @@ class Arm:
     wrist: SphericalWrist | None
     shoulder: Shoulder | None
     bounded: bool
+    closed_form: ClosedForm
 
     @property
     def dof(self) -> int:
@@ -81,7 +84,8 @@ def arm_of(robot: Robot) -> Arm:
     upper = np.array(robot.upper, dtype=np.float64)
     wrist = find_wrist(chain, lower, upper)
     bounded = bool(np.isfinite(lower).all() and np.isfinite(upper).all())
-    return Arm(chain, lower, upper, wrist, _find_shoulder(wrist, lower, upper), bounded)
+    shoulder = _find_shoulder(wrist, lower, upper)
+    return Arm(chain, lower, upper, wrist, shoulder, bounded, find_closed_form(chain))
 
 
 def _find_shoulder(wrist: SphericalWrist | None, lower: Array, upper: Array) -> Shoulder | None:

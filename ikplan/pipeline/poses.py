@@ -19,7 +19,7 @@ from ikplan.documents.poses import Posture, Tolerance
 from ikplan.documents.scene import Scene, ToolFrame
 from ikplan.errors import InvalidRequest
 from ikplan.ik.arguments import check_objective, check_start, target_of
-from ikplan.ik.solve import PoseSolver, pose_distance, solve_pose
+from ikplan.ik.solve import QUICK, PoseSolver, pose_distance, solve_pose
 from ikplan.kinematics.arm import arm_of
 from ikplan.path.rotation.so3 import rotation_of
 from ikplan.pipeline.collisions import keep_clear, requested_model, with_meshes
@@ -165,8 +165,11 @@ def solve_ik(
         InCollision: Every solution found is in contact; for which pairs of bodies.
     """
     solver: PoseSolver
-    if method == "lm" and not params and population is iterations is None and type(seed) is int:
-        solver = _lm_solver(robot, seed, refine, tolerance_position, tolerance_orientation)
+    plain = not params and population is iterations is None and type(seed) is int
+    if plain and method in QUICK:
+        solver = _quick_solver(
+            robot, method, seed, refine, tolerance_position, tolerance_orientation
+        )
     else:
         solver = PoseSolver(
             arm_of(robot),
@@ -223,17 +226,18 @@ def _preferred(
 
 
 @functools.lru_cache(maxsize=64)
-def _lm_solver(
+def _quick_solver(
     robot: Robot,
+    method: str,
     seed: int,
     refine: bool,
     tolerance_position: float,
     tolerance_orientation: float,
 ) -> PoseSolver:
-    """Return a solver of the method lm: it keeps nothing of the poses that it solves."""
+    """Return a solver that keeps nothing of the poses that it solves."""
     return PoseSolver(
         arm_of(robot),
-        "lm",
+        method,
         seed,
         refined=refine,
         tolerance_position=tolerance_position,

@@ -21,6 +21,8 @@ _ROBOT = "xarm7"
 """A robot with self-motion and inertias: its requests use the kernels of both."""
 _WRIST = "iiwa14"
 """A robot with a spherical wrist."""
+_BRANCHES = "ur5"
+"""A robot with a closed form, and inertias."""
 _LIMITS = {"jerk": False, "tool_speed": 1.0, "tool_acceleration": 50.0, "torque": True}
 _BUDGET_S = 3600.0
 _lock = threading.RLock()
@@ -92,9 +94,9 @@ def small_requests(
     if kind == "ik":
         return _poses(method)
     if kind == "ik-batch":
-        poses = [*_targets(catalogue_robot(_ROBOT))[1:]]
+        poses = [*_targets(catalogue_robot(_robot(method)))[1:]]
         options = {"ik": {"method": method}, "budget_s": _BUDGET_S, "verdict": False}
-        return [{"robot": _ROBOT, "poses": poses, **options}]
+        return [{"robot": _robot(method), "poses": poses, **options}]
     limits = [{**_LIMITS, "jerk": 100.0}] if jerk else [_LIMITS, {"jerk": False}]
     if kind == "time":
         waypoints = [home, [value + 0.1 for value in home]]
@@ -107,6 +109,11 @@ def small_requests(
     paths = _paths(method)
     limited = [{**paths[0], "limits": each} for each in limits]
     return limited if jerk else [*limited, *paths[1:]]
+
+
+def _robot(method: str) -> str:
+    """A robot that a method solves."""
+    return _BRANCHES if method == "closed-form" else _ROBOT
 
 
 def _targets(robot: Robot) -> tuple[dict[str, Any], dict[str, Any], dict[str, Any]]:
@@ -125,7 +132,7 @@ def _scenes(place: list[float]) -> tuple[dict[str, Any], dict[str, Any]]:
 
 def _moves(method: str) -> list[dict[str, Any]]:
     """Moves around a box that is midway between their ends, anywhere and within a region."""
-    robot = catalogue_robot(_ROBOT)
+    robot = catalogue_robot(_robot(method))
     goal, middle = robot.home.copy(), robot.home.copy()
     goal[0], middle[0] = robot.home[0] + 1.0, robot.home[0] + 0.5
     box = {
@@ -134,7 +141,7 @@ def _moves(method: str) -> list[dict[str, Any]]:
         "position": robot.fk(middle).translation.tolist(),
     }
     asked = {
-        "robot": _ROBOT,
+        "robot": _robot(method),
         "start": robot.home.tolist(),
         "scene": {"obstacles": [box]},
         "ik": {"method": method},
@@ -149,9 +156,13 @@ def _moves(method: str) -> list[dict[str, Any]]:
 
 def _poses(method: str) -> list[dict[str, Any]]:
     """What is asked for of a single pose."""
-    robot = catalogue_robot(_ROBOT)
+    robot = catalogue_robot(_robot(method))
     point, full, far = _targets(robot)
-    asked: dict[str, Any] = {"robot": _ROBOT, "ik": {"method": method}, "budget_s": _BUDGET_S}
+    asked: dict[str, Any] = {
+        "robot": _robot(method),
+        "ik": {"method": method},
+        "budget_s": _BUDGET_S,
+    }
     start = robot.home.tolist()
     requests = [{**asked, **target} for target in (point, full, far)]
     requests += [{**asked, **target, "start": start} for target in (point, full)]
@@ -179,11 +190,11 @@ def _blocked_line(robot: Robot) -> dict[str, Any]:
 
 def _paths(method: str) -> list[dict[str, Any]]:
     """What is asked for of a path; of the first, under several limits."""
-    robot = catalogue_robot(_ROBOT)
+    robot = catalogue_robot(_robot(method))
     point, full, far = _targets(robot)
     near = {"position": [value + 0.01 for value in point["position"]]}
     asked: dict[str, Any] = {
-        "robot": _ROBOT,
+        "robot": _robot(method),
         "path": {"waypoints": [full, near]},
         "ik": {"method": method},
         "limits": {"jerk": False},

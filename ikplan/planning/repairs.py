@@ -161,6 +161,7 @@ def _other_branch(problem: JointPathProblem) -> Iterator[Repair]:
         0,
         0.5,
         1e-9,
+        arm.closed_form,
     )
     branches = distinct_modulo_turns(arm, found.q[0, : found.counts[0]])
     order = np.argsort(np.linalg.norm(branches - problem.q_start, axis=1), kind="stable")
@@ -281,6 +282,7 @@ def _unreached(problem: JointPathProblem, targets: list[Target]) -> NDArray[np.i
         4,
         0.5,
         1e-9,
+        arm.closed_form,
     )
     return np.flatnonzero(found.counts == 0)
 

@@ -1,4 +1,4 @@
-"""Solvers that follow the Jacobian."""
+"""Solvers that follow the Jacobian, and the closed form."""
 
 from __future__ import annotations
 
@@ -53,4 +53,28 @@ _NEWTON = Solver(
     ],
 )
 
-REFINEMENT = [_LM, _NEWTON]
+_CLOSED_FORM = Solver(
+    name="closed-form",
+    title="All branches in closed form, and of them the nearest",
+    source="Elias, Wen, IK-Geo: Unified robot inverse kinematics using subproblem decomposition, "
+    "Mechanism and Machine Theory 2025, 209, sections 3 and 4",
+    family="closed-form",
+    notes="For arms of six joints whose last three axes meet in one point, or whose axes 2, 3 and "
+    "4 are parallel and the last two meet; which, is found from the chain. A singular pose, a "
+    "position, and a target with a freedom are solved as by lm.",
+    population=None,
+    iterations=40,
+    evaluations="1, for the check of the nearest branch",
+    module="ikplan.ik.closed_form",
+    kernel="solve_closed_form_pose",
+    parameters=[
+        number(
+            "restarts",
+            200,
+            "Further seeds of a target that the closed form does not solve, before giving up.",
+            maximum=100_000,
+        ),
+    ],
+)
+
+REFINEMENT = [_LM, _NEWTON, _CLOSED_FORM]

@@ -3,7 +3,9 @@
 Seeds are the solutions of the waypoint before (which follow their branch), the members of a
 metaheuristic's last population, and points spread evenly over the joint space (which find new
 branches, and new places on the self-motion manifold of a redundant arm). Each is refined, brought
-to the 2 pi copy nearest to the start, and kept unless it doubles another.
+to the 2 pi copy nearest to the start, and kept unless it doubles another. Where the arm has a
+closed form, and the waypoint fixes the whole pose, its branches are taken instead, unless it is
+singular.
 """
 
 from __future__ import annotations
@@ -15,9 +17,12 @@ import numpy as np
 
 from ikplan._jit import kernel
 from ikplan.arrays import Array, Flags, Indices
+from ikplan.ik.closed_form import closed_form_solutions, has_closed_form
 from ikplan.ik.levenberg_marquardt import Effort, Workspace, new_workspace, refine
 from ikplan.ik.restarts import nearest_turns, restart_into
 from ikplan.kinematics.chain import Chain
+from ikplan.kinematics.closed_form.branches import MOST_BRANCHES
+from ikplan.kinematics.closed_form.form import WITHOUT_FORM, ClosedForm
 from ikplan.kinematics.target import Freedom, Target, constraint_rows
 
 __all__ = ["IkCandidates", "Targets", "sample_ik_solutions", "target_at"]
@@ -90,6 +95,95 @@ def _keep(q: Array, spacing: float, row: Array, count: int) -> int:
 
 
 @kernel
+def _take(branches: Array, count: int, found: IkCandidates, k: int) -> None:
+    """Make branches the solutions of waypoint k: those that follow the ones before come first."""
+    row = found.q[k]
+    kept = 0
+    left = np.ones(count, dtype=np.bool_)
+    for s in range(found.counts[k - 1] if k > 0 else 0):
+        nearest, best = -1, np.inf
+        for i in range(count):
+            if left[i]:
+                apart = _apart(branches[i], found.q[k - 1, s])
+                if apart < best:
+                    nearest, best = i, apart
+        if nearest >= 0 and kept < row.shape[0]:
+            left[nearest] = False
+            kept = _keep(branches[nearest], 1e-4, row, kept)
+    for i in range(count):
+        if left[i]:
+            kept = _keep(branches[i], 1e-4, row, kept)
+    found.counts[k] = kept
+
+
+@kernel
+def _sample(
+    chain: Chain,
+    targets: Targets,
+    seeds: Array,
+    q_start: Array,
+    lower: Array,
+    upper: Array,
+    max_solutions: int,
+    initial_seeds: int,
+    seeds_per_target: int,
+    sequence_offset: float,
+    tolerance: float,
+    form: ClosedForm,
+) -> IkCandidates:
+    """Find solutions of every waypoint, see :func:`sample_ik_solutions`."""
+    n, dof = targets.p.shape[0], q_start.shape[0]
+    found = IkCandidates(
+        np.empty((n, max_solutions, dof)), np.zeros(n, dtype=np.int64), np.zeros(1, dtype=np.int64)
+    )
+    w: Workspace = new_workspace(chain)
+    q, branches = np.empty(dof), np.empty((MOST_BRANCHES, dof))
+    spread_lower, spread_upper = lower.copy(), upper.copy()
+    for d in range(dof):
+        if not math.isfinite(upper[d] - lower[d]):
+            spread_lower[d], spread_upper[d] = q_start[d] - math.pi, q_start[d] + math.pi
+    spread = 0
+    for k in range(n):
+        target = target_at(targets, k)
+        branch_count = 0
+        if has_closed_form(form, target):
+            branch_count, all_found, spent = closed_form_solutions(
+                chain, form, target, q_start, lower, upper, tolerance, branches, w
+            )
+            found.evaluations[0] += spent
+            if all_found and branch_count > 0:
+                _take(branches, branch_count, found, k)
+                continue
+        redundant = dof > constraint_rows(target)
+        spacing = 0.08 if redundant else 1e-4
+        before = found.counts[k - 1] if k > 0 else 0
+        given = before + 1 + seeds.shape[1] + branch_count
+        count, nearest = 0, np.inf
+        for s in range(given + max(initial_seeds, seeds_per_target)):
+            if s == given + seeds_per_target and nearest <= _FAR:
+                break
+            if s < before:
+                q[:] = found.q[k - 1, s]
+            elif s == before:
+                q[:] = q_start
+            elif s < given - branch_count:
+                q[:] = seeds[k, s - before - 1]
+            elif s < given:
+                q[:] = branches[s - given + branch_count]
+            else:
+                restart_into(spread, sequence_offset, spread_lower, spread_upper, q)
+                spread += 1
+            distance, angle, spent = refine(chain, target, q, lower, upper, Effort(25, 5), w)
+            found.evaluations[0] += spent
+            if distance <= tolerance and angle <= tolerance:
+                if s < before:
+                    nearest = min(nearest, _apart(q, found.q[k - 1, s]))
+                nearest_turns(chain, q, q_start, lower, upper)
+                count = _keep(q, spacing, found.q[k], count)
+        found.counts[k] = count
+    return found
+
+
 def sample_ik_solutions(
     chain: Chain,
     targets: Targets,
@@ -102,6 +196,7 @@ def sample_ik_solutions(
     seeds_per_target: int,
     sequence_offset: float,
     tolerance: float,
+    form: ClosedForm = WITHOUT_FORM,
 ) -> IkCandidates:
     """Find solutions of every waypoint.
 
@@ -118,47 +213,24 @@ def sample_ik_solutions(
         seeds_per_target: Evenly spread seeds of every other waypoint.
         sequence_offset: Shift of the spread seeds, in [0, 1).
         tolerance: Error that counts as solved [m and rad].
+        form: The closed form of the chain.
 
     Returns:
         The solutions, each joint at its 2 pi copy nearest to the start; those that follow the ones
         before come first, in their order.
     """
-    n, dof = targets.p.shape[0], q_start.shape[0]
-    found = IkCandidates(
-        np.empty((n, max_solutions, dof)), np.zeros(n, dtype=np.int64), np.zeros(1, dtype=np.int64)
+    found: IkCandidates = _sample(
+        chain,
+        targets,
+        seeds,
+        q_start,
+        lower,
+        upper,
+        max_solutions,
+        initial_seeds,
+        seeds_per_target,
+        sequence_offset,
+        tolerance,
+        form,
     )
-    w: Workspace = new_workspace(chain)
-    q = np.empty(dof)
-    spread_lower, spread_upper = lower.copy(), upper.copy()
-    for d in range(dof):
-        if not math.isfinite(upper[d] - lower[d]):
-            spread_lower[d], spread_upper[d] = q_start[d] - math.pi, q_start[d] + math.pi
-    spread = 0
-    for k in range(n):
-        target = target_at(targets, k)
-        redundant = dof > constraint_rows(target)
-        spacing = 0.08 if redundant else 1e-4
-        before = found.counts[k - 1] if k > 0 else 0
-        given = before + 1 + seeds.shape[1]
-        count, nearest = 0, np.inf
-        for s in range(given + max(initial_seeds, seeds_per_target)):
-            if s == given + seeds_per_target and nearest <= _FAR:
-                break
-            if s < before:
-                q[:] = found.q[k - 1, s]
-            elif s == before:
-                q[:] = q_start
-            elif s < given:
-                q[:] = seeds[k, s - before - 1]
-            else:
-                restart_into(spread, sequence_offset, spread_lower, spread_upper, q)
-                spread += 1
-            distance, angle, spent = refine(chain, target, q, lower, upper, Effort(25, 5), w)
-            found.evaluations[0] += spent
-            if distance <= tolerance and angle <= tolerance:
-                if s < before:
-                    nearest = min(nearest, _apart(q, found.q[k - 1, s]))
-                nearest_turns(chain, q, q_start, lower, upper)
-                count = _keep(q, spacing, found.q[k], count)
-        found.counts[k] = count
     return found

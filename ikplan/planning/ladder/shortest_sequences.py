@@ -61,6 +61,7 @@ def ik_candidates(
         _FRESH,
         (0.5 + seed * 0.6180339887498949) % 1.0,
         _EXACT,
+        arm.closed_form,
     )
     clock.count(int(candidates.evaluations[0]))
     return candidates

@@ -66,6 +66,7 @@ def clearest_solution(problem: WaypointProblem, k: int, q_near: Array, nearest: 
         0,
         (0.5 + solver.seed * 0.6180339887498949) % 1.0,
         1e-9,
+        arm.closed_form,
     )
     problem.clock.count(int(found.evaluations[0]))
     q = np.vstack([nearest, found.q[0, : found.counts[0]]])

@@ -44,6 +44,7 @@ def free_solutions(problem: WaypointProblem, k: int, q_near: Array) -> Array:
         0,
         (0.5 + problem.solver.seed * 0.6180339887498949) % 1.0,
         1e-9,
+        arm.closed_form,
     )
     q = found.q[0, : found.counts[0]]
     order = np.argsort(np.linalg.norm(q - q_near, axis=1), kind="stable")

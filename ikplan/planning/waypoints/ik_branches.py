@@ -51,6 +51,7 @@ def branches(problem: WaypointProblem, *, turns: bool = False) -> Array:
             0,
             (0.5 + problem.solver.seed * 0.6180339887498949) % 1.0,
             1e-9,
+            arm.closed_form,
         )
         problem.clock.count(int(found.evaluations[0]))
         q = found.q[0, : found.counts[0]]

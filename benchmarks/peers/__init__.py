@@ -1,0 +1,1 @@
+"""ikplan beside other libraries, in one process."""

@@ -1,0 +1,1 @@
+"""All branches of arms whose inverse kinematics has a closed form."""

@@ -120,8 +120,8 @@ def is_file(request: Request) -> bool:
     misplaced = next((name for name in request.query_params if name in PARAMETERS), None)
     if misplaced is not None:
         raise InvalidRequest(
-            f"{misplaced}: query parameters are for files ({' or '.join(FILES)}); in a JSON request, put this "
-            "into the document",
+            f"{misplaced}: query parameters are for files ({' or '.join(FILES)}); in a JSON "
+            "request, put this into the document",
             field=misplaced,
         )
     return False

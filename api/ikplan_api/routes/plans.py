@@ -71,7 +71,8 @@ async def create_plan(request: Request) -> Response:
     """Plan a joint trajectory for a tool path and verify it before it is returned.
 
     The body is a request document, or a CSV file of poses or joint values or a G-code file, with
-    further options in the query; the header `Ikplan-Notes` of the response then says how the file was read.
+    further options in the query; the header `Ikplan-Notes` of the response then says how the file
+    was read.
 
     The same request gives the same id and the same trajectory, byte for byte; a stored plan is not
     planned again. With `Prefer: respond-async` the service plans in the background, even after a

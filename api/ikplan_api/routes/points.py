@@ -34,7 +34,8 @@ async def read_points(request: Request) -> Response:
     """Convert a file of points or G-code to a request, with notes on how it was read.
 
     Column names identify quaternions, rotation vectors, KUKA A, B, C, FANUC W, P, R, roll, pitch
-    and yaw, tool axes, speeds and zones. Moves of G-code are G0 to G3. `POST /v1/plans` accepts the same file and plans it.
+    and yaw, tool axes, speeds and zones. Moves of G-code are G0 to G3. `POST /v1/plans` accepts
+    the same file and plans it.
     """
     limit: int = request.app.state.settings.max_body_bytes
     body = await read_body(request, list(FILES), limit)

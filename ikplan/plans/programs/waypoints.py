@@ -2,7 +2,7 @@
 
 franky gives Ruckig one waypoint after the other: its joint values and velocities, accelerations of
 zero, and a least time. Once a millisecond it takes a sample; with the first sample that is past the
-end of one move the next move begins (franky 2.0, ``WaypointMotion`` and ``PositionWaypointMotion``).
+end of one move the next move begins (franky 2.0, WaypointMotion and PositionWaypointMotion).
 Ruckig: Berscheid and Kröger, Robotics: Science and Systems XVII, 2021, in its community version.
 """
 

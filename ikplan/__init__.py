@@ -44,6 +44,7 @@ if TYPE_CHECKING:
     from ikplan.pipeline.pose_batch.solve import solve_ik_batch
     from ikplan.pipeline.poses import solve_ik
     from ikplan.pipeline.retime import time_path, time_request
+    from ikplan.placement.place import Placement, place
     from ikplan.plans.plan import Plan
     from ikplan.points import read_waypoints
     from ikplan.reach.reach_map import ReachMap, reach_map
@@ -74,6 +75,7 @@ else:
             "MemoryExceeded": "errors",
             "NoPlan": "errors",
             "Plan": "plans.plan",
+            "Placement": "placement.place",
             "PlanJob": "client",
             "PlanNotFound": "errors",
             "PlanRequest": "documents.plan_request",
@@ -91,6 +93,7 @@ else:
             "load_robot": "robots",
             "move": "pipeline.move",
             "plan": "pipeline.plan",
+            "place": "placement.place",
             "reach_map": "reach.reach_map",
             "read_scene": "scene.read_scene",
             "read_gcode": "gcode",
@@ -124,6 +127,7 @@ __all__ = [
     "InvalidRobot",
     "MemoryExceeded",
     "NoPlan",
+    "Placement",
     "Plan",
     "PlanJob",
     "PlanNotFound",
@@ -142,6 +146,7 @@ __all__ = [
     "__version__",
     "load_robot",
     "move",
+    "place",
     "plan",
     "reach_map",
     "read_gcode",

@@ -1,10 +1,10 @@
 """A plan as a Python program that streams joint values by the xArm SDK, for UFACTORY arms.
 
-The SDK has no moves of a given time: ``set_servo_angle`` has speeds, and its ``mvtime`` is reserved.
-In servo mode ``set_servo_angle_j`` takes one set of joint values a cycle and goes there at once
-(xArm Python SDK 1.18, ``set_servo_angle_j`` and ``set_mode``; its maintainers name 250 Hz as the
-highest rate). So the program itself is the interpolator: it holds few points with their times, and
-sends the cubic spline through them, cycle by cycle.
+The SDK has no moves of a given time: ``set_servo_angle`` has speeds, and its ``mvtime`` is
+reserved. In servo mode ``set_servo_angle_j`` takes one set of joint values a cycle and goes there
+at once (xArm Python SDK 1.18, ``set_servo_angle_j`` and ``set_mode``; its maintainers name 250 Hz
+as the highest rate). So the program itself is the interpolator: it holds few points with their
+times, and sends the cubic spline through them, cycle by cycle.
 """
 
 from __future__ import annotations

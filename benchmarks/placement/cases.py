@@ -50,7 +50,10 @@ def _e9() -> PlacementCase:
             "start": "free",
             "path": {"begin": poses[0], "segments": [{"type": "spline", "through": poses[1:]}]},
         },
-        {"x": (-0.3, 0.3), "y": (-0.3, 0.3), "z": (-0.3, 0.3), "yaw": (-math.pi, math.pi)},
+        {
+            **dict.fromkeys(("x", "y", "z"), (-0.4, 0.4)),
+            **dict.fromkeys(("roll", "pitch", "yaw"), (-0.5 * math.pi, 0.5 * math.pi)),
+        },
         "time",
     )
 

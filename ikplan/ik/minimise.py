@@ -64,7 +64,7 @@ def minimise(
     lower: ArrayLike,
     upper: ArrayLike,
     *,
-    solver: str = "de-best-1",
+    solver: str = "bode-cs",
     budget: int = 300,
     rng: np.random.Generator | int = 0,
     population: int | None = None,

@@ -85,7 +85,7 @@ def place(
     robot: Robot | None = None,
     move: Moved = "part",
     minimise: Aim = "time",
-    solver: str = "de-best-1",
+    solver: str = "bode-cs",
     evaluations: int = 200,
     searches: int = 1,
     seed: int = 0,

@@ -30,7 +30,7 @@ def test_a_search_stays_within_bounds_and_budget_and_repeats_itself(name: str) -
     assert not np.array_equal(first.X, other.X)
 
 
-@pytest.mark.parametrize("name", ["de-best-1", "de-rand-2", "sde", "pso", "woa"])
+@pytest.mark.parametrize("name", ["de-best-1", "de-rand-2", "sde", "pso"])
 def test_in_python_a_search_finds_what_its_kernel_finds(name: str) -> None:
     """The same source, the same generator, the same values: the same candidates."""
     solver = find_solver(name)

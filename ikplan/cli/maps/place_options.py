@@ -55,7 +55,7 @@ def add_place(parser: argparse.ArgumentParser) -> None:
         "last three joints; time if absent",
     )
     parser.add_argument(
-        "--solver", default="de-best-1", metavar="NAME", help="the search; de-best-1 if absent"
+        "--solver", default="bode-cs", metavar="NAME", help="the search; bode-cs if absent"
     )
     parser.add_argument(
         "--evaluations",

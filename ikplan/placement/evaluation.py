@@ -24,10 +24,10 @@ from ikplan.errors import (
 from ikplan.pipeline.plan import make_plan
 from ikplan.pipeline.pose_batch.solve import solve_ik_batch
 from ikplan.pipeline.resolve import resolve_robot
-from ikplan.placement.along import PathPoses, poses_along
 from ikplan.placement.moving import AXES, Moved, offset_of, replaced
 from ikplan.planning.tracking.tracked_path import TrackingFailed
 from ikplan.plans.plan import Plan
+from ikplan.reach.along import PathPoses, poses_along
 from ikplan.robots import Robot
 
 __all__ = ["AIMS", "Aim", "Evaluated", "Site", "value_of"]

@@ -20,7 +20,7 @@ from ikplan.batch.executor import run_on
 from ikplan.cli import main
 from ikplan.documents import parse
 from ikplan.documents.plan_request import PlanRequest
-from ikplan.placement.along import poses_along
+from ikplan.reach.along import poses_along
 from ikplan.placement.evaluation import Site
 from ikplan.placement.moving import offset_of, replaced
 from ikplan.placement.place import Placement, place

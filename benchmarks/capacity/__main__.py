@@ -2,7 +2,8 @@
 
 It draws service times that ``--measure N`` has measured on this machine, simulates a fleet under
 loads of 50, 200 and 1,000 plans a second, and adds up a study of 10^8 poses: cores, memory,
-storage, cost. What is assumed are options: the database's time a job, the price of a core, memory of a worker.
+storage, cost. What is assumed are options: the database's time a job, the price of a core, memory
+of a worker.
 """
 
 from __future__ import annotations
@@ -26,7 +27,8 @@ def _loads(
     measured: dict[str, float], service: NDArray[np.float64], options: argparse.Namespace
 ) -> None:
     print(
-        "| plans/s | workers | database cores | busy | p50 / p95 / p99 ms | memory GB | zstd a day GB | cost a day |"
+        "| plans/s | workers | database cores | busy | p50 / p95 / p99 ms | memory GB "
+        "| zstd a day GB | cost a day |"
     )
     print("|---|---|---|---|---|---|---|---|")
     half = options.database_ms / 2e3

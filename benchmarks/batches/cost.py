@@ -3,7 +3,8 @@
 ``ikplan batch`` answers the same lines with ``--on local`` and ``--on ray``, by turns. Counted is
 the processor time, of user and system, of the command and of every process below it or of its
 session: the driver, the workers, and Ray's own processes, from the start of the command to its
-end. Nothing is subtracted. With two numbers of lines the time a plan without the start is their difference.
+end. Nothing is subtracted. With two numbers of lines the time a plan without the start is their
+difference.
 """
 
 from __future__ import annotations

@@ -95,8 +95,8 @@ def main() -> int:
         f"service times: {len(service)} plans, mean {1e3 * service.mean():.1f} ms, median "
         f"{1e3 * np.median(service):.1f}, p99 {1e3 * np.percentile(service, 99):.1f} ms; "
         f"{measured['plan_bytes'] / 1e3:.0f} kB of JSON, "
-        f"{measured['plan_bytes_zstd'] / 1e3:.0f} kB zstd; a pose {measured['pose_reached_ms']:.3f} ms reached, "
-        f"{measured['pose_refused_ms']:.3f} ms not\n"
+        f"{measured['plan_bytes_zstd'] / 1e3:.0f} kB zstd; a pose "
+        f"{measured['pose_reached_ms']:.3f} ms reached, {measured['pose_refused_ms']:.3f} ms not\n"
     )
     _loads(measured, service, options)
     _study(measured, options)

@@ -113,7 +113,7 @@ def play(program: str, cycle: float) -> Motion:
     modules = {"xarm": package, "xarm.wrapper": wrapper, "time": stopped}
     names: dict[str, object] = {"__name__": "__main__"}
     with (
-        mock.patch.dict(sys.modules, modules),  # type: ignore[arg-type]
+        mock.patch.dict(sys.modules, modules),
         mock.patch.object(sys, "argv", ["program", "192.0.2.1"]),
     ):
         try:

@@ -179,13 +179,15 @@ class Site:
         for k, (R, p) in enumerate(moved):
             T[k, :, :3, :3] = R @ poses.rotations
             T[k, :, :3, 3] = poses.positions @ R.T + p
-        seed, options = self.request.ik.seed, {"verdict": False, "threads": 1}
+        seed = self.request.ik.seed
         if oriented.any():
-            found = solve_ik_batch(robot, T[:, oriented].reshape(-1, 4, 4), seed=seed, **options)
+            found = solve_ik_batch(
+                robot, T[:, oriented].reshape(-1, 4, 4), seed=seed, verdict=False, threads=1
+            )
             hits[:, oriented] = found.solved.reshape(len(placements), -1)
         if not oriented.all():
             free = T[:, ~oriented, :3, 3].reshape(-1, 3)
-            found = solve_ik_batch(robot, free, seed=seed, **options)
+            found = solve_ik_batch(robot, free, seed=seed, verdict=False, threads=1)
             hits[:, ~oriented] = found.solved.reshape(len(placements), -1)
         return [float(share) for share in hits.mean(axis=1)]
 

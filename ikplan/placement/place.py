@@ -142,7 +142,7 @@ def place(
     for field, count in (("evaluations", evaluations), ("searches", searches), ("keep", keep)):
         if count < 1:
             raise InvalidRequest(f"{field}: must be 1 or more", field=field, allowed="1 or more")
-    asked = [
+    asked: list[dict[str, Any]] = [
         {
             "solver": solver,
             "evaluations": evaluations,

@@ -44,13 +44,13 @@ def poses_along(request: PlanRequest, robot: Robot, count: int) -> PathPoses:
         InvalidRequest: The path makes no sense, or has no tool path.
     """
 
-    def fk(q: Array) -> Pose:
+    def fk(q: Array) -> tuple[Array, Array]:
         placed = robot.fk(q)
         return placed.rotation, placed.translation
 
     start = None
     if request.start != "free":
-        start = fk(robot.home if request.start is None else np.array(request.start))
+        start = Pose(*fk(robot.home if request.start is None else np.array(request.start)))
     legs = [leg for leg in legs_of(request.path, start, fk) if isinstance(leg, ToolLeg)]
     # The way to the first waypoint is no part of the work.
     begins = [_first(leg) for leg in legs]

@@ -14,8 +14,10 @@ import json
 import math
 import sys
 import warnings
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from statistics import median
+from typing import Any
 
 import numpy as np
 
@@ -46,6 +48,26 @@ def _best(rows: list[Evaluated]) -> tuple[float, float, int]:
     return least, max(row.reached for row in rows), planned[0] + 1 if planned else 0
 
 
+def _searched(
+    site: Site, asked: Sequence[dict[str, Any]], options: argparse.Namespace
+) -> Iterator[list[Evaluated]]:
+    """Run searches here or on an executor; they come in their order."""
+    work = StudyWork(site)
+    lines = [Line(k, json.dumps(each).encode(), 0) for k, each in enumerate(asked)]
+    with contextlib.ExitStack() as stack:
+        if options.on == "here":
+            outcomes = (work.answer([line.content]).outcomes[0] for line in lines)
+        else:
+            executor = executor_for(options.on, work, options.workers)
+            stack.enter_context(contextlib.closing(executor))
+            done = executor.run(chunks_of(lines, Pace(1)))
+            outcomes = (outcome for each in done for outcome in each.outcomes)
+        for outcome in outcomes:
+            if outcome.slug:
+                raise RuntimeError(outcome.document.decode())
+            yield [Evaluated(tuple(row[0]), *row[1:]) for row in json.loads(outcome.document)]
+
+
 def _study(name: str, options: argparse.Namespace, writer: csv.writer | None) -> None:  # type: ignore[valid-type]
     case = CASES[name]()
     site = site_of(case)
@@ -57,15 +79,16 @@ def _study(name: str, options: argparse.Namespace, writer: csv.writer | None) ->
         for solver in options.solvers
         for seed in range(options.seeds)
     ]
-    lines = [Line(k, json.dumps(each).encode(), 0) for k, each in enumerate(asked)]
-    found: list[list[Evaluated]] = []
-    with contextlib.closing(executor_for(options.on, StudyWork(site), options.workers)) as executor:
-        for done in executor.run(chunks_of(lines, Pace(1))):
-            for outcome in done.outcomes:
-                if outcome.slug:
-                    raise RuntimeError(outcome.document.decode())
-                rows = json.loads(outcome.document)
-                found.append([Evaluated(tuple(row[0]), *row[1:]) for row in rows])
+    found = []
+    for each, rows in zip(asked, _searched(site, asked, options), strict=True):
+        found.append(rows)
+        least, share, first = _best(rows)
+        print(
+            f"{each['solver']}, seed {each['seed']}: least {least:.4g}, reached {share:.2f}, first "
+            f"plan after {first}",
+            file=sys.stderr,
+            flush=True,
+        )
     print("| search | with a plan | median | best | worst | first plan after |")
     print("|---|---|---|---|---|---|")
     for solver in options.solvers:
@@ -108,7 +131,7 @@ def main() -> int:
     )
     parser.add_argument("--evaluations", type=int, default=100)
     parser.add_argument("--seeds", type=int, default=3)
-    parser.add_argument("--on", default="local")
+    parser.add_argument("--on", default="local", help="local, ray, ray=ADDRESS, or here")
     parser.add_argument("--workers", type=int, default=0)
     parser.add_argument("-o", "--output", metavar="FILE", help="every placement, as CSV")
     options = parser.parse_args()

@@ -20,12 +20,12 @@ from ikplan.batch.executor import run_on
 from ikplan.cli import main
 from ikplan.documents import parse
 from ikplan.documents.plan_request import PlanRequest
-from ikplan.reach.along import poses_along
 from ikplan.placement.evaluation import Site
 from ikplan.placement.moving import offset_of, replaced
 from ikplan.placement.place import Placement, place
 from ikplan.placement.save import save_placement
 from ikplan.placement.work import PlacementWork
+from ikplan.reach.along import poses_along
 from ikplan.robots import load_robot
 
 DOWN = [1.0, 0.0, 0.0, 0.0]

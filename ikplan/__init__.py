@@ -48,6 +48,7 @@ if TYPE_CHECKING:
     from ikplan.pipeline.pose_batch.solve import solve_ik_batch
     from ikplan.pipeline.poses import solve_ik
     from ikplan.pipeline.retime import time_path, time_request
+    from ikplan.placement.place import Placement, place
     from ikplan.plans.plan import Plan
     from ikplan.points import read_waypoints
     from ikplan.reach.reach_map import ReachMap, reach_map
@@ -79,6 +80,7 @@ else:
             "MemoryExceeded": "errors",
             "NoPlan": "errors",
             "Plan": "plans.plan",
+            "Placement": "placement.place",
             "PlanJob": "client",
             "PlanNotFound": "errors",
             "PlanRequest": "documents.plan_request",
@@ -99,6 +101,7 @@ else:
             "register_solver": "ik.registry",
             "move": "pipeline.move",
             "plan": "pipeline.plan",
+            "place": "placement.place",
             "reach_map": "reach.reach_map",
             "read_scene": "scene.read_scene",
             "read_gcode": "gcode",
@@ -133,6 +136,7 @@ __all__ = [
     "InvalidRobot",
     "MemoryExceeded",
     "NoPlan",
+    "Placement",
     "Plan",
     "PlanJob",
     "PlanNotFound",
@@ -153,6 +157,7 @@ __all__ = [
     "load_robot",
     "move",
     "objective",
+    "place",
     "plan",
     "reach_map",
     "read_gcode",

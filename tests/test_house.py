@@ -49,8 +49,9 @@ RANK = {
     "reach": 9,
     "arena": 9,
     "batch": 10,
-    "cli": 11,
-    "ikplan_api": 12,
+    "placement": 11,
+    "cli": 12,
+    "ikplan_api": 13,
 }
 """The floor of each room. A room imports rooms of lower floors only, never one beside it: planning,
 timing and the certificate stand side by side."""

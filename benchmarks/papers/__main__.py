@@ -16,7 +16,8 @@ def main() -> None:
     parser = argparse.ArgumentParser(prog="python -m benchmarks.papers", description=__doc__)
     parser.add_argument("experiments", nargs="*", metavar="E1..E9", help="default: all")
     parser.add_argument("--runs", type=int, default=20, help="runs of every series (default 20)")
-    parser.add_argument("--jobs", type=int, default=1, help="processes (default 1)")
+    parser.add_argument("--jobs", type=int, default=1, help="workers (default 1)")
+    parser.add_argument("--on", help="local, ray or ray=ADDRESS; absent: local processes")
     parser.add_argument(
         "--thin", type=int, default=1, help="use every THIN-th target of E7, E8 and E9 only"
     )
@@ -40,7 +41,9 @@ def main() -> None:
     sections = Sections(options.report or options.out / "REPORT.md", options.out / "sections")
     for name in names:
         begin = time.perf_counter()
-        results = run_experiment(name, options.runs, options.jobs, options.thin, options.out)
+        results = run_experiment(
+            name, options.runs, options.jobs, options.thin, options.out, options.on
+        )
         sections.write(find_experiment(name), results, options.runs, options.thin)
         print(f"{name} done in {time.perf_counter() - begin:.0f} s", file=sys.stderr)
     sections.join(1.0 if options.thin == 1 else 0.2)

@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
+import base64
+import contextlib
 import functools
 import hashlib
 import importlib
+import json
 import sys
+import tempfile
 import time
-from collections.abc import Iterator
-from concurrent.futures import ProcessPoolExecutor, as_completed
+import traceback
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -18,6 +23,11 @@ from benchmarks.papers.experiment import Experiment, Results, Study
 from benchmarks.papers.rows import read_rows, write_rows
 from benchmarks.papers.series import OPTIMUM, PLANNER, Series
 from benchmarks.papers.solving import run_series, warm_up
+from ikplan.batch.choice import executor_for
+from ikplan.batch.chunks import Line, Pace, chunks_of
+from ikplan.batch.executor import Answers
+from ikplan.batch.outcome import OK, Outcome, failed
+from ikplan.errors import IkplanError
 
 __all__ = ["find_experiment", "run_experiment", "studies_of"]
 
@@ -67,7 +77,7 @@ def _runs(series: Series, runs: int) -> int:
 
 
 def _do(name: str, thin: int, unit: Unit, path: Path) -> None:
-    """Run one unit and write its file; in a worker."""
+    """Run one unit and write its file."""
     study, series, run = unit
     _warmed(name, thin, study, series)
     chosen = studies_of(name, thin)[study]
@@ -76,6 +86,60 @@ def _do(name: str, thin: int, unit: Unit, path: Path) -> None:
     if curve.size:
         np.save(path.with_suffix(".npy"), curve.astype(np.float32))
     write_rows(path, rows, chosen.case.arm.dof)
+
+
+@dataclass(frozen=True)
+class UnitWork:
+    """Runs units of an experiment, in workers of an executor, wherever they are.
+
+    Attributes:
+        name: E1 ... E9.
+        thin: Every how many-th target is used.
+    """
+
+    name: str
+    thin: int
+
+    @property
+    def preload(self) -> str:
+        """The module that workers import first."""
+        return "benchmarks.papers.runner"
+
+    def answer(self, lines: Sequence[bytes]) -> Answers:
+        """Run the units of some lines; the answer to each is its files."""
+        begun = time.perf_counter()
+        outcomes, faults = [], []
+        for line in lines:
+            study, series, run = json.loads(line)
+            try:
+                with tempfile.TemporaryDirectory() as folder:
+                    path = Path(folder) / "rows.csv"
+                    _do(self.name, self.thin, (study, series, run), path)
+                    made = {
+                        file.suffix: base64.b64encode(file.read_bytes()).decode()
+                        for file in sorted(Path(folder).iterdir())
+                    }
+                outcomes.append(Outcome(OK, json.dumps(made).encode()))
+            except Exception:
+                faults.append(traceback.format_exc())
+                outcomes.append(failed(IkplanError(f"unit {study, series, run} failed")))
+        return Answers(outcomes, time.perf_counter() - begun, tuple(faults))
+
+
+def _keep(path: Path, outcome: Outcome) -> None:
+    """Write the files of a unit, the rows last: a unit whose rows are there is done.
+
+    Raises:
+        RuntimeError: The unit failed, or ended its worker.
+    """
+    if outcome.slug:
+        raise RuntimeError(outcome.document.decode())
+    path.parent.mkdir(parents=True, exist_ok=True)
+    for suffix, content in sorted(json.loads(outcome.document).items(), reverse=True):
+        target = path.with_suffix(suffix)
+        part = target.with_name(f"{target.name}.part")
+        part.write_bytes(base64.b64decode(content))
+        part.replace(target)
 
 
 def _units(studies: list[Study], runs: int, out: Path) -> Iterator[tuple[Unit, Path]]:
@@ -109,30 +173,36 @@ class _Progress:
             print(line, file=sys.stderr, flush=True)
 
 
-def run_experiment(name: str, runs: int, jobs: int, thin: int, out: Path) -> Results:
+def run_experiment(
+    name: str, runs: int, jobs: int, thin: int, out: Path, on: str | None = None
+) -> Results:
     """Make every run that is missing, and return all results.
 
     Args:
         name: E1 ... E9.
         runs: Runs of every series.
-        jobs: Processes.
+        jobs: Workers.
         thin: Every how many-th target is used, where an experiment has many.
         out: Folder of the rows, by case, which experiments share; what is there already is not
             made again.
+        on: Where they are made: "local", "ray" or "ray=ADDRESS", as for batches; None: here if
+            there is one worker, else "local". Rows are the same, but for the seconds they took.
     """
     studies = studies_of(name, thin)
     missing = [(u, p) for u, p in _units(studies, runs, out) if not p.exists()]
     progress = _Progress(name, max(len(missing), 1))
-    if jobs == 1:
+    if on is None and jobs == 1:
         for unit, path in missing:
             _do(name, thin, unit, path)
             progress.step()
     elif missing:
-        with ProcessPoolExecutor(max_workers=jobs) as pool:
-            pending = [pool.submit(_do, name, thin, unit, path) for unit, path in missing]
-            for future in as_completed(pending):
-                future.result()
-                progress.step()
+        lines = (Line(k, json.dumps(unit).encode(), 0) for k, (unit, _) in enumerate(missing))
+        executor = executor_for(on or "local", UnitWork(name, thin), jobs)
+        with contextlib.closing(executor):
+            for done in executor.run(chunks_of(lines, Pace(1))):
+                for line, outcome in zip(done.chunk.lines, done.outcomes, strict=True):
+                    _keep(missing[line.index][1], outcome)
+                    progress.step()
     tables, curves = {}, {}
     for study in studies:
         for series in study.series:

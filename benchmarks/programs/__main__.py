@@ -26,6 +26,8 @@ _POINTS = {
     "krl": ("kuka_kr10_r1100_2", "kuka_kr6_r900_sixx", "kuka_kr210_r2700_2"),
     "fanuc-ls": ("fanuc_m10ia", "fanuc_lrmate200id", "fanuc_crx10ia"),
     "drl": ("doosan_m1013", "doosan_a0509"),
+    "xarm": ("xarm7", "xarm6", "xarm5", "lite6"),
+    "franky": ("panda", "fr3"),
 }
 _JOINTS = 1e-4
 _TOOL = 1e-6
@@ -112,10 +114,19 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--seed", type=int, default=12, help="which series of requests")
     parser.add_argument("--plans", type=int, default=50, help="plans a language and an arm")
+    every = ("urscript", *_POINTS, "fci")
+    parser.add_argument("--languages", nargs="+", choices=every, default=every)
     options = parser.parse_args()
-    kept = [_programs(variant, options.seed, options.plans) for variant in _UR]
-    kept += [_points(language, options.seed, options.plans) for language in _POINTS]
-    kept += [_fci(name, options.seed, options.plans) for name in _FRANKA]
+    kept = []
+    if "urscript" in options.languages:
+        kept += [_programs(variant, options.seed, options.plans) for variant in _UR]
+    kept += [
+        _points(language, options.seed, options.plans)
+        for language in _POINTS
+        if language in options.languages
+    ]
+    if "fci" in options.languages:
+        kept += [_fci(name, options.seed, options.plans) for name in _FRANKA]
     return 0 if all(kept) else 1
 
 

@@ -11,6 +11,8 @@ from typing import Any, NoReturn
 
 import ikplan
 from ikplan.cli.batch_options import add_batch
+from ikplan.cli.maps.place_options import add_place
+from ikplan.cli.maps.reach_options import add_reach
 from ikplan.cli.options import (
     add_changes,
     add_json,
@@ -21,7 +23,6 @@ from ikplan.cli.options import (
     add_scene,
     add_talk,
 )
-from ikplan.cli.reach_options import add_reach
 from ikplan.cli.studies.compare_options import add_compare
 from ikplan.cli.terminal.exit_codes import NO_PLAN
 from ikplan.errors import InvalidRequest
@@ -252,7 +253,17 @@ def make_parser() -> argparse.ArgumentParser:
         "pose, and a figure.",
     )
     add_reach(reach)
-    reach.set_defaults(run=_command("reach", "reach"))
+    reach.set_defaults(run=_command("maps.reach", "reach"))
+
+    place = commands.add_parser(
+        "place",
+        help="find where to put the part, or the robot's base",
+        description="A search with the planner as its objective: each placement is planned in "
+        "full, and the best ones are certified plans. "
+        f"Exit code {NO_PLAN}: no placement that was looked at has a plan.",
+    )
+    add_place(place)
+    place.set_defaults(run=_command("maps.place", "place"), server=None)
 
     compare = commands.add_parser(
         "compare",

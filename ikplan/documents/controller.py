@@ -22,14 +22,16 @@ from ikplan.documents.poses import Frame
 
 __all__ = ["VARIANTS", "Controller", "ControllerInfo", "LanguageInfo", "ProgramLanguage", "Source"]
 
-LanguageName = Literal["urscript", "rapid", "krl", "fanuc-ls", "drl"]
-Variant = Literal["cb3", "e-series", "irc5", "krc4", "r-30ib", "drcf2"]
+LanguageName = Literal["urscript", "rapid", "krl", "fanuc-ls", "drl", "xarm", "franky"]
+Variant = Literal["cb3", "e-series", "irc5", "krc4", "r-30ib", "drcf2", "xarm-sdk", "franky-2"]
 VARIANTS: dict[str, tuple[str, ...]] = {
     "urscript": ("cb3", "e-series"),
     "rapid": ("irc5",),
     "krl": ("krc4",),
     "fanuc-ls": ("r-30ib",),
     "drl": ("drcf2",),
+    "xarm": ("xarm-sdk",),
+    "franky": ("franky-2",),
 }
 """The variants of each language."""
 Numbers = Annotated[list[float], Field(min_length=1, max_length=64)]
@@ -53,7 +55,7 @@ _LONGEST = "Most samples or points of a program; null: not known."
 _VARIANT = (
     'Generation of the controller: "cb3" or "e-series" (and later) for URScript, "irc5" (and '
     'OmniCore) for RAPID, "krc4" (KSS 8 and later) for KRL, "r-30ib" (and Plus, Mini) for FANUC '
-    'TP programs, "drcf2" (and later) for DRL.'
+    'TP programs, "drcf2" (and later) for DRL, "xarm-sdk" for the xArm SDK, "franky-2" for franky.'
 )
 _JOINTS = (
     "Joint values as programs count them are this matrix times those of the robot; null: the same."
@@ -133,7 +135,8 @@ class LanguageInfo(_Result):
     """A language of programs that a controller runs."""
 
     name: str = Field(
-        description='Name of the language: "urscript", "rapid", "krl", "fanuc-ls" or "drl".'
+        description='Name of the language: "urscript", "rapid", "krl", "fanuc-ls", "drl", "xarm" '
+        'or "franky".'
     )
     variant: str = Field(description=_VARIANT)
     longest_program: int | None = Field(None, description=_LONGEST)

@@ -59,11 +59,11 @@ class Plan(PlanDocument):
 
         Args:
             path: The file.
-            format: "json", "csv", "npz", "ros", "ros-goal", "urscript", "rapid", "krl", "fanuc-ls"
-                or "drl"; None: the one that the suffix names (.json, .csv, .npz, .ros.json,
-                .goal.yaml, .script, .mod, .src, .ls, .drl).
-            robot: The robot with its tool, for programs of few points (RAPID, KRL, FANUC, DRL);
-                None: the catalogue's, without a tool.
+            format: "json", "csv", "npz", "ros", "ros-goal", "urscript", "rapid", "krl", "fanuc-ls",
+                "drl", "xarm" or "franky"; None: the one that the suffix names (.json, .csv, .npz,
+                .ros.json, .goal.yaml, .script, .mod, .src, .ls, .drl, .xarm.py, .franky.py).
+            robot: The robot with its tool, for programs of few points (RAPID, KRL, FANUC, DRL,
+                xArm, franky); None: the catalogue's, without a tool.
             tolerance: How far such a program may be from the plan's path [m]; None: 0.1 mm.
 
         Raises:

@@ -22,7 +22,7 @@ from ikplan.robots import Robot
 from ikplan.scene.body import CollisionModel
 from ikplan.scene.resolve import resolve_scene
 
-__all__ = ["ReachMap", "reach_map"]
+__all__ = ["ReachMap", "found_free", "manipulability", "reach_map", "scene_model"]
 
 _BLOCK = 8192
 """Poses that are solved together."""
@@ -102,7 +102,7 @@ def reach_map(
     q = np.full((count, robot.dof), np.nan)
     reached, touching = np.zeros(count, dtype=np.bool_), np.zeros(count, dtype=np.bool_)
     quality = np.full(count, np.nan)
-    model = _model(robot, scene)
+    model = scene_model(robot, scene)
     options: dict[str, Any] = {"params": {"restarts": restarts}, "seed": seed, "threads": threads}
     gap = None if model is None else np.full(count, np.nan)
     for first in range(0, count, _BLOCK):
@@ -110,10 +110,10 @@ def reach_map(
         poses = np.tile(np.eye(4), (len(index), 1, 1))
         poses[:, :3, :3] = R[index % len(R)]
         poses[:, :3, 3] = p[index // len(R)]
-        found, free, contact = _solutions(robot, poses, model, options)
+        found, free, contact = found_free(robot, poses, model, options)
         q[index[free]] = found[free]
         reached[index], touching[index] = free, contact
-        quality[index[free]] = _manipulability(robot, found[free])
+        quality[index[free]] = manipulability(robot, found[free])
         if gap is not None and model is not None:
             gap[index[free]] = _gaps(robot, model, found[free])
         if progress is not None:
@@ -131,17 +131,30 @@ def reach_map(
     )
 
 
-def _model(robot: Robot, scene: Mapping[str, Any] | Scene | None) -> CollisionModel | None:
+def scene_model(robot: Robot, scene: Mapping[str, Any] | Scene | None) -> CollisionModel | None:
+    """Return what solutions are checked against; None: nothing is.
+
+    Args:
+        robot: The robot.
+        scene: As of :func:`reach_map`.
+    """
     if scene is None:
         return None
     resolved = resolve_scene(parse(Scene, scene), Path.cwd())
     return requested_model(robot, resolved, {}, ToolFrame(), always=False)
 
 
-def _solutions(
+def found_free(
     robot: Robot, poses: Array, model: CollisionModel | None, options: Mapping[str, Any]
 ) -> tuple[Array, Flags, Flags]:
-    """Solutions, which of them are there and free, and which poses were in contact only."""
+    """Return solutions, which of them are there and free, and which poses were in contact only.
+
+    Args:
+        robot: The robot.
+        poses: As of :func:`ikplan.solve_ik_batch`.
+        model: What must not touch; None: that is not checked.
+        options: For :func:`ikplan.solve_ik_batch`.
+    """
     solved = solve_ik_batch(robot, poses, verdict=False, **options)
     q, free = solved.q.copy(), solved.solved.copy()
     touching = np.zeros(len(poses), dtype=np.bool_)
@@ -172,8 +185,8 @@ def _starts(robot: Robot, count: int) -> Array:
     return starts
 
 
-def _manipulability(robot: Robot, q: Array) -> Array:
-    """Manipulability of configurations, shape (n,)."""
+def manipulability(robot: Robot, q: Array) -> Array:
+    """Return the manipulability of configurations, shape (n,); see :class:`ReachMap`."""
     chain = arm_of(robot).chain
     J = np.array([jacobian(chain, row) for row in q]).reshape(len(q), 6, robot.dof)
     return np.asarray(np.linalg.svd(J, compute_uv=False).prod(axis=1))

@@ -9,9 +9,10 @@ import numpy as np
 from ikplan.arrays import Array
 from ikplan.errors import InvalidRequest
 from ikplan.path.rotation.so3_kernels import quaternion_rows
+from ikplan.reach.path_reach import PathReach
 from ikplan.reach.reach_map import ReachMap
 
-__all__ = ["check_files", "draw_reach_map", "save_reach_map"]
+__all__ = ["check_files", "draw_reach_map", "save_path_reach", "save_reach_map"]
 
 
 def check_files(output: str | Path | None, plot: str | Path | None) -> None:
@@ -75,7 +76,32 @@ def save_reach_map(found: ReachMap, file: str | Path) -> None:
     pq.write_table(pa.table(columns), Path(file), compression="zstd")
 
 
-def draw_reach_map(found: ReachMap, file: str | Path) -> None:
+def save_path_reach(found: PathReach, file: str | Path) -> None:
+    """Write how much of a path is reached as Parquet: a row for each shift of it.
+
+    The columns are x, y, z [m], reached and in_contact (shares of the poses along the path) and
+    manipulability, the least along it (null where not all are reached).
+
+    Raises:
+        InvalidRequest: The file is no ``.parquet``, or pyarrow is not installed.
+        OSError: The file cannot be written.
+    """
+    check_files(file, None)
+    import pyarrow as pa
+    import pyarrow.parquet as pq
+
+    whole = found.reached.all(axis=1)
+    least = np.where(np.isnan(found.manipulability), np.inf, found.manipulability).min(axis=1)
+    columns: dict[str, object] = {
+        name: pa.array(found.positions[:, k]) for k, name in enumerate(("x", "y", "z"))
+    }
+    columns["reached"] = pa.array(found.share)
+    columns["in_contact"] = pa.array(found.in_contact.mean(axis=1))
+    columns["manipulability"] = pa.array(least, mask=~whole)
+    pq.write_table(pa.table(columns), Path(file), compression="zstd")
+
+
+def draw_reach_map(found: ReachMap | PathReach, file: str | Path) -> None:
     """Draw the reached share and the best manipulability, seen from above and from the side.
 
     Raises:

@@ -16,10 +16,23 @@ from ikplan.plans.export import FORMATS, encode, format_for, save
 
 from .plans import CB3, rest_to_rest
 
-NAMES = ["json", "csv", "npz", "ros", "ros-goal", "urscript", "rapid", "krl", "fanuc-ls", "drl"]
+NAMES = [
+    "json",
+    "csv",
+    "npz",
+    "ros",
+    "ros-goal",
+    "urscript",
+    "rapid",
+    "krl",
+    "fanuc-ls",
+    "drl",
+    "xarm",
+    "franky",
+]
 SUFFIXES = [
     *(".json", ".csv", ".npz", ".ros.json", ".goal.yaml", ".ros.yaml"),
-    *(".script", ".mod", ".src", ".ls", ".drl"),
+    *(".script", ".mod", ".src", ".ls", ".drl", ".xarm.py", ".franky.py"),
 ]
 
 
@@ -87,10 +100,9 @@ def test_npz_does_not_depend_on_memory_order_clock_or_cost():
 @pytest.mark.parametrize("known", FORMATS, ids=lambda f: f.name)
 def test_the_suffix_chooses_the_format(known, tmp_path: Path):
     languages = [LanguageInfo(name=n, variant="any") for n in NAMES[5:]]
-    controller = CB3.model_copy(update={"languages": languages})
-    plan = rest_to_rest(6, 51, controller=controller).model_copy(
-        update={"robot": "abb_irb6640_185_280"}
-    )
+    controller = CB3.model_copy(update={"languages": languages, "jerk": [5000.0] * 7})
+    dof, robot = (7, "fr3") if known.name == "franky" else (6, "abb_irb6640_185_280")
+    plan = rest_to_rest(dof, 51, controller=controller).model_copy(update={"robot": robot})
     for suffix in known.suffixes:
         target = tmp_path / f"ikplan_trajectory{suffix.upper()}"
         plan.save(target)

@@ -11,12 +11,12 @@ import pinocchio as pin
 import pytest
 
 import ikplan
-from benchmarks.programs import drl, fanuc, krl, rapid
+from benchmarks.programs import drl, fanuc, franky, krl, rapid, xarm
 from benchmarks.programs.plans import short_timings
 from benchmarks.programs.points import judge
 from benchmarks.programs.urscript import ScriptError
 from ikplan import InvalidRequest, load_robot
-from ikplan.documents.controller import LanguageInfo, ProgramLanguage
+from ikplan.documents.controller import VARIANTS, LanguageInfo, ProgramLanguage
 from ikplan.plans.export import check_format, encode, save
 from ikplan.plans.plan import Plan
 from ikplan.plans.programs.certifying import limits_of
@@ -26,8 +26,13 @@ ROBOTS = {
     "krl": ("kuka_kr10_r1100_2", "kuka_kr6_r900_sixx"),
     "fanuc-ls": ("fanuc_m10ia", "fanuc_crx10ia"),
     "drl": ("doosan_m1013", "doosan_a0509"),
+    "xarm": ("xarm7", "lite6"),
+    "franky": ("panda", "fr3"),
 }
-SUFFIX = {"rapid": ".mod", "krl": ".src", "fanuc-ls": ".ls", "drl": ".drl"}
+SUFFIX = {
+    "rapid": ".mod", "krl": ".src", "fanuc-ls": ".ls", "drl": ".drl", "xarm": ".xarm.py",
+    "franky": ".franky.py",
+}  # fmt: skip
 NAMED = ("rapid", "krl", "fanuc-ls")
 
 
@@ -41,7 +46,7 @@ def moved(name: str, **changes: object) -> Plan:
     q = [
         robot.home.tolist(),
         (robot.home + 0.3).tolist(),
-        (robot.home + np.array([0.4, 0.1, 0.1, 0.1, 0.1, 0.1])).tolist(),
+        (robot.home + np.array([0.4, *[0.1] * (robot.dof - 1)])).tolist(),
     ]
     return ikplan.time_request({"robot": name, "waypoints": q, **changes})
 
@@ -96,8 +101,12 @@ def test_a_program_that_is_tampered_with_leaves_its_bounds(
     assert judge(plan, robot, language, limits).kept
     text = encode(plan, language).decode()
     for pattern, change in (
-        (r"(A3 |\[\[[^,]*,[^,]*,|J2= +|posj\([^,]*,[^,]*, )(-?\d+\.\d+)", 0.02),
-        (r"(END=|T:=|P\[\d+\] |t=)(\d+(?:\.\d+|(?=msec)))", -0.01),
+        (
+            r"(A3 |\[\[[^,]*,[^,]*,|J2= +|posj\([^,]*,[^,]*, |    \[[^,]*, [^,]*, "
+            r"|    \(\d+, \[[^,]*, [^,]*, )(-?\d+\.\d+)",
+            0.02,
+        ),
+        (r"(END=|T:=|P\[\d+\] |t=|\n    |    \((?=\d))(\d+(?:\.\d+|(?=msec|, \[)))", -0.01),
     ):
         found = list(re.finditer(pattern, text))
         middle = found[len(found) // 2]
@@ -175,6 +184,9 @@ def test_a_coarser_tolerance_takes_fewer_points(language: str) -> None:
 
 def test_programs_are_for_the_arms_whose_controllers_run_them() -> None:
     for name, suffix, words in (
+        ("ur5e", ".xarm.py", "controller runs none"),
+        ("iiwa14", ".xarm.py", "no controller is known"),
+        ("iiwa14", ".franky.py", "no controller is known"),
         ("ur5e", ".mod", "controller runs none"),
         ("abb_irb2400_12_155", ".src", "controller runs none"),
         ("kuka_lbr_iiwa14_r820", ".src", "no controller is known"),
@@ -210,13 +222,12 @@ def test_the_pendants_count_and_the_descriptions_give_the_same_fanuc_program() -
     assert serial.fk(as_serial).isApprox(counted.fk(q), 1e-9)
 
 
-@pytest.mark.parametrize(("language", "points"), [("fanuc-ls", 12), ("drl", 12)])
+@pytest.mark.parametrize(("language", "points"), [("fanuc-ls", 12), ("drl", 12), ("franky", 12)])
 def test_a_program_longer_than_the_longest_is_refused(language: str, points: int) -> None:
     plan = moved(ROBOTS[language][0])
     assert plan.controller is not None
-    known = plan.controller.language(language)
-    assert known is not None
-    language_info = known.model_copy(update={"longest_program": points})
+    variant = VARIANTS[language][0]
+    language_info = LanguageInfo(name=language, variant=variant, longest_program=points)
     controller = plan.controller.model_copy(update={"languages": [language_info]})
     with pytest.raises(InvalidRequest, match="in parts"):
         encode(plan.model_copy(update={"controller": controller}), language, tolerance=2e-5)
@@ -286,3 +297,61 @@ def test_the_interpreters_refuse_what_a_controller_would() -> None:
     ):
         with pytest.raises(ScriptError, match=words):
             krl.play(text.replace(old, new), 0.012)
+    text = encode(moved("xarm7"), "xarm").decode()
+    for old, new, words in (
+        ("set_mode(1)", "set_mode(0)", "code 9"),
+        ("due + CYCLE", "due + CYCLE / 2", "before the cycle is over"),
+        ("speed=10", "speed=100", "not a slow move"),
+        ("k * CYCLE", "4 * k * CYCLE", "faster than the arm"),
+        ("import bisect", "", "not a program"),
+    ):
+        with pytest.raises(ScriptError, match=words):
+            xarm.play(text.replace(old, new), 0.004)
+    fr3 = load_robot("fr3")
+    assert fr3.jerk_limit is not None
+    most = np.array([fr3.velocity_limit, fr3.acceleration_limit, fr3.jerk_limit])
+    text = encode(moved("fr3"), "franky").decode()
+    for old, new, words in (
+        ("JERK = [5000", "JERK = [5001", "above the maker's"),
+        ("APPROACH = 0.05", "APPROACH = 0.5", "not a slow move"),
+        ("= 1.0", "= 0.9", "not one motion"),
+        ("Duration(least)", "Duration(least + 0.5)", "whole milliseconds"),
+        ("import sys", "", "not a program"),
+    ):
+        with pytest.raises(ScriptError, match=words):
+            franky.play(text.replace(old, new), most)
+
+
+def test_an_xarm_program_waits_out_a_pause_of_its_host_without_a_jump() -> None:
+    text = encode(moved("lite6"), "xarm").decode()
+    straight = xarm.play(text, 0.004)
+    paused = xarm.play(
+        text.replace(
+            "        due = max(",
+            "        if k == 20:\n            time.sleep(0.19)\n        due = max(",
+        ),
+        0.004,
+    )
+    np.testing.assert_array_equal(paused.degrees, straight.degrees)
+    assert np.diff(paused.time).max() == pytest.approx(0.19, abs=0.005)
+    assert np.diff(paused.time)[:-1].min() == pytest.approx(0.004, abs=1e-9)
+
+
+def test_plans_of_arms_with_python_programs_are_as_without() -> None:
+    # Their controllers say nothing of these languages, so that a plan's document does not change.
+    for name in ("xarm7", "xarm6", "xarm5", "lite6"):
+        assert load_robot(name).controller is None
+    for name in ("panda", "fer", "fr3"):
+        controller = load_robot(name).controller
+        assert controller is not None
+        assert controller.languages == []
+
+
+def test_a_franky_program_needs_jerk_limits() -> None:
+    plan = moved("fr3")
+    assert plan.controller is not None
+    controller = plan.controller.model_copy(
+        update={"jerk": None, "languages": [LanguageInfo(name="franky", variant="franky-2")]}
+    )
+    with pytest.raises(InvalidRequest, match="no jerk limits"):
+        encode(plan.model_copy(update={"controller": controller}), "franky")

@@ -70,7 +70,8 @@ def test_a_program_goes_with_the_controller_and_not_with_the_name(name: str) -> 
         path = f"plan{known.suffixes[0]}"
         others = {"urscript": "ur", "rapid": "abb", "krl": "kuka"}
         others |= {"fanuc-ls": "fanuc", "drl": "doosan"}
-        if not name.startswith(others.get(known.name, "")):
+        arms = {"xarm": ("xarm", "lite6"), "franky": ("panda", "fer", "fr3")}
+        if not name.startswith(arms.get(known.name, others.get(known.name, ""))):
             with pytest.raises(InvalidRequest, match=name) as caught:
                 check_format(info, path)
             assert caught.value.field == "format"

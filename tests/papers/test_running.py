@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Generator, Iterable
 from pathlib import Path
 
 import numpy as np
@@ -10,9 +11,11 @@ import pytest
 
 from benchmarks.papers.document import number
 from benchmarks.papers.rows import COLUMNS, read_rows, write_rows
-from benchmarks.papers.runner import find_experiment, run_experiment
+from benchmarks.papers.runner import UnitWork, _keep, find_experiment, run_experiment
 from benchmarks.papers.series import Series
 from benchmarks.papers.solving import run_series
+from ikplan.batch.chunks import Chunk, Done
+from ikplan.batch.executor import run_on
 
 
 @pytest.fixture(scope="module")
@@ -89,3 +92,46 @@ def test_csv_keeps_every_bit(tmp_path: Path) -> None:
     row = [*np.random.default_rng(0).random(len(COLUMNS) + 2), float("nan")]
     write_rows(tmp_path / "rows.csv", [row], 3)
     np.testing.assert_array_equal(read_rows([tmp_path / "rows.csv"]).data[0], row)
+
+
+def test_units_on_an_executor_give_the_rows_that_are_made_here(
+    folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    class Here:
+        """An executor whose worker is this process."""
+
+        def __init__(self, work: UnitWork) -> None:
+            self.answer = work.answer
+
+        def run(self, chunks: Iterable[Chunk]) -> Generator[Done, None, None]:
+            yield from run_on([self], chunks)
+
+        def close(self) -> None:
+            """There is nothing to end."""
+
+    monkeypatch.setattr(
+        "benchmarks.papers.runner.executor_for", lambda _on, work, _jobs: Here(work)
+    )
+    expected = run_experiment("E7", 1, 1, 50, folder)
+    found = run_experiment("E7", 1, 2, 50, tmp_path, on="ray")
+    assert {p.relative_to(tmp_path) for p in tmp_path.rglob("*.*")} <= {
+        p.relative_to(folder) for p in folder.rglob("*.*")
+    }
+    for key, table in expected.tables.items():
+        timed = {COLUMNS.index("seconds"), COLUMNS.index("cpu_seconds")}
+        kept = [k for k in range(table.data.shape[1]) if k not in timed]
+        np.testing.assert_array_equal(found.tables[key].data[:, kept], table.data[:, kept])
+
+
+def test_a_unit_that_fails_is_told_and_leaves_no_rows(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def broken(*_: object) -> None:
+        raise ValueError("broken")
+
+    monkeypatch.setattr("benchmarks.papers.runner.run_series", broken)
+    answers = UnitWork("E7", 50).answer([b"[0, 0, 0]"])
+    assert "broken" in answers.faults[0]
+    with pytest.raises(RuntimeError, match="failed"):
+        _keep(tmp_path / "000.csv", answers.outcomes[0])
+    assert not list(tmp_path.iterdir())

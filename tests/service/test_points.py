@@ -154,7 +154,11 @@ def test_the_shell_reads_a_file_and_lets_a_service_plan(
 def test_the_document_tells_of_both_bodies(http: httpx.Client) -> None:
     document = http.get("/openapi.json").json()
     plan = document["paths"]["/v1/plans"]["post"]
-    assert set(plan["requestBody"]["content"]) == {"application/json", "text/csv"}
+    assert set(plan["requestBody"]["content"]) == {
+        "application/json",
+        "text/csv",
+        "text/x-gcode",
+    }
     named = {parameter["name"] for parameter in plan["parameters"]}
     assert "Ikplan-Notes" in plan["responses"]["200"]["headers"]
     assert {"robot", "units", "columns", "interpolation", "Prefer"} <= named
@@ -162,3 +166,46 @@ def test_the_document_tells_of_both_bodies(http: httpx.Client) -> None:
     assert "text/csv" in page
     assert "free_axis" in page
     assert json.loads(http.get("/openapi.json").content) == document
+
+
+GCODE = "%\nG21 G90 G17\nG0 X0 Y0 Z20\nG1 Z0 F1200\nX40\nG2 X60 Y-20 R20 M3\nG1 Y-60\n%\n"
+
+
+def test_a_gcode_file_is_planned_as_the_shell_reads_it(
+    http: httpx.Client, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    headers = {"content-type": "text/x-gcode"}
+    query = {"robot": "xarm7", "start": "free", "frame": "0.35,0.05,0.25", "rate_hz": 125}
+    answer = http.post("/v1/plans", content=GCODE, params=query, headers=headers)
+    assert answer.status_code == 200, answer.text
+    assert answer.headers["ikplan-notes"] == "passed over: M3 (line 6)"
+    file = tmp_path / "part.nc"
+    file.write_text(GCODE)
+    words = ["plan", str(file), "--robot", "xarm7", "--start", "free", "--rate", "125"]
+    assert main([*words, "--frame", "0.35", "0.05", "0.25", "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["id"] == answer.json()["id"]
+    read = http.post("/v1/points", content=GCODE, params=query, headers=headers).json()
+    assert ikplan.plan(read["request"]).id == answer.json()["id"]
+    headers["accept"] = "text/x-python-xarm"
+    program = http.post("/v1/plans", content=GCODE, params=query, headers=headers)
+    assert "set_servo_angle_j" in program.text
+
+
+@pytest.mark.parametrize(
+    ("query", "content", "words"),
+    [
+        ({}, GCODE, "robot"),
+        ({"robot": "xarm7", "interpolation": "line"}, GCODE, "does not go with G-code"),
+        ({"robot": "xarm7"}, "G0 X0 Y0 Z0\nG1 X10", "G20"),
+        ({"robot": "xarm7"}, "G21 G41 X0", "line 1"),
+        ({"robot": "xarm7", "free_axis": "w"}, GCODE, "free"),
+    ],
+)
+def test_what_is_wrong_with_gcode_is_said(
+    query: dict[str, str], content: str, words: str, http: httpx.Client
+) -> None:
+    answer = http.post(
+        "/v1/points", content=content, params=query, headers={"content-type": "text/x-gcode"}
+    )
+    assert answer.status_code == 422
+    assert words in answer.text

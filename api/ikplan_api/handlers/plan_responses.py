@@ -14,7 +14,13 @@ from ikplan.documents.status import PlanStatus
 from ikplan.errors import InvalidRequest, PlanNotFound
 from ikplan.plans.export.formats import Format
 from ikplan.plans.plan import Plan
-from ikplan_api.handlers.point_files import CSV, NOTES, is_csv, read_points_request, remember_notes
+from ikplan_api.handlers.point_files import (
+    FILES,
+    NOTES,
+    is_file,
+    read_points_request,
+    remember_notes,
+)
 from ikplan_api.http.body import read_body, read_json_body
 from ikplan_api.http.deadline import late, within_deadline
 from ikplan_api.http.disconnect import while_connected
@@ -109,16 +115,16 @@ async def _refuse_late(request: Request, job: Job, deadline_s: float) -> None:
 
 
 async def _plan_request(request: Request) -> bytes:
-    """Return the request document of a body in JSON, or in CSV with a query.
+    """Return the request document of a body in JSON, or of a file with a query.
 
     Raises:
         InvalidRequest: The file or its query is invalid.
-        Refusal: 413, too long; 415, neither JSON nor CSV.
+        Refusal: 413, too long; 415, neither JSON nor a file of points.
     """
     limit: int = request.app.state.settings.max_body_bytes
-    csv = is_csv(request)
-    body = await read_body(request, [_JSON, CSV], limit)
-    if not csv:
+    file = is_file(request)
+    body = await read_body(request, [_JSON, *FILES], limit)
+    if not file:
         return body
     document, notes = await read_points_request(request, body)
     remember_notes(request, notes)

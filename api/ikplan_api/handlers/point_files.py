@@ -1,4 +1,4 @@
-"""Files of points over HTTP: CSV in the body, further options in the query."""
+"""Files of points over HTTP: CSV or G-code in the body, further options in the query."""
 
 from __future__ import annotations
 
@@ -16,19 +16,21 @@ from ikplan_api.http.disconnect import while_connected
 from ikplan_api.robots.uploads import stored_robot
 from ikplan_api.workers.headed import headed, split_head
 from ikplan_api.workers.planner import Planner
+from ikplan_api.workers.point_file import GCODE, MEDIA_TYPE
 
 __all__ = [
-    "CSV",
+    "FILES",
     "NOTES",
     "PARAMETERS",
-    "csv_body",
-    "is_csv",
+    "file_body",
+    "is_file",
     "read_points_request",
     "remember_notes",
     "with_notes",
 ]
 
-CSV = "text/csv"
+FILES = ("text/csv", GCODE)
+"""Media types of files of points."""
 NOTES = "ikplan-notes"
 """Response header with notes on how a file was read."""
 _LONGEST_NOTES = 4000
@@ -71,17 +73,24 @@ PARAMETERS: dict[str, tuple[str, dict[str, Any]]] = {
     "tool_speed": ("Limit of the tool speed [m/s].", {"type": "number", "exclusiveMinimum": 0}),
     "rate_hz": ("Samples per second [Hz].", {"type": "number", "minimum": 1}),
 }
-"""Query parameters of a CSV request, each with its description and schema."""
+"""Query parameters of a request with a file, each with its description and schema."""
 
 
-def csv_body() -> tuple[dict[str, Any], list[dict[str, Any]]]:
-    """Describe a body in CSV and its query parameters."""
+def file_body() -> tuple[dict[str, Any], list[dict[str, Any]]]:
+    """Describe bodies in CSV and G-code, and their query parameters."""
     example = "x [mm],y [mm],z [mm],rx,ry,rz\n400,-100,300,3.1416,0,0\n400,100,300,3.1416,0,0\n"
     parameters = [
-        {"name": name, "in": "query", "description": f"With CSV: {words}", "schema": schema}
+        {
+            "name": name,
+            "in": "query",
+            "description": f"With CSV or G-code: {words}",
+            "schema": schema,
+        }
         for name, (words, schema) in PARAMETERS.items()
     ]
-    return {CSV: {"schema": {"type": "string"}, "example": example}}, parameters
+    examples = dict(zip(FILES, (example, "G21 G90\nG0 X0 Y0 Z5\nG1 X50 F1200\n"), strict=True))
+    bodies = {each: {"schema": {"type": "string"}, "example": examples[each]} for each in FILES}
+    return bodies, parameters
 
 
 def with_notes(
@@ -100,19 +109,19 @@ def with_notes(
     }
 
 
-def is_csv(request: Request) -> bool:
+def is_file(request: Request) -> bool:
     """Whether the body of a request is a file of points.
 
     Raises:
-        InvalidRequest: The body is JSON, but the query has parameters for CSV.
+        InvalidRequest: The body is JSON, but the query has parameters for files.
     """
-    if media_type_of(request) == CSV:
+    if media_type_of(request) in FILES:
         return True
     misplaced = next((name for name in request.query_params if name in PARAMETERS), None)
     if misplaced is not None:
         raise InvalidRequest(
-            f"{misplaced}: query parameters are for points in {CSV}; in a JSON request, put this "
-            "into the document",
+            f"{misplaced}: query parameters are for files ({' or '.join(FILES)}); in a JSON "
+            "request, put this into the document",
             field=misplaced,
         )
     return False
@@ -134,7 +143,8 @@ async def read_points_request(request: Request, body: bytes) -> tuple[bytes, lis
     name = query["robot"]
     robot = (await stored_robot(request, name)).document if is_upload_id(name) else None
     planner: Planner = request.app.state.planner
-    work = planner.run("read-points", headed(query, body), robot=robot)
+    head = {**query, MEDIA_TYPE: media_type_of(request)}
+    work = planner.run("read-points", headed(head, body), robot=robot)
     told, document = split_head((await while_connected(request, work)).document)
     return document, [Note(**note) for note in told]
 
@@ -162,5 +172,5 @@ def _query(request: Request) -> dict[str, str]:
             raise InvalidRequest(f"{name}: given twice", field=name)
         query[name] = value
     if not query.get("robot"):
-        raise InvalidRequest("robot: this parameter is required with CSV", field="robot")
+        raise InvalidRequest("robot: this parameter is required with a file", field="robot")
     return query

@@ -19,7 +19,7 @@ from ikplan_api.handlers.plan_responses import (
     create_plan_response,
     get_plan_response,
 )
-from ikplan_api.handlers.point_files import csv_body, with_notes
+from ikplan_api.handlers.point_files import file_body, with_notes
 from ikplan_api.http.openapi import plan_answers, problems, request_body
 from ikplan_api.jobs.plan_jobs import PlanJobs
 
@@ -53,7 +53,7 @@ _EXAMPLE = {
 def _described() -> dict[str, Any]:
     """Return the OpenAPI description of the bodies and parameters of a request for a plan."""
     described = request_body(PlanRequest, _EXAMPLE)
-    content, parameters = csv_body()
+    content, parameters = file_body()
     described["requestBody"]["content"] |= content
     return {**described, "parameters": [*PREFER["parameters"], *parameters]}
 
@@ -70,8 +70,9 @@ def _described() -> dict[str, Any]:
 async def create_plan(request: Request) -> Response:
     """Plan a joint trajectory for a tool path and verify it before it is returned.
 
-    The body is a request document, or a CSV file of poses or joint values with further options in
-    the query; the header `Ikplan-Notes` of the response then says how the file was read.
+    The body is a request document, or a CSV file of poses or joint values or a G-code file, with
+    further options in the query; the header `Ikplan-Notes` of the response then says how the file
+    was read.
 
     The same request gives the same id and the same trajectory, byte for byte; a stored plan is not
     planned again. With `Prefer: respond-async` the service plans in the background, even after a

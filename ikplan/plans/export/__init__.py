@@ -11,6 +11,7 @@ from ikplan.plans.export import (
     as_csv,
     as_drl,
     as_fanuc,
+    as_franky,
     as_json,
     as_krl,
     as_npz,
@@ -18,6 +19,7 @@ from ikplan.plans.export import (
     as_ros,
     as_ros_goal,
     as_urscript,
+    as_xarm,
 )
 from ikplan.plans.export.entry_points import others
 from ikplan.plans.export.formats import Arm
@@ -48,6 +50,8 @@ FORMATS: tuple[Format, ...] = (
     as_krl.FORMAT,
     as_fanuc.FORMAT,
     as_drl.FORMAT,
+    as_xarm.FORMAT,
+    as_franky.FORMAT,
 )
 """The formats of ikplan; a new one is a module with a ``FORMAT`` and a line here."""
 

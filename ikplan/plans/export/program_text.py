@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -24,6 +24,7 @@ __all__ = [
     "PointProgram",
     "comments",
     "fixed",
+    "known_robot",
     "language_of",
     "name_from",
     "points_of",
@@ -32,7 +33,8 @@ __all__ = [
     "single_precision",
 ]
 
-_JOINTS = 6
+_SIX = (6,)
+_WORDS = {5: "five", 6: "six", 7: "seven"}
 
 
 @dataclass(frozen=True)
@@ -40,7 +42,7 @@ class PointProgram:
     """A thinned plan as a program counts it.
 
     Attributes:
-        degrees: Joint values in degrees, as the maker counts joints, shape (n, 6).
+        degrees: Joint values in degrees, as the maker counts joints, shape (n, dof).
         steps: Time from each point to the next, whole ticks, shape (n - 1,) [s].
         tool: Positions of the tool at the points, shape (n, 3) [m].
         turned: Rotation of the tool from each point to the next, shape (n - 1,) [rad].
@@ -54,15 +56,31 @@ class PointProgram:
     certificate: ProgramCertificate
 
 
-def language_of(arm: Arm, name: str, title: str) -> LanguageInfo:
+def language_of(
+    arm: Arm,
+    name: str,
+    title: str,
+    joints: tuple[int, ...] = _SIX,
+    built_in: Mapping[str, LanguageInfo] | None = None,
+) -> LanguageInfo:
     """Return what is known of a language of an arm's controller.
 
+    Args:
+        arm: The arm.
+        name: Name of the language.
+        title: The same, for people.
+        joints: How many turning joints an arm may have.
+        built_in: Arms of the catalogue that run the language although the ``controller`` block that
+            their plans carry does not say so.
+
     Raises:
-        InvalidRequest: Its controller is not known, runs other programs, or the arm does not have
-            six turning joints.
+        InvalidRequest: Its controller is not known, runs other programs, or the arm has other
+            joints.
     """
     controller = arm.controller
     found = controller.language(name) if controller is not None else None
+    if found is None and built_in is not None:
+        found = built_in.get(arm.robot)
     if found is None:
         why = "its controller runs none" if controller is not None else "no controller is known"
         raise refusal(
@@ -70,10 +88,11 @@ def language_of(arm: Arm, name: str, title: str) -> LanguageInfo:
             f"no {title} program for {arm.robot!r}: {why}; a robot whose controller has the "
             f'language "{name}" can have one',
         )
-    if arm.units != ("rad",) * _JOINTS:
+    if arm.units not in [("rad",) * count for count in joints]:
+        words = " or ".join(_WORDS[count] for count in joints)
         raise refusal(
             name,
-            f"no {title} program for {arm.robot!r}: it moves six turning joints, and this "
+            f"no {title} program for {arm.robot!r}: it moves {words} turning joints, and this "
             f"chain has {len(arm.units)} joints ({', '.join(arm.units)})",
         )
     return found
@@ -104,8 +123,8 @@ def points_of(
     """
     from ikplan.plans.programs.thinning import TOLERANCE, thin
 
-    known = robot if robot is not None else _from_catalogue(plan, language.name)
-    matrix = np.eye(_JOINTS) if language.joints is None else np.array(language.joints)
+    known = known_robot(plan, language.name, robot)
+    matrix = np.eye(known.dof) if language.joints is None else np.array(language.joints)
     back = np.linalg.inv(matrix)
 
     def kept(q: Array) -> Array:
@@ -130,6 +149,7 @@ def comments(plan: PlanDocument, certificate: ProgramCertificate) -> list[str]:
     between = {
         "blended": "moves linear in the joints, corners parabolas over half of the shorter step",
         "spline": "cubic splines of the joints through the points, at rest at both ends",
+        "waypoints": "Ruckig's moves from waypoint to waypoint, one sample each 1 ms",
     }[c.interpolation]
     return [
         f"plan {plan.id} for {plan.robot}",
@@ -185,7 +205,14 @@ def refusal(language: str, detail: str) -> InvalidRequest:
     return InvalidRequest(detail, field="format", allowed=f"another format than {language}")
 
 
-def _from_catalogue(plan: PlanDocument, language: str) -> Robot:
+def known_robot(plan: PlanDocument, language: str, robot: Robot | None) -> Robot:
+    """Return the robot of a plan: the one given, else that of the catalogue.
+
+    Raises:
+        InvalidRequest: The catalogue does not have it.
+    """
+    if robot is not None:
+        return robot
     from ikplan.robots import catalogue_robot
 
     try:

@@ -13,13 +13,15 @@ from ikplan.documents.certificate import Result
 
 __all__ = ["ProgramCertificate", "ProgramInterpolation"]
 
-ProgramInterpolation = Literal["blended", "spline"]
+ProgramInterpolation = Literal["blended", "spline", "waypoints"]
 """What a controller does between the points of a program.
 
 "blended": moves linear in the joints at constant speed, each corner rounded by parabolas of the
 joints over half of the shorter move beside it; half of the first and of the last move is spent on
 speeding up and slowing down. "spline": the cubic splines of the joints through the points, twice
-continuously differentiable, at rest at both ends.
+continuously differentiable, at rest at both ends. "waypoints": from each point to the next the
+motion of limited jerk that Ruckig makes, in a time, with the point's velocity and no acceleration
+at its ends.
 """
 
 
@@ -27,7 +29,7 @@ class ProgramCertificate(Result):
     """What holds of a program's motion, for the interpolation that it names and no other."""
 
     interpolation: ProgramInterpolation = Field(
-        description='What the controller does between points: "blended" or "spline".'
+        description='What the controller does between points: "blended", "spline" or "waypoints".'
     )
     points: int = Field(description="Points of the program, the first one included.")
     duration: float = Field(description="Time that the program takes [s].")

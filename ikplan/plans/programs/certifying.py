@@ -6,6 +6,7 @@ Largest speeds and accelerations are exact, those of the polynomials. Distances 
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -21,7 +22,7 @@ if TYPE_CHECKING:
     from ikplan.documents.plan_document import PlanDocument
     from ikplan.robots import Robot
 
-__all__ = ["certify", "limits_of"]
+__all__ = ["Distances", "certify", "distances", "limits_of"]
 
 _ROUNDS = 5
 
@@ -66,9 +67,53 @@ def certify(
     motion = interpolate(kind, due, points)
     time = looks(float(due[-1]))
     played = motion.at(time)
+    off = distances(plan, robot, played, np.interp(time, due, passed))
+    speeds, accelerations = motion.peaks()
+    velocity_limit, acceleration_limit = limits_of(plan, robot)
+    return ProgramCertificate(
+        interpolation=kind,
+        points=len(due),
+        duration=float(due[-1]),
+        time_factor=max(float(due[-1]) / plan.duration, 1.0),
+        tolerance=tolerance,
+        max_path_deviation=off.path,
+        max_orientation_deviation=off.orientation,
+        max_joint_deviation=off.joints,
+        max_time_shift=off.shift,
+        velocity_limit_ratio=float((speeds / velocity_limit).max()),
+        acceleration_limit_ratio=float((accelerations / acceleration_limit).max()),
+    )
+
+
+@dataclass(frozen=True)
+class Distances:
+    """How far a motion is from a plan.
+
+    Attributes:
+        path: Largest distance of the tool from the plan's path [m].
+        orientation: Largest rotation from the plan's, where it is nearest [rad].
+        joints: Largest distance of a joint there [rad or m].
+        shift: How early or late a place of the path is passed at most [s].
+    """
+
+    path: float
+    orientation: float
+    joints: float
+    shift: float
+
+
+def distances(plan: PlanDocument, robot: Robot, played: Array, expected: Array) -> Distances:
+    """Measure a motion against a plan.
+
+    Args:
+        plan: The plan.
+        robot: Its robot.
+        played: Joint values of the motion at even times, shape (m, dof) [rad or m].
+        expected: When the plan is expected there, shape (m,) [s].
+    """
     poses = robot.poses(played)
-    at = np.interp(time, due, passed)
-    expected, best = np.array(at), np.full(len(at), np.inf)
+    at = expected
+    best = np.full(len(at), np.inf)
     error, joints, shift = np.zeros((len(at), 6)), np.zeros(len(at)), np.zeros(len(at))
     # Wherever it is looked for, the distance from a place of the path bounds that from the path.
     for _ in range(_ROUNDS):
@@ -82,20 +127,11 @@ def certify(
         shift[nearer] = np.abs(at - expected)[nearer]
         twist = np.einsum("mij,mj->mi", robot.jacobians(q), dq)
         at = np.clip(at + lags(found, twist), 0.0, plan.duration)
-    speeds, accelerations = motion.peaks()
-    velocity_limit, acceleration_limit = limits_of(plan, robot)
-    return ProgramCertificate(
-        interpolation=kind,
-        points=len(due),
-        duration=float(due[-1]),
-        time_factor=max(float(due[-1]) / plan.duration, 1.0),
-        tolerance=tolerance,
-        max_path_deviation=_bounded(np.linalg.norm(error[:, :3], axis=1)),
-        max_orientation_deviation=_bounded(np.linalg.norm(error[:, 3:], axis=1)),
-        max_joint_deviation=_bounded(joints),
-        max_time_shift=float(shift.max()),
-        velocity_limit_ratio=float((speeds / velocity_limit).max()),
-        acceleration_limit_ratio=float((accelerations / acceleration_limit).max()),
+    return Distances(
+        _bounded(np.linalg.norm(error[:, :3], axis=1)),
+        _bounded(np.linalg.norm(error[:, 3:], axis=1)),
+        _bounded(joints),
+        float(shift.max()),
     )
 
 

@@ -53,7 +53,8 @@ def interpolate(kind: ProgramInterpolation, time: Array, q: Array) -> Motion:
     """Return the motion through or past the points of a program.
 
     Args:
-        kind: "blended" or "spline".
+        kind: "blended" or "spline"; "waypoints" are played by
+            :mod:`ikplan.plans.programs.waypoints`.
         time: When each point is due, shape (n,), n >= 2, increasing [s].
         q: The points, shape (n, dof) [rad or m].
     """

@@ -13,6 +13,15 @@ def add_reach(parser: argparse.ArgumentParser) -> None:
     """The robot, the grid, the orientations, what is in the way, and where the map goes."""
     parser.add_argument("robot", metavar="ROBOT", help="a name or a file")
     add_robot_frames(parser)
+    parser.add_argument(
+        "--along",
+        metavar="REQUEST",
+        help="how much of the path of this request is reached, at each shift of it; the grid is "
+        "then that of the shifts",
+    )
+    parser.add_argument(
+        "--poses", type=int, default=24, metavar="N", help="poses along it; 24 if absent"
+    )
     for name, what in (("lower", "first"), ("upper", "last")):
         parser.add_argument(
             f"--{name}",

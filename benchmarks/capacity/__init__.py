@@ -1,0 +1,1 @@
+"""Capacity: how many cores, how much memory and storage a load takes."""

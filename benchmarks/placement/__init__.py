@@ -1,0 +1,1 @@
+"""Placement of parts: searches compared with the planner as their objective."""

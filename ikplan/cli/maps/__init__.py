@@ -1,0 +1,1 @@
+"""Commands that map: which poses a robot reaches, and where it is best placed."""

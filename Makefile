@@ -3,6 +3,7 @@ PYTHON ?= python3
 VENV   := .venv
 BIN    := $(VENV)/bin
 MINUTES ?= 30
+JOBS   ?= auto
 STAMP  := $(VENV)/.ready
 DOCS   := $(VENV)/.docs-ready
 
@@ -34,8 +35,8 @@ page: $(STAMP)   ## check and bundle the page that the service shows at /
 picture: page    ## renew docs/page.png; needs chromium
 	$(BIN)/python -m tests.page.picture docs/page.png
 
-test: $(STAMP)   ## run the tests
-	$(BIN)/python -m pytest
+test: $(STAMP)   ## run the tests, a process a core; JOBS=1 for one
+	$(BIN)/python -m pytest --numprocesses $(JOBS) --dist loadfile
 
 coverage: $(STAMP)  ## run the tests and print which lines and branches of Python they miss
 	$(BIN)/python -m pytest --cov --cov-report=term

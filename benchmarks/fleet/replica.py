@@ -1,4 +1,4 @@
-"""One replica: ``ikplan serve`` in a process of its own, which can be killed, halted and restarted."""
+"""One replica: ``ikplan serve`` in a process of its own, to be killed, halted and started again."""
 
 from __future__ import annotations
 

@@ -63,11 +63,10 @@ def test_no_route_shows_or_changes_what_is_another_keys(place: str) -> None:
                     url = path.format(**{**ids, "plan_id": plan_id})
                     answer = await there.http.request(method.upper(), url, headers=key("berta"))
                     assert answer.status_code == 404, (method, url)
-                    unknown = path.format(
-                        name="urdf-" + "0" * 32, scene_id="scene-" + "0" * 32, plan_id="0" * 32
-                    )
-                    none = await there.http.request(method.upper(), unknown, headers=key("berta"))
-                    assert shape(answer) == shape(none), (method, url)
+                    none = {k: v[: v.rfind("-") + 1] + "0" * 32 for k, v in ids.items()}
+                    other = path.format(**none)
+                    unknown = await there.http.request(method.upper(), other, headers=key("berta"))
+                    assert shape(answer, url) == shape(unknown, other), (method, url)
                     asked += 1
         assert asked >= 14
         named = {**GOOD, "robot": ids["name"]}
@@ -106,14 +105,12 @@ def test_no_route_shows_or_changes_what_is_another_keys(place: str) -> None:
     served(place, use, api_keys=",".join(ENTRIES))
 
 
-def shape(answer: httpx.Response) -> tuple[Any, ...]:
-    """All of an answer but its ids."""
-    problem = {
-        name: value
-        for name, value in answer.json().items()
-        if name not in ("instance", "detail", "id", "name", "near")
-    }
-    return answer.status_code, problem, sorted(answer.headers)
+def shape(answer: httpx.Response, url: str) -> tuple[Any, ...]:
+    """All of an answer but the id that was asked for and that of the request."""
+    text = answer.text.replace(answer.headers["x-request-id"], "")
+    for part in url.split("/")[3:]:
+        text = text.replace(part, "ID")
+    return answer.status_code, text, sorted(answer.headers)
 
 
 def test_equal_requests_of_two_keys_are_two_plans_and_neither_answer_tells(place: str) -> None:

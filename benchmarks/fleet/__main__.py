@@ -7,6 +7,7 @@ database, ``events`` times events at the other replica, ``sqlite`` times puts at
 from __future__ import annotations
 
 import argparse
+import functools
 import tempfile
 from collections.abc import Callable, Sequence
 from pathlib import Path
@@ -36,27 +37,24 @@ def main(argv: Sequence[str] | None = None) -> None:
         _tell("sqlite", sqlite_puts(options.plans, 20_000, 2_000))
     if set(checks) == {"sqlite"}:
         return
+    runs: list[Callable[[str, list[Replica]], None]] = []
     with tempfile.TemporaryDirectory() as folder, postgres() as server:
-        if "events" in checks:
-            _with_replicas(
-                server,
-                Path(folder),
-                options,
-                lambda database, replicas: _tell(
-                    "events",
-                    event_latency(
-                        database, replicas, jobs=options.jobs, waypoints=options.waypoints
-                    ),
-                ),
-            )
         for name, faults in (
             ("faults", Faults()),
             ("restart", Faults(replicas=0, workers=0, halts=0, restarts=2)),
         ):
             if name in checks:
-                _with_replicas(
-                    server, Path(folder), options, _harmed(server, name, faults, options)
-                )
+                runs.append(_harmed(server, name, faults, options))
+        if "events" in checks:
+            runs.append(functools.partial(_events, options))
+        _with_replicas(server, Path(folder), options, runs)
+
+
+def _events(options: argparse.Namespace, database: str, replicas: list[Replica]) -> None:
+    for replica in replicas:
+        replica.wait_until_ready()
+    found = event_latency(database, replicas, jobs=options.jobs, waypoints=options.waypoints)
+    _tell("events", found)
 
 
 def _harmed(
@@ -82,7 +80,7 @@ def _with_replicas(
     server: Postgres,
     folder: Path,
     options: argparse.Namespace,
-    run: Callable[[str, list[Replica]], None],
+    runs: Sequence[Callable[[str, list[Replica]], None]],
 ) -> None:
     database = server.new_database()
     replicas = [Replica(database, folder / f"replica-{i}.log", options.lease) for i in range(2)]
@@ -91,7 +89,8 @@ def _with_replicas(
             replica.start()
         for replica in replicas:
             replica.wait_until_ready()
-        run(database, replicas)
+        for run in runs:
+            run(database, replicas)
     finally:
         for replica in replicas:
             replica.kill()

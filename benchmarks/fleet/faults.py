@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import random
 import signal
+import threading
 import time
 from typing import Any, NamedTuple
 
@@ -35,7 +36,7 @@ class Faults(NamedTuple):
         restarts: Restarts of the database.
     """
 
-    replicas: int = 4
+    replicas: int = 3
     workers: int = 8
     halts: int = 2
     restarts: int = 0
@@ -56,14 +57,24 @@ def jobs_with_faults(
     rng = random.Random(seed)
     began = time.monotonic()
     statuses: dict[int, int] = {}
-    ids = [_submit(replicas, request(i, waypoints), statuses) for i in range(jobs)]
+    before = _finished(database)
+    ids: list[str] = []
+
+    def submit() -> None:
+        for i in range(jobs):
+            ids.append(_submit(replicas, i, request(before + i, waypoints), statuses))
+
+    submitting = threading.Thread(target=submit)
+    submitting.start()
     ends: dict[str, float] = {}  # replica's name in the audit by when it was killed
     harms = ["replica"] * faults.replicas + ["worker"] * faults.workers
     harms += ["halt"] * faults.halts + ["restart"] * faults.restarts
     rng.shuffle(harms)
     done = 0
-    for harm in harms:
-        time.sleep(rng.uniform(0.5, 2.5))
+    for number, harm in enumerate(harms):
+        # Spread over the run, whatever the machine's speed.
+        while _finished(database) - before < jobs * (number + 1) / (len(harms) + 2):
+            time.sleep(0.05)
         replica = rng.choice(replicas)
         if harm == "worker":
             for pid in replica.workers()[:1]:
@@ -81,22 +92,22 @@ def jobs_with_faults(
             if (name := _name(database, replica)) is not None:
                 ends[name] = time.time()
             replica.kill()
-            replica.start()
-            replica.wait_until_ready()
-        done = _finished(database)
+            replica.start()  # the other one has the jobs until it is warm
+        done = _finished(database) - before
         print(
             f"  {harm:8} at {time.monotonic() - began:6.1f} s: {done} of {jobs} finished",
             flush=True,
         )
+    submitting.join()
     deadline = time.monotonic() + 900
-    while (done := _finished(database)) < jobs and time.monotonic() < deadline:
+    while (done := _finished(database) - before) < jobs and time.monotonic() < deadline:
         if _failed(database) + done >= jobs:
             break
         _ask(replicas, ids[rng.randrange(jobs)], statuses)
         time.sleep(0.5)
     seen = [_ask(replicas, plan_id, statuses) for plan_id in ids]
     with psycopg.connect(database) as connection:
-        counts = dict(
+        counts: dict[str, int] = dict(
             connection.execute("SELECT action, count(*) FROM audit GROUP BY action").fetchall()
         )
         per_job = connection.execute(
@@ -123,20 +134,23 @@ def jobs_with_faults(
     }
 
 
-def _submit(replicas: list[Replica], document: dict[str, Any], statuses: dict[int, int]) -> str:
-    deadline = time.monotonic() + 300
+def _submit(
+    replicas: list[Replica], number: int, document: dict[str, Any], statuses: dict[int, int]
+) -> str:
+    deadline = time.monotonic() + 600
     while True:
-        replica = replicas[hash(str(document)) % len(replicas)]
+        number += 1
+        replica = replicas[number % len(replicas)]
         try:
             answer = httpx.post(
                 f"{replica.address}/v1/plans",
                 json=document,
                 headers={"prefer": "respond-async"},
-                timeout=60.0,
+                timeout=10.0,
             )
-        except httpx.HTTPError:
+        except httpx.HTTPError:  # it is killed or halted: another one answers
             assert time.monotonic() < deadline
-            time.sleep(0.5)
+            time.sleep(0.2)
             continue
         statuses[answer.status_code] = statuses.get(answer.status_code, 0) + 1
         if answer.is_success:

@@ -56,7 +56,7 @@ class Replica:
         assert self._process is not None
         return self._process.pid
 
-    def wait_until_ready(self, within_s: float = 300.0) -> None:
+    def wait_until_ready(self, within_s: float = 900.0) -> None:
         """Wait until its workers are warm."""
         deadline = time.monotonic() + within_s
         while True:

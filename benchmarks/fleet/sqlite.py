@@ -46,7 +46,7 @@ async def _run(path: Path, plans: int, size: int, further: int) -> dict[str, Any
     began, busy = time.perf_counter(), time.process_time()
     await store.open()
     opened_s = time.process_time() - busy
-    during = []
+    during: list[float] = []
     while len(store._purge.sizes) > plans // 2 or not await _small(store):
         document = os.urandom(size)
         put = time.process_time()

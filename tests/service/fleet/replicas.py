@@ -50,7 +50,8 @@ async def replica(database: str, **settings: Any) -> AsyncIterator[Replica]:
     planner = InProcess()
     given = {"lease_s": 1.0, "rate_limit": "", "robot_timeout_s": 120.0, "stop_s": 5.0, **settings}
     where = {"store_url": database} if database.startswith("postgres") else {"store_path": database}
-    app = create_app(Settings(**where, **given), planner=planner)
+    options: dict[str, Any] = {**where, **given}
+    app = create_app(Settings(**options), planner=planner)
     transport = httpx.ASGITransport(app, raise_app_exceptions=False)
     async with (
         app.router.lifespan_context(app),

@@ -262,7 +262,7 @@ def test_a_file_of_the_first_version_keeps_its_plans_and_stays_shared(tmp_path: 
 
     asyncio.run(use())
     keys = ",".join(ENTRIES)
-    app = create_app(Settings(store_path=str(path), api_keys=keys))  # type: ignore[arg-type]
+    app = create_app(Settings(store_path=str(path), api_keys=keys))
     assert app.state.store is not None
 
 

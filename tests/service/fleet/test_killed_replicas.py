@@ -22,7 +22,7 @@ from ikplan_api.store.postgres.store import PostgresStore
 from ..serving import WAIT_S, bound_s
 from .light import BOUNDS, run_replica
 
-LEASE_S = 1.5
+LEASE_S = 3.0
 
 
 @pytest.fixture(scope="module")

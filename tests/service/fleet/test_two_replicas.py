@@ -234,7 +234,8 @@ def test_jobs_go_on_over_a_restart_of_the_database(server: Postgres, database: s
         starting.start()
         for replica in (here, there):
             replica.planner.go.set()
-        seen, done = [], set()
+        done: set[str] = set()
+        seen: list[httpx.Response] = []
         deadline = time.monotonic() + 120
         while len(done) < len(places):
             assert time.monotonic() < deadline

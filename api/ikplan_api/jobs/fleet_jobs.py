@@ -231,6 +231,9 @@ class FleetJobs:
 
     def _lost(self, run: FleetRun) -> None:
         """Stop a job that is no longer this replica's, unless clients here wait for it."""
+        if run.ending:  # its end is written, or refused
+            return
+        _log.warning("job %s is no longer this replica's", run.claim.job.plan_id)
         run.held = run.accepted = False
         if not run.waiters:
             run.task.cancel()
@@ -279,7 +282,6 @@ class FleetJobs:
             for run in list(self._runs.values()):
                 try:
                     if run.held and not await self._queue.renew(run.claim):
-                        _log.warning("job %s is no longer this replica's", run.claim.job.plan_id)
                         self._lost(run)
                 except StoreFault as error:
                     _log.warning("no lease can be renewed now: %s", error)
@@ -320,6 +322,7 @@ class FleetJobs:
         reporting = asyncio.create_task(run.report(self._queue))
         try:
             result = await self._plan(run, wait_if_full)
+            run.ending = True
         except asyncio.CancelledError:
             if run.held:
                 self._settle_later(self._settle(lambda: self._queue.release(claim)))
@@ -329,9 +332,11 @@ class FleetJobs:
             await self._settle(lambda: self._queue.release(claim))
             raise
         except IkplanError as error:
+            run.ending = True
             await self._fail(claim, json_ready(error.to_problem()))
             raise
         except Exception:
+            run.ending = True
             _log.exception("plan %s failed", claim.job.plan_id)
             await self._fail(claim, http_problem(500, "unexpected error in the service"))
             raise

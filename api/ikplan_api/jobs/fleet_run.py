@@ -45,6 +45,7 @@ class FleetRun:
         waiters: Number of clients of this replica that wait for the result.
         accepted: Whether it was accepted when it was claimed.
         held: Whether the claim still holds, as far as is known.
+        ending: Whether its end is being written: then its row may just be gone.
     """
 
     task: asyncio.Task[TaskResult]
@@ -54,6 +55,7 @@ class FleetRun:
         self.waiters = 0
         self.accepted = claim.accepted
         self.held = True
+        self.ending = False
         self._latest = ("", 0, 0)
         self._changed = asyncio.Event()
 

@@ -1,7 +1,8 @@
 """Measure several replicas on one PostgreSQL, and the SQLite file at its bounds.
 
 ``python -m benchmarks.fleet faults`` kills replicas and workers at random, ``restart`` restarts the
-database, ``events`` times events at the other replica, ``sqlite`` times puts at a full file.
+database, ``events`` times events at the other replica, ``notify`` does without workers and HTTP,
+``sqlite`` times puts at a full file.
 """
 
 from __future__ import annotations
@@ -13,13 +14,13 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
-from benchmarks.fleet.events import event_latency
+from benchmarks.fleet.events import event_latency, notification_latency
 from benchmarks.fleet.faults import Faults, jobs_with_faults
 from benchmarks.fleet.postgres import Postgres, postgres
 from benchmarks.fleet.replica import Replica
 from benchmarks.fleet.sqlite import sqlite_puts
 
-_CHECKS = ("faults", "restart", "events", "sqlite")
+_CHECKS = ("faults", "restart", "events", "notify", "sqlite")
 
 
 def main(argv: Sequence[str] | None = None) -> None:
@@ -47,7 +48,10 @@ def main(argv: Sequence[str] | None = None) -> None:
                 runs.append(_harmed(server, name, faults, options))
         if "events" in checks:
             runs.append(functools.partial(_events, options))
-        _with_replicas(server, Path(folder), options, runs)
+        if "notify" in checks:
+            _tell("notify", notification_latency(server.new_database(), options.jobs))
+        if runs:
+            _with_replicas(server, Path(folder), options, runs)
 
 
 def _events(options: argparse.Namespace, database: str, replicas: list[Replica]) -> None:

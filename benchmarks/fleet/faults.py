@@ -118,7 +118,7 @@ def jobs_with_faults(
     late = [
         claimed.timestamp() - ends[replica]
         for claimed, before, replica, _ in taken
-        if replica in ends and before.timestamp() <= ends[replica]
+        if replica in ends and before.timestamp() <= ends[replica] <= claimed.timestamp()
     ]
     return {
         "jobs": jobs,

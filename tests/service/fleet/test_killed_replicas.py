@@ -83,8 +83,7 @@ def test_two_hundred_jobs_end_once_each_whoever_is_killed(
     jobs, rng = 200, random.Random(7)
     accept(database, jobs)
     replicas = [start(database, 0.03) for _ in range(2)]
-    killed: dict[int, float] = {}
-    deadline = time.monotonic() + WAIT_S
+    deadline = time.monotonic() + 2 * WAIT_S
     with asked(database) as rows:
         for harm in ("kill", "halt", "kill", "kill", "halt", "kill"):
             time.sleep(rng.uniform(0.2, 0.6))
@@ -100,7 +99,6 @@ def test_two_hundred_jobs_end_once_each_whoever_is_killed(
                 time.sleep(LEASE_S + 1.0)
                 os.kill(victim.pid, signal.SIGCONT)
             else:
-                killed[victim.pid] = time.time()
                 victim.kill()
                 replicas[chosen] = start(database, 0.03)
         while rows("SELECT 1 FROM jobs LIMIT 1"):

@@ -5,6 +5,7 @@ from __future__ import annotations
 from fastapi import APIRouter
 
 from ikplan_api.routes import (
+    audit,
     batches,
     docs,
     health,
@@ -30,6 +31,7 @@ ROUTERS: tuple[APIRouter, ...] = (
     robots.router,
     scenes.router,
     visuals.router,
+    audit.router,
     health.router,
     metrics.router,
     docs.router,

@@ -148,7 +148,8 @@ def with_nodes(timed: TimedPath, rate_hz: float) -> Samples:
 def _samples(timed: TimedPath, time: Array) -> Samples:
     q, dq, ddq = timed.evaluate(time)
     q[-1] = timed.path.q_knots[-1]
-    dq[-1] = 0.0
+    if timed.sdot[-1] == 0.0:
+        dq[-1] = 0.0
     return Samples(time, q, dq, ddq)
 
 

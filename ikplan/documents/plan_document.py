@@ -10,6 +10,7 @@ from pydantic import Field
 from ikplan.arrays import Array
 from ikplan.documents.certificate import Certificate, Result
 from ikplan.documents.controller import ControllerInfo
+from ikplan.documents.events import EventResult
 from ikplan.documents.poses import PostureReport
 from ikplan.documents.timing_report import MotionPolynomials, TimingReport
 from ikplan.documents.trajectory import OrderReport, Stats, Trajectory, WaypointResults
@@ -45,6 +46,7 @@ class PlanDocument(Result):
     controller: ControllerInfo | None = Field(
         None, description="The robot's controller; null: none is known."
     )
+    events: list[EventResult] = Field([], description="When the events asked for are.")
     stats: Stats
 
     @property

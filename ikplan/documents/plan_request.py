@@ -29,6 +29,7 @@ from ikplan.documents import (
     as_list,
     content_hash,
 )
+from ikplan.documents.events import Event
 from ikplan.documents.limits import LimitOptions, SamplingOptions
 from ikplan.documents.path import PathRequest
 from ikplan.documents.poses import (
@@ -201,12 +202,36 @@ class PlanRequest(Document):
         "absent: as the robot's description has them.",
     )
     path: PathRequest
+    start_velocity: Annotated[Floats | None, IfGiven()] = Field(
+        None,
+        description="Joint velocities at the start, shape (dof,) [rad/s or m/s], for a robot that "
+        "moves already; null: at rest. Joint motions begin tangent to it; a tool path has to begin "
+        "along it. What is not feasible is refused with the nearest that is.",
+    )
+    start_acceleration: Annotated[Floats | None, IfGiven()] = Field(
+        None,
+        description="Joint accelerations at the start, shape (dof,) [rad/s^2 or m/s^2]; they count "
+        "where jerks are limited. null: none.",
+    )
+    end_velocity: Annotated[Floats | None, IfGiven()] = Field(
+        None,
+        description="Joint velocities at the end, shape (dof,) [rad/s or m/s]; null: at rest.",
+    )
+    events: Annotated[list[Event], BeforeValidator(as_list), Field(max_length=1_000), IfGiven()] = (
+        Field([], description="Places and times of the motion whose exact times are wanted.")
+    )
     ik: IkOptions = Field(default_factory=IkOptions)
     limits: LimitOptions = Field(default_factory=LimitOptions)
     sampling: SamplingOptions = Field(default_factory=SamplingOptions)
     budget_s: float = Field(
         10.0, gt=0, le=MAX_BUDGET_S, description=f"Time budget of the planner [s]: {BUDGET_COUNTS}."
     )
+
+    @model_validator(mode="after")
+    def _known_start(self) -> PlanRequest:
+        if self.start == "free" and self.start_velocity is not None:
+            raise ValueError("start_velocity: a robot that moves has a start; it is not free")
+        return self
 
     def content_hash(self, *context: str) -> str:
         """Return the plan's id: a hash of this request in canonical form and its context.

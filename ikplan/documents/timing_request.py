@@ -77,6 +77,21 @@ class TimingRequest(Document):
         "`position` [m] and `orientation` [rad]. Within it, the motion takes a smooth path, so "
         "that noise of the waypoints costs no time. null: a spline through the waypoints.",
     )
+    start_velocity: Annotated[Floats | None, IfGiven()] = Field(
+        None,
+        description="Joint velocities at the start, shape (dof,) [rad/s or m/s], for a robot that "
+        "moves already; null: at rest. Joint motions begin tangent to it; a tool path has to begin "
+        "along it. What is not feasible is refused with the nearest that is.",
+    )
+    start_acceleration: Annotated[Floats | None, IfGiven()] = Field(
+        None,
+        description="Joint accelerations at the start, shape (dof,) [rad/s^2 or m/s^2]; they count "
+        "where jerks are limited. null: none.",
+    )
+    end_velocity: Annotated[Floats | None, IfGiven()] = Field(
+        None,
+        description="Joint velocities at the end, shape (dof,) [rad/s or m/s]; null: at rest.",
+    )
     tool: ToolFrame = Field(
         default_factory=ToolFrame,
         description="The tool frame (TCP), in the tip frame, and the shape of the tool.",

@@ -25,7 +25,8 @@ class WaypointResults(Result):
 
 
 class Trajectory(Result):
-    """The timed samples; time strictly increases, the motion begins and ends at rest."""
+    """The timed samples; time strictly increases, the motion begins and ends at rest where no
+    velocity is asked for."""
 
     time: Vector = Field(description="Sample times, shape (m,) [s].")
     q: Matrix = Field(description="Joint values, shape (m, dof) [rad or m].")

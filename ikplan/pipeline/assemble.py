@@ -12,6 +12,7 @@ from ikplan.certificate import Claim, RequestedSegment, certify
 from ikplan.certificate.clearance.leaving import Leaving
 from ikplan.certificate.regions import has_regions, prove_regions
 from ikplan.certificate.requested import read_motion
+from ikplan.documents.events import EventResult
 from ikplan.documents.path import PathRequest
 from ikplan.documents.plan_request import PlanRequest
 from ikplan.documents.poses import PostureReport
@@ -20,6 +21,7 @@ from ikplan.documents.trajectory import MoveReport, Stats, WaypointResults
 from ikplan.ik.solve import pose_distance
 from ikplan.kinematics.arm import arm_of
 from ikplan.limits.motion_limits import MotionLimits
+from ikplan.pipeline.asked.events import EventFinder
 from ikplan.pipeline.collisions import handed_out, prove_motion
 from ikplan.pipeline.hints import default_hints, stop_hints
 from ikplan.pipeline.timing_stage import Timing
@@ -28,6 +30,7 @@ from ikplan.planning.posture import report_posture
 from ikplan.plans.plan import Plan
 from ikplan.robots import Robot
 from ikplan.scene.body import CollisionModel
+from ikplan.timing.moving.moving_ends import MovingEnds
 from ikplan.time_budget import TimeBudget
 
 __all__ = ["assemble_plan", "joint_steps", "waypoint_results"]
@@ -85,6 +88,44 @@ def _posture_report(
     )
 
 
+def _dwells(
+    robot: Robot, path: PathRequest | None, q_start: Array | None, order: tuple[int, ...] | None
+) -> tuple[tuple[int, float], ...]:
+    """Rows of waypoints at which a path asks the motion to stand, and how long [s]."""
+    segments = [] if path is None else path.segments or []
+    if path is None or not any(segment.dwell for segment in segments):
+        return ()
+    rows = read_motion(robot, path, q_start, order).last_rows
+    return tuple(
+        (rows[f"path.segments[{k}]"], segment.dwell)
+        for k, segment in enumerate(segments)
+        if segment.dwell
+    )
+
+
+def _events(
+    request: PlanRequest | TimingRequest,
+    robot: Robot,
+    path: PathRequest | None,
+    q_start: Array | None,
+    order: tuple[int, ...] | None,
+    timing: Timing,
+    waypoint_time: Array,
+) -> list[EventResult]:
+    """When the events of a request are."""
+    if not isinstance(request, PlanRequest) or path is None or not request.events:
+        return []
+    finder = EventFinder(
+        robot,
+        timing.timed,
+        read_motion(robot, path, q_start, order),
+        len(path.waypoints or path.segments or ()),
+        waypoint_time,
+        path.segments is not None,
+    )
+    return [finder.found(event, f"events[{k}]") for k, event in enumerate(request.events)]
+
+
 def assemble_plan(
     request: PlanRequest | TimingRequest,
     robot: Robot,
@@ -104,6 +145,7 @@ def assemble_plan(
     order: tuple[int, ...] | None = None,
     leaving: Leaving | None = None,
     hints: Sequence[str] = (),
+    ends: MovingEnds | None = None,
     plan_id: str,
 ) -> Plan:
     """Certify a timed trajectory and return it as the plan of its request.
@@ -127,6 +169,7 @@ def assemble_plan(
         order: Numbers of the parts of the path in the order passed; None: as it is written.
         leaving: Pairs that touch at the start, which is left, and until when they may.
         hints: What takes time and need not, in words.
+        ends: Joint rates asked for at the ends; None: rest.
         plan_id: The id of the plan.
 
     Raises:
@@ -154,6 +197,10 @@ def assemble_plan(
                 joint_waypoints=joint_waypoints,
                 joint_tolerance=tolerance,
                 order=order,
+                start_velocity=None if ends is None else ends.start_velocity,
+                end_velocity=None if ends is None else ends.end_velocity,
+                duration=request.limits.duration,
+                dwells=_dwells(robot, path, q_start, order),
             )
         )
         if path is not None and has_regions(path):
@@ -182,6 +229,7 @@ def assemble_plan(
         timing=timing.report.model_copy(update={"hints": told}),
         motion=timing.motion,
         posture=_posture_report(request, robot, samples.q),
+        events=_events(request, robot, path, q_start, order, timing, waypoints.time),
         controller=None if robot.controller is None else robot.controller.info(),
         stats=Stats(ik_evaluations=clock.evaluations, moves=list(moves), seconds=clock.seconds),
     )

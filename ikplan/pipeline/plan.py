@@ -25,6 +25,7 @@ from ikplan.errors import (
 )
 from ikplan.ik.arguments import check_start
 from ikplan.limits.motion_limits import MotionLimits
+from ikplan.pipeline.asked.asked_motion import asked_ends
 from ikplan.pipeline.assemble import assemble_plan, waypoint_results
 from ikplan.pipeline.collisions import keep_clear, requested_model, with_meshes
 from ikplan.pipeline.helpers import helped_by
@@ -39,6 +40,7 @@ from ikplan.planning import (
     Progress,
     find_repairs,
 )
+from ikplan.planning.limit_repairs import nearest_repairs
 from ikplan.planning.moves.leave import leaving_contact
 from ikplan.planning.posture import motion_cost, preferred_configuration, softened
 from ikplan.planning.repair_kinds import merged_document
@@ -154,7 +156,9 @@ def make_plan(
             stages, problem, model, known_id
         )
     except (Unreachable, Disconnected, InCollision, TimingFailed) as error:
-        if repairs:
+        if isinstance(error, TimingFailed) and error.nearest:
+            error.repairs = nearest_repairs(error)
+        elif repairs:
             # The verdict stands, whether or not there is time left for repairs.
             with contextlib.suppress(BudgetExceeded):
                 error.repairs = _repairs(request, asked_robot, problem, error)
@@ -275,6 +279,7 @@ def _certified(
             segment_times=segment_times(route, times, problem.order),
             order=problem.order,
             leaving=_leaving(problem, motion),
+            ends=asked_ends(request, robot),
             plan_id=known_id,
         )
     except RegionLeft as left:

@@ -33,7 +33,8 @@ of the motion while it lasts."""
 _LOOKED_AT = 24
 """In so many steps of an interval limits are looked at."""
 _KEPT = 1.0 + 1e-10
-_SLOWER, _TIMES = 1.05, 12
+_SLOWER, _SLOWEST = (1.05, 1.6), 20.0
+"""By how much the rest of the motion is slowed at once, at least and at most, and in all."""
 _LEAST_WAY = 1e-6
 """A rest of the way shorter than this share of it is covered by braking alone."""
 
@@ -269,18 +270,18 @@ class MovingJerkSpan:
 
     def _within_limits(self, parts: _Parts | None) -> tuple[_Parts, CubicMotion] | None:
         """Slow the middle until the sum keeps every limit; None: it does not."""
-        slower = 1.0
-        for _ in range(_TIMES):
-            if parts is None:
-                return None
+        if parts is None:
+            return None
+        slowest = _SLOWEST * parts.duration
+        while parts.duration <= slowest:
             motion = self._divided(parts.motion(self._start, self._end))
             factor = self._factor(motion)
             if factor <= _KEPT:
                 return parts, motion
             if parts.middle is None:
                 return None
-            parts = parts.slowed(max(factor, _SLOWER) ** (1.0 + slower))
-            slower *= 1.3
+            step = min(max(factor, _SLOWER[0]), _SLOWER[1])
+            parts = parts.slowed(step**1.5)
         return None
 
     def _factor(self, motion: CubicMotion) -> float:

@@ -44,6 +44,9 @@ def _wrong_ends(claim: Claim) -> list[str]:
                 wrong.append(f"the motion does not {name} with the velocity asked for")
     if claim.duration is not None and abs(claim.time[-1] - claim.duration) > _ROUNDING:
         wrong.append("the motion does not take the time asked for")
+    for row, time in enumerate(claim.times or ()):
+        if time is not None and abs(claim.waypoint_time[row] - time) > _ROUNDING:
+            wrong.append(f"waypoint {row} is not passed at {time:g} s")
     for row, seconds in claim.dwells:
         arrives = claim.waypoint_time[row]
         edge = _ROUNDING + 1e-12 * claim.time[-1]

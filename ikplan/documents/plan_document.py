@@ -13,7 +13,13 @@ from ikplan.documents.controller import ControllerInfo
 from ikplan.documents.events import EventResult
 from ikplan.documents.poses import PostureReport
 from ikplan.documents.timing_report import MotionPolynomials, TimingReport
-from ikplan.documents.trajectory import OrderReport, Stats, Trajectory, WaypointResults
+from ikplan.documents.trajectory import (
+    ObjectiveReport,
+    OrderReport,
+    Stats,
+    Trajectory,
+    WaypointResults,
+)
 
 __all__ = ["PlanDocument"]
 
@@ -31,6 +37,9 @@ class PlanDocument(Result):
     waypoints: WaypointResults
     order: OrderReport | None = Field(
         None, description="The order found; null: the path was passed as it is written."
+    )
+    objective: ObjectiveReport | None = Field(
+        None, description="What `ik.objective` gains; null: least joint motion was asked for."
     )
     trajectory: Trajectory
     certificate: Certificate

@@ -125,11 +125,13 @@ class IkOptions(Document):
         description='How joint motion is kept small: "global" over the whole path, "greedy" '
         "waypoint by waypoint.",
     )
-    objective: Annotated[Literal["motion", "clearance"], IfGiven()] = Field(
+    objective: Annotated[Literal["motion", "time", "clearance"], IfGiven()] = Field(
         "motion",
-        description='What is least: "motion", the motion of the joints, or "clearance", how near '
-        "configurations are to touching anything. In a plan it chooses the configurations of "
-        "waypoints that joint motions lead to; paths with tool paths or moves do not take it.",
+        description='What is least: "motion", the motion of the joints; "time", the time that the '
+        "motion takes within its limits, never more than that of least joint motion; or "
+        '"clearance", how near configurations are to touching anything, which in a plan chooses '
+        "those of waypoints that joint motions lead to; paths with tool paths or moves do not "
+        "take it.",
     )
     effort: Annotated[
         Annotated[int, Field(ge=1, le=10_000_000)] | None,
@@ -300,6 +302,12 @@ class IkRequest(Document):
     _check = field_validator("quaternion_xyzw")(unit_quaternion)
 
     @model_validator(mode="after")
+    def _no_motion(self) -> IkRequest:
+        if self.ik.objective == "time":
+            raise ValueError("ik.objective: a pose has no motion time; time is for plans")
+        return self
+
+    @model_validator(mode="after")
     def _no_posture(self) -> IkRequest:
         if self.ik.posture is not None:
             raise ValueError(
@@ -362,6 +370,12 @@ class IkBatchRequest(Document):
     budget_s: float = Field(
         10.0, gt=0, le=MAX_BUDGET_S, description=f"Time budget of all poses [s]: {BUDGET_COUNTS}."
     )
+
+    @model_validator(mode="after")
+    def _no_motion(self) -> IkBatchRequest:
+        if self.ik.objective == "time":
+            raise ValueError("ik.objective: poses have no motion time; time is for plans")
+        return self
 
     @model_validator(mode="after")
     def _of_one_kind(self) -> IkBatchRequest:

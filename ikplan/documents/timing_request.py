@@ -77,6 +77,16 @@ class TimingRequest(Document):
         "`position` [m] and `orientation` [rad]. Within it, the motion takes a smooth path, so "
         "that noise of the waypoints costs no time. null: a spline through the waypoints.",
     )
+    times: Annotated[
+        list[Annotated[float, Field(ge=0, le=1e6)] | None] | None,
+        BeforeValidator(as_list),
+        IfGiven(),
+    ] = Field(
+        None,
+        description="When each waypoint is passed [s]; null in the list: whenever it suits. The "
+        "first is 0, the last is given. Refused with the earliest feasible ones found. null: as "
+        "soon as the limits allow.",
+    )
     start_velocity: Annotated[Floats | None, IfGiven()] = Field(
         None,
         description="Joint velocities at the start, shape (dof,) [rad/s or m/s], for a robot that "
@@ -114,6 +124,14 @@ class TimingRequest(Document):
     budget_s: float = Field(
         10.0, gt=0, le=MAX_BUDGET_S, description=f"Time budget [s]: {BUDGET_COUNTS}."
     )
+
+    @model_validator(mode="after")
+    def _one_clock(self) -> TimingRequest:
+        if self.times is not None and (
+            self.limits.duration is not None or self.tolerance is not None
+        ):
+            raise ValueError("times go neither with limits.duration nor with tolerance")
+        return self
 
     def content_hash(self, *context: str) -> str:
         """Return the id of the timing: a hash of this request in canonical form and its context.

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from typing import Literal
+
 from pydantic import Field
 
 from ikplan.documents import Matrix, Vector
 from ikplan.documents.certificate import Result
 
-__all__ = ["MoveReport", "OrderReport", "Stats", "Trajectory", "WaypointResults"]
+__all__ = ["MoveReport", "ObjectiveReport", "OrderReport", "Stats", "Trajectory", "WaypointResults"]
 
 
 class WaypointResults(Result):
@@ -25,8 +27,7 @@ class WaypointResults(Result):
 
 
 class Trajectory(Result):
-    """The timed samples; time strictly increases, the motion begins and ends at rest where no
-    velocity is asked for."""
+    """The timed samples; time strictly increases, and the ends rest or move as asked for."""
 
     time: Vector = Field(description="Sample times, shape (m,) [s].")
     q: Matrix = Field(description="Joint values, shape (m, dof) [rad or m].")
@@ -72,6 +73,19 @@ class OrderReport(Result):
     given_length: float | None = Field(
         description="That of the motion in the given order [rad or m]."
     )
+
+
+class ObjectiveReport(Result):
+    """What an objective other than least joint motion gains."""
+
+    objective: Literal["time"] = Field(description="What was made least.")
+    duration: float = Field(description="Time of the motion [s].")
+    length: float = Field(description="Joint distance along it [rad or m].")
+    least_motion_duration: float = Field(
+        description="Time of the motion that moves the joints least [s]."
+    )
+    least_motion_length: float = Field(description="Joint distance along that one [rad or m].")
+    gain: float = Field(description="By which share of it the motion is faster; never below 0.")
 
 
 class Stats(Result):

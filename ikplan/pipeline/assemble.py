@@ -30,8 +30,8 @@ from ikplan.planning.posture import report_posture
 from ikplan.plans.plan import Plan
 from ikplan.robots import Robot
 from ikplan.scene.body import CollisionModel
-from ikplan.timing.moving.moving_ends import MovingEnds
 from ikplan.time_budget import TimeBudget
+from ikplan.timing.moving.moving_ends import MovingEnds
 
 __all__ = ["assemble_plan", "joint_steps", "waypoint_results"]
 
@@ -101,6 +101,11 @@ def _dwells(
         for k, segment in enumerate(segments)
         if segment.dwell
     )
+
+
+def _times(request: PlanRequest | TimingRequest) -> tuple[float | None, ...] | None:
+    given = request.times if isinstance(request, TimingRequest) else None
+    return None if given is None else tuple(given)
 
 
 def _events(
@@ -200,6 +205,7 @@ def assemble_plan(
                 start_velocity=None if ends is None else ends.start_velocity,
                 end_velocity=None if ends is None else ends.end_velocity,
                 duration=request.limits.duration,
+                times=_times(request),
                 dwells=_dwells(robot, path, q_start, order),
             )
         )

@@ -19,6 +19,7 @@ from ikplan.joint_path import JointPath
 from ikplan.limits.motion_limits import LimitedSegment, MotionLimits
 from ikplan.pipeline.asked.asked_motion import AskedMotion, asked_ends
 from ikplan.pipeline.asked.asked_timing import time_as_asked
+from ikplan.pipeline.asked.waypoint_times import time_at
 from ikplan.pipeline.assemble import assemble_plan, joint_steps
 from ikplan.pipeline.collisions import requested_model, with_meshes
 from ikplan.pipeline.helpers import helped_by
@@ -54,6 +55,7 @@ def time_path(
     start_velocity: ArrayLike | None = None,
     start_acceleration: ArrayLike | None = None,
     end_velocity: ArrayLike | None = None,
+    times: Sequence[float | None] | Array | None = None,
 ) -> Plan:
     """Move through joint waypoints as fast as the limits allow, or as asked for.
 
@@ -78,6 +80,8 @@ def time_path(
             that moves already; None: at rest.
         start_acceleration: Joint accelerations there, shape (dof,); they count under jerk limits.
         end_velocity: Joint velocities at the end, shape (dof,) [rad/s or m/s]; None: at rest.
+        times: When each waypoint is passed [s], None in the list: whenever it suits; None: as soon
+            as the limits allow.
 
     Returns:
         The certified trajectory: ``.time``, ``.q``, ``.dq``, ``.ddq``, ``.certificate``, ...
@@ -108,8 +112,13 @@ def time_path(
         "start_velocity": start_velocity,
         "start_acceleration": start_acceleration,
         "end_velocity": end_velocity,
+        "times": times,
     }
-    document |= {key: np.asarray(v) for key, v in rates.items() if v is not None}
+    document |= {
+        key: v.tolist() if isinstance(v, np.ndarray) else list(v)  # type: ignore[arg-type]
+        for key, v in rates.items()
+        if v is not None
+    }
     return time_request(document, robot=robot)
 
 
@@ -215,9 +224,25 @@ def _made(request: TimingRequest, robot: Robot, clock: RequestBudget, known_id: 
             path = JointPath.through(asked, joint_limits(robot, limits), rest_at=request.rest_at)
             # Waypoints too close to tell apart are passed as one.
             waypoints = path.q_knots[path.knot_of_waypoint]
+            if request.times is not None:
+                waypoints = asked.copy()
         with clock.stage("timing"):
-            timing = time_as_asked(
-                path, robot, limits, request.sampling, segments, asked_motion, clock.check
+            timing = (
+                time_as_asked(
+                    path, robot, limits, request.sampling, segments, asked_motion, clock.check
+                )
+                if request.times is None
+                else time_at(
+                    asked,
+                    request.times,
+                    robot,
+                    limits,
+                    request.sampling,
+                    segments,
+                    request.rest_at,
+                    asked_motion,
+                    clock.check,
+                )
             )
         times = timing.timed.times
         hints = noise_hints(robot, asked, times)

@@ -215,7 +215,7 @@ def least_duration(
 def prepared(
     path: JointPath, robot: Robot, limits: MotionLimits, segments: Sequence[LimitedSegment]
 ) -> tuple[JointPath, list[SegmentJointLimits], list[PathConstraint]]:
-    """A path with the knots that its limits need, limits of its ranges, and of tool and torques."""
+    """Return a path with the knots that its limits need, and limits of ranges, tool and torques."""
     refuse_moving(robot, path, limits, 0.0, path.length)
     if any(x.deceleration is not None for x in (limits, *(s.limits for s in segments))):
         path = path.with_knots(turning_points(path))
@@ -315,6 +315,7 @@ def report_of(
 
 
 def motion_polynomials(timed: TimedPath) -> MotionPolynomials:
+    """Return a motion as the document of its polynomials."""
     path = timed.path
     return MotionPolynomials(
         s_knots=path.s_knots,

@@ -71,7 +71,10 @@ def sampled_lasting(
         timed = lasting(wanted)
         samples = samples_at(timed, rate_hz, nodes=nodes)
         ratio = max(
-            [joint_ratio(timed, samples), *(constraint_ratio(timed, samples, c) for c in constraints)]
+            [
+                joint_ratio(timed, samples),
+                *(constraint_ratio(timed, samples, c) for c in constraints),
+            ]
         )
         if ratio <= 1.0 + _ROUNDING:
             return timed, samples, least

@@ -108,3 +108,43 @@ def test_an_event_beyond_its_segment_is_refused() -> None:
         with pytest.raises(ikplan.InvalidRequest) as refused:
             ikplan.plan(corner(events=[{"name": "x", **event}]))
         assert str(refused.value.field).startswith("events[0]")
+
+
+@pytest.mark.parametrize("jerk", JERKS)
+def test_waypoints_are_passed_at_their_times_without_stops(jerk: Any) -> None:
+    robot = the_robot()
+    times = [0.0, 1.2345678901, 2.5]
+    plan = ikplan.time_path(robot, WAYPOINTS, limits={"jerk": jerk}, times=times)
+    assert np.abs(plan.waypoints.time - times).max() <= 1e-9
+    assert plan.certificate.stops == []
+    assert plan.duration == pytest.approx(2.5, abs=1e-9)
+
+
+@pytest.mark.parametrize("jerk", JERKS)
+def test_times_that_are_too_early_are_refused_with_feasible_ones(jerk: Any) -> None:
+    robot = the_robot()
+    with pytest.raises(ikplan.TimingFailed) as refused:
+        ikplan.time_path(robot, WAYPOINTS, limits={"jerk": jerk}, times=[0.0, 0.1, 0.2])
+    times = refused.value.nearest["times"]
+    plan = ikplan.time_path(robot, WAYPOINTS, limits={"jerk": jerk}, times=times)
+    assert np.abs(plan.waypoints.time - times).max() <= 1e-9
+
+
+def test_a_late_waypoint_and_times_left_open_are_passed() -> None:
+    robot = the_robot()
+    four = np.vstack([WAYPOINTS, WAYPOINTS[:1]])
+    plan = ikplan.time_path(robot, four, times=[0.0, None, 1.4, 9.0])
+    assert plan.waypoints.time[[0, 2, 3]] == pytest.approx([0.0, 1.4, 9.0], abs=1e-9)
+
+
+def test_times_that_make_no_sense_are_refused() -> None:
+    for times in ([0.0, 1.0], [0.0, 2.0, 1.0], [1.0, 2.0, 3.0], [0.0, 1.0, None]):
+        with pytest.raises(ikplan.InvalidRequest):
+            ikplan.time_path(the_robot(), WAYPOINTS, times=times)
+
+
+def test_a_moving_start_keeps_the_times() -> None:
+    times = [0.0, 0.9, 2.0]
+    plan = ikplan.time_path(the_robot(), WAYPOINTS, times=times, start_velocity=0.2 * START)
+    assert np.abs(plan.dq[0] - 0.2 * START).max() <= 1e-9
+    assert np.abs(plan.waypoints.time - times).max() <= 1e-9

@@ -10,7 +10,8 @@ import pytest
 import ikplan
 
 HOME = np.array([0.0, -1.2, 1.5, -1.8, -1.5, 0.2])
-WAYPOINTS = np.array([HOME, HOME + [0.4, 0.3, -0.2, 0.1, 0.2, -0.3], HOME + [0.8, -0.1, 0.3, 0, 0, 1]])
+STEPS = [[0.0] * 6, [0.4, 0.3, -0.2, 0.1, 0.2, -0.3], [0.8, -0.1, 0.3, 0.0, 0.0, 1.0]]
+WAYPOINTS = HOME + np.array(STEPS)
 START, END = np.full(6, 0.8), np.array([0.5, -0.4, 0.3, 0.0, 0.2, -0.5])
 JERKS: list[Any] = [False, 60.0]
 

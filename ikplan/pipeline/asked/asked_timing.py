@@ -25,7 +25,7 @@ from ikplan.timing import PathConstraint, TimedPath, sample_at_nodes, time_joint
 from ikplan.timing.engines.engine import Check, unlimited
 from ikplan.timing.sampled_lasting import sampled_lasting
 
-__all__ = ["timed_as_asked", "time_as_asked"]
+__all__ = ["time_as_asked", "timed_as_asked"]
 
 _ABOVE = 1.0 + 1e-10
 """By how much a duration that is offered is above the least one."""

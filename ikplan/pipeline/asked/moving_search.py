@@ -22,10 +22,11 @@ from ikplan.timing.moving.moving_jerk_span import EndRates
 from ikplan.timing.moving.moving_motion import MovingMotion, time_moving_path
 from ikplan.timing.moving.moving_path import Lead, leads, moving_path
 
-__all__ = ["MovingSearch", "Moved"]
+__all__ = ["Moved", "MovingSearch"]
 
 _ALONG = 1e-3
 """How far a velocity at the end of a tool path may be from the path's own direction [rad]."""
+_NEAR_POINTS, _FEWEST_POINTS = 7, 4
 _STOP_COSTS = 1.03
 """A motion that stops on its way is taken where it is faster by this."""
 _SUCCESSES = 3
@@ -139,24 +140,45 @@ class MovingSearch:
                 for way, free, moving in zip(ways, self.bends, moves, strict=True)
             ):
                 continue
-            path = moving_path(self.path, limits, ends, ways)
+            path = moving_path(self.path, limits, ends, ways, self._paces())
             if path is not None:
                 yield ways, path
 
     def _off(self, ends: MovingEnds) -> tuple[float, float]:
         """Angles between the velocities and the path's own directions [rad]."""
-        return tuple(
-            _angle(v, t) for v, t in zip(_velocities(ends), self._tangents(), strict=True)
-        )  # type: ignore[return-value]
+        return tuple(_angle(v, t) for v, t in zip(_velocities(ends), self._tangents(), strict=True))  # type: ignore[return-value]
+
+    def _paces(self) -> tuple[float, float]:
+        """Lengths of the tangents at the ends: those of a path that is not laid anew stay."""
+        own = [float(np.linalg.norm(t)) for t in self._tangents()]
+        first, last = (
+            1.0 if free or length == 0.0 else length
+            for free, length in zip(self.bends, own, strict=True)
+        )
+        return first, last
 
     def _tangents(self) -> tuple[Array, Array]:
-        if len(self.path.s_knots) == 1:
-            return np.zeros(self.path.dof), np.zeros(self.path.dof)
-        return self.path.tangents_start[0], self.path.tangents_end[-1]
+        """The directions of the path at its ends.
+
+        A natural spline has none of the path's curvature at its ends, and a direction that is off
+        by that: the direction is that of a curve through points next to the end.
+        """
+        path = self.path
+        if len(path.s_knots) == 1:
+            return np.zeros(path.dof), np.zeros(path.dof)
+        first, last = path.rest_knots[1], path.rest_knots[-2]
+        head = slice(0, min(first, _NEAR_POINTS) + 1)
+        tail = slice(max(last, len(path.s_knots) - 1 - _NEAR_POINTS), len(path.s_knots))
+        return (
+            _direction(path.s_knots[head], path.q_knots[head], path.tangents_start[0], 0),
+            _direction(path.s_knots[tail], path.q_knots[tail], path.tangents_end[-1], -1),
+        )
 
     def _timed(self, path: JointPath, ends: MovingEnds, *, rough: bool) -> Moved | None:
         start, end = (float(np.linalg.norm(v)) for v in _velocities(ends))
         pull = float(ends.start_velocity @ ends.start_acceleration) / start if start > 0.0 else 0.0
+        paces = self._paces()
+        start, pull, end = start / paces[0], pull / paces[0], end / paces[1]
         path, joint_segments, constraints = prepared(path, self.robot, self.limits, self.segments)
         try:
             motion = time_moving_path(
@@ -221,6 +243,15 @@ class MovingSearch:
         return replace(ends, **changes)
 
 
+def _direction(s: Array, q: Array, natural: Array, at: int) -> Array:
+    """The direction at an end of points, by a spline that is one cubic over two pieces there."""
+    from scipy.interpolate import CubicSpline
+
+    if len(s) < _FEWEST_POINTS:
+        return natural
+    return np.asarray(CubicSpline(s, q)(s[at], 1))
+
+
 def _velocities(ends: MovingEnds) -> tuple[Array, Array]:
     return ends.start_velocity, ends.end_velocity
 
@@ -244,12 +275,8 @@ def _below(ends: MovingEnds, limits: JointLimits) -> bool:
 
 
 def _clipped(ends: MovingEnds, limits: JointLimits) -> MovingEnds:
-    start, end = (
-        np.clip(v, limits.velocity_lower, limits.velocity) for v in _velocities(ends)
-    )
+    start, end = (np.clip(v, limits.velocity_lower, limits.velocity) for v in _velocities(ends))
     pull = np.clip(ends.start_acceleration, limits.acceleration_lower, limits.acceleration)
     if not start.any():
         pull = np.zeros_like(pull)
     return MovingEnds(start, pull, end)
-
-

@@ -82,9 +82,7 @@ def _those_that_matter(row: Array, a: Array) -> None:
 
 
 @kernel
-def _solve(
-    s: Array, rows_a: Array, b: Array, x_max: Array, x_first: float, x_last: float
-) -> Array:
+def _solve(s: Array, rows_a: Array, b: Array, x_max: Array, x_first: float, x_last: float) -> Array:
     n, m = rows_a.shape
     a = np.empty(m)
     controllable = np.zeros(n + 1)

@@ -238,8 +238,7 @@ class MovingJerkSpan:
         return brake(speed, pull, share * acceleration, share * jerk)
 
     def _middle(self, places: list[float], share: float) -> CubicMotion | None:
-        """The motion from rest to rest between the outer places, with a share of limits outside
-        the inner ones."""
+        """The motion between the outer places, with a share of limits outside the inner ones."""
         path = self._path.with_knots(places)
         profile = LimitProfile.merged(path, self._limits, self._segments)
         rates = {name: getattr(profile, name).copy() for name in _SHARED}
@@ -313,6 +312,8 @@ def joined(motions: Sequence[CubicMotion]) -> tuple[Array, Array, Array, Array]:
     time = [motions[0].time] + [
         m.time[1:] + begin for m, begin in zip(motions[1:], ends[:-1], strict=True)
     ]
-    rest = [np.concatenate([getattr(motions[0], n), *(getattr(m, n)[1:] for m in motions[1:])])
-            for n in ("s", "v", "a")]
+    rest = [
+        np.concatenate([getattr(motions[0], n), *(getattr(m, n)[1:] for m in motions[1:])])
+        for n in ("s", "v", "a")
+    ]
     return np.concatenate(time), rest[0], rest[1], rest[2]

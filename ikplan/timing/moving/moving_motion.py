@@ -35,8 +35,8 @@ class _SpanMotion(Protocol):
     duration: float
     fixed: bool
 
-    def timed(self, duration: float) -> SpanTiming: ...  # noqa: D102
-    def smooth(self, duration: float) -> CubicMotion: ...  # noqa: D102
+    def timed(self, duration: float) -> SpanTiming: ...
+    def smooth(self, duration: float) -> CubicMotion: ...
 
 
 class _Resting:

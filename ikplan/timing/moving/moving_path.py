@@ -15,9 +15,9 @@ from ikplan.joint_path.spline import limit_tangents, natural_tangents
 from ikplan.limits.joint_limits import JointLimits
 from ikplan.timing.moving.moving_ends import MovingEnds
 
-__all__ = ["Lead", "leads", "moving_path"]
+__all__ = ["Lead", "leads", "moving_path", "with_bends"]
 
-_SCALES = (1.0, 1.7, 3.0)
+_SCALES = (1.0, 1.7, 3.0, 5.5)
 """How much longer than necessary the braking beside the setting out takes, for points to pass."""
 _STOPPING = 1.03
 """The way to stop on is longer than the shortest one by this."""
@@ -77,7 +77,11 @@ class _Span:
 
 
 def moving_path(
-    path: JointPath, limits: JointLimits, ends: MovingEnds, ways: tuple[Lead, Lead]
+    path: JointPath,
+    limits: JointLimits,
+    ends: MovingEnds,
+    ways: tuple[Lead, Lead],
+    paces: tuple[float, float] = (1.0, 1.0),
 ) -> JointPath | None:
     """Return a path through the same waypoints that begins and ends along given velocities.
 
@@ -86,9 +90,10 @@ def moving_path(
         limits: Joint limits.
         ends: The velocities; under jerk limits the accelerations at the ends too.
         ways: How it begins and how it ends, where these move.
+        paces: Lengths of the tangents at moving ends.
 
     Returns:
-        The path, its tangents at moving ends of length one; None: it does not stay inside the
+        The path; None: it does not stay inside the
         position limits, or the way is the same as another.
     """
     rests = path.rest_knots
@@ -104,7 +109,8 @@ def moving_path(
     if ends.end_moves:
         # The end is a start, backwards in time.
         spans = _turned(spans)
-        spans = _begun(spans, limits, -ends.end_velocity, None if not smooth else 0.0, ways[1])
+        bent = 0.0 if smooth else None
+        spans = _begun(spans, limits, -ends.end_velocity, bent, ways[1], paces[1])
         spans = _turned(spans)
     elif ways[1].kind != "plain":
         return None
@@ -114,8 +120,8 @@ def moving_path(
         if smooth:
             along = v / np.linalg.norm(v)
             across = ends.start_acceleration - along * float(along @ ends.start_acceleration)
-            bend = across / float(v @ v)
-        spans = _begun(spans, limits, v, bend, ways[0])
+            bend = across * paces[0] ** 2 / float(v @ v)
+        spans = _begun(spans, limits, v, bend, ways[0], paces[0])
     elif ways[0].kind != "plain":
         return None
     if not spans or not all(_lay(span, limits) for span in spans):
@@ -124,12 +130,17 @@ def moving_path(
 
 
 def _begun(
-    spans: list[_Span], limits: JointLimits, v: Array, bend: Array | float | None, way: Lead
+    spans: list[_Span],
+    limits: JointLimits,
+    v: Array,
+    bend: Array | float | None,
+    way: Lead,
+    pace: float,
 ) -> list[_Span]:
     """The spans with a beginning along a velocity; none where there is no room."""
     first = spans[0]
     speed = float(np.linalg.norm(v))
-    along = v / speed
+    along = pace * v / speed
     turn = None if bend is None else np.zeros(len(v)) + bend
     time = _braking_time(limits, v)
     if way.kind == "stop":
@@ -261,6 +272,19 @@ def _with_bend(laid: _Laid, bend: Array) -> _Laid:
         np.vstack([m0, m1, m2, start[1:]]),
         np.vstack([m1, m2, m3, end[1:]]),
     )
+
+
+def with_bends(laid: _Laid, start: Array, end: Array) -> _Laid:
+    """Give pieces second derivatives at both ends: knots, values, tangents at starts and at ends.
+
+    The first and the last piece become three.
+
+    Args:
+        laid: Knots, shape (n,), values, (n, dof), tangents at the starts and the ends of pieces.
+        start: Second derivative at the first knot, shape (dof,).
+        end: That at the last one.
+    """
+    return _backwards(_with_bend(_backwards(_with_bend(laid, start)), end))
 
 
 def _backwards(laid: _Laid) -> _Laid:

@@ -27,6 +27,8 @@ _COARSE, _DOUBLINGS, _GAIN = 150, 4, 2e-3
 """Intervals to begin with, how often they are halved, and what a halving has to gain."""
 _MET = 1e-9
 """How far, as a share, the squared speed at an end may be from the one asked for, by rounding."""
+_BESIDE = 2e-6
+"""What a limit may be exceeded by within the interval at a moving end."""
 _ROUNDING = 1e-10
 _TIGHTENINGS = 8
 _MOST_TOPPRA = 4_000
@@ -66,6 +68,10 @@ class MovingSpan:
             check()
             self.x = self._solved(np.full(len(problem.h) + 1, np.inf), engine)
             ratio = problem.interval_ratios(self.x)
+            # The speed at an end is given; what is exceeded beside it, samples will tell.
+            for end, fixed in zip((0, -1), ends, strict=True):
+                if fixed > 0.0 and ratio[end] <= 1.0 + _BESIDE:
+                    ratio[end] = min(ratio[end], 1.0)
             if ratio.max() <= 1.0 + _ROUNDING:
                 return
             self._tight *= np.maximum(ratio, 1.0) * (1.0 + _ROUNDING)
@@ -132,8 +138,8 @@ class MovingSpan:
         rows, unit = natural_units(replace(rows, x_max=np.minimum(rows.x_max, cap)))
         # What is asked for at an end may be at a limit, and above it by rounding.
         first, last = rows.ends
-        rows.x_max[0] = max(rows.x_max[0], min(first, rows.x_max[0] * (1.0 + _MET)))
-        rows.x_max[-1] = max(rows.x_max[-1], min(last, rows.x_max[-1] * (1.0 + _MET)))
+        rows.x_max[0] = max(rows.x_max[0], min(first, rows.x_max[0] * (1.0 + _BESIDE)))
+        rows.x_max[-1] = max(rows.x_max[-1], min(last, rows.x_max[-1] * (1.0 + _BESIDE)))
         if last > rows.x_max[-1]:
             raise EngineFailed(len(self.problem.h) - 1)
         x = engine.solve(rows) * unit

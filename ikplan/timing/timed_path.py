@@ -74,7 +74,7 @@ class TimedPath:
         rests = np.flatnonzero(self.sdot[1:-1] == 0.0) + 1
         # Where it stands for a while, a stop is when it arrives.
         begins = (self.s[rests] > self.s[rests - 1]) & (self.s[rests] < self.s[-1])
-        return self.node_times[rests[begins]]
+        return np.asarray(self.node_times[rests[begins]])
 
     def times_at(self, positions: Array) -> Array:
         """Return when knots of the path are passed [s]; of a jerk-limited motion, any positions.

@@ -16,7 +16,7 @@ DOWN = {"quaternion_xyzw": [1.0, 0.0, 0.0, 0.0]}
 @pytest.mark.parametrize("jerk", JERKS)
 @pytest.mark.parametrize("moving", [False, True])
 def test_a_duration_is_met_and_the_path_kept(jerk: Any, moving: bool) -> None:
-    rates = {"start_velocity": START, "end_velocity": END} if moving else {}
+    rates: dict[str, Any] = {"start_velocity": START, "end_velocity": END} if moving else {}
     robot, limits = the_robot(), {"jerk": jerk}
     free = ikplan.time_path(robot, WAYPOINTS, limits=limits, **rates)
     wanted = 1.37 * free.duration + 0.0011

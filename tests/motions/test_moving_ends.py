@@ -34,6 +34,8 @@ def test_velocities_at_both_ends_are_met_and_limits_hold(jerk: Any) -> None:
     assert np.abs(plan.dq[-1] - END).max() <= 1e-9
     assert plan.certificate.valid
     assert (np.abs(plan.ddq) <= robot.acceleration_limit * (1 + 1e-9)).all()
+    assert plan.timing is not None
+    assert plan.timing.rate_hz is not None
     assert (plan.duration * plan.timing.rate_hz) % 1.0 == pytest.approx(0.0, abs=1e-6)
     if jerk:
         assert largest_jerk(plan) <= jerk * (1 + 1e-9)
@@ -86,7 +88,8 @@ def test_a_start_too_near_to_a_position_limit_is_refused() -> None:
 
 
 def test_a_list_of_another_length_and_an_acceleration_at_rest_are_refused() -> None:
-    for wrong in ({"start_velocity": [1.0]}, {"start_acceleration": [1.0] * 6}):
+    wrongs: list[dict[str, Any]] = [{"start_velocity": [1.0]}, {"start_acceleration": [1.0] * 6}]
+    for wrong in wrongs:
         with pytest.raises(ikplan.InvalidRequest) as refused:
             ikplan.time_path(the_robot(), WAYPOINTS, **wrong)
         assert refused.value.field == next(iter(wrong))

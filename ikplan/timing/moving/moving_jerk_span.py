@@ -171,13 +171,13 @@ class MovingJerkSpan:
             middle = 0.5 * (low + high)
             if not low < middle < high:
                 break
-            parts = self._cruising(middle)
-            if parts is None or parts.duration >= duration:
+            tried = self._cruising(middle)
+            if tried is None or tried.duration >= duration:
                 low = middle
             else:
                 high = middle
-        parts = self._cruising(high)
-        motion = None if parts is None else self._divided(parts.motion(self._start, self._end))
+        slower = self._cruising(high)
+        motion = None if slower is None else self._divided(slower.motion(self._start, self._end))
         if motion is None or self._factor(motion) > _KEPT:
             raise EngineFailed(0)
         return motion

@@ -8,7 +8,6 @@ from typing import Protocol
 
 import numpy as np
 
-from ikplan.arrays import Array
 from ikplan.errors import TimingFailed
 from ikplan.joint_path.joint_path import JointPath
 from ikplan.limits.joint_limits import JointLimits
@@ -180,7 +179,7 @@ def time_moving_path(
         raise EngineFailed(0)
     profile = LimitProfile.merged(path, limits, segments)
     if jerk:
-        limited: Array = np.isfinite(profile.jerk).any(axis=1)
+        limited = np.asarray(np.isfinite(profile.jerk).any(axis=1))
         jumps = path.curvature_jumps()
         path = path.stopping_at(jumps[limited[jumps - 1] | limited[jumps]])
     spans: list[_SpanMotion] = []

@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 from collections.abc import Iterator
 from dataclasses import dataclass, field
-from typing import Literal, NamedTuple
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
@@ -235,9 +235,8 @@ def _clamped(s: Array, span: _Span) -> Array:
     from scipy.interpolate import CubicSpline
 
     zero = np.zeros(span.q.shape[1])
-    start = (2, zero) if span.start is None else (1, span.start[0])
-    end = (2, zero) if span.end is None else (1, span.end[0])
-    m = np.ascontiguousarray(CubicSpline(s, span.q, bc_type=(start, end))(s, 1))
+    ends: list[Any] = [(2, zero) if end is None else (1, end[0]) for end in (span.start, span.end)]
+    m = np.ascontiguousarray(CubicSpline(s, span.q, bc_type=(ends[0], ends[1]))(s, 1))
     if span.start is not None:
         m[0] = span.start[0]
     if span.end is not None:

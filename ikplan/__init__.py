@@ -44,6 +44,7 @@ if TYPE_CHECKING:
     from ikplan.pipeline.pose_batch.solve import solve_ik_batch
     from ikplan.pipeline.poses import solve_ik
     from ikplan.pipeline.retime import time_path, time_request
+    from ikplan.pipeline.together import PlansTogether, plan_together
     from ikplan.plans.plan import Plan
     from ikplan.points import read_waypoints
     from ikplan.reach.reach_map import ReachMap, reach_map
@@ -78,6 +79,7 @@ else:
             "PlanNotFound": "errors",
             "PlanRequest": "documents.plan_request",
             "PlanStatus": "documents.status",
+            "PlansTogether": "pipeline.together",
             "RateLimited": "errors",
             "ReachMap": "reach.reach_map",
             "Robot": "robots",
@@ -91,6 +93,7 @@ else:
             "load_robot": "robots",
             "move": "pipeline.move",
             "plan": "pipeline.plan",
+            "plan_together": "pipeline.together",
             "reach_map": "reach.reach_map",
             "read_scene": "scene.read_scene",
             "read_gcode": "gcode",
@@ -129,6 +132,7 @@ __all__ = [
     "PlanNotFound",
     "PlanRequest",
     "PlanStatus",
+    "PlansTogether",
     "RateLimited",
     "ReachMap",
     "Robot",
@@ -143,6 +147,7 @@ __all__ = [
     "load_robot",
     "move",
     "plan",
+    "plan_together",
     "reach_map",
     "read_gcode",
     "read_scene",

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -39,12 +40,16 @@ def arm(side: str, y: float) -> str:
     )
 
 
+CELLS: list[Path] = []
+
+
 @pytest.fixture(scope="module")
 def both(tmp_path_factory: pytest.TempPathFactory) -> ikplan.Robot:
     path: Path = tmp_path_factory.mktemp("two") / "two.urdf"
     path.write_text(
         f'<robot name="two">{link("torso")}{arm("left", 0.3)}{arm("right", -0.3)}</robot>'
     )
+    CELLS.append(path)
     return ikplan.load_robot(path, base="left_3", tip="right_3")
 
 
@@ -77,3 +82,39 @@ def test_the_arms_are_proven_to_keep_apart_or_refused(both: ikplan.Robot) -> Non
     with pytest.raises(ikplan.InCollision) as refused:
         ikplan.time_request({**request, "waypoints": crossing.tolist()}, robot=both)
     assert {name.partition("_")[0] for name in refused.value.pair} == {"left", "right"}
+
+
+def test_two_tool_paths_run_together(both: ikplan.Robot) -> None:
+    arms: dict[str, tuple[ikplan.Robot, dict[str, Any]]] = {}
+    for side in ("left", "right"):
+        robot = ikplan.load_robot(CELLS[0], base="torso", tip=f"{side}_3")
+        start = np.array([0.3, 0.9, 0.5]) * ([1, 1, 1] if side == "left" else [-1, 1, 1])
+        x, y, z = robot.with_tool([0.0, 0.0, 0.3]).fk(start).translation.tolist()
+        far = 0.1 if side == "left" else 0.05
+        segments: list[dict[str, Any]] = [
+            {"type": "line", "to": {"position": [x - far, y, z]}},
+            {"type": "line", "to": {"position": [x - far, y, z + far]}},
+        ]
+        path = {"segments": segments, "orientation_free": "all"}
+        request: dict[str, Any] = {"robot": side, "start": start.tolist(), "path": path}
+        request["tool"] = {"position": [0.0, 0.0, 0.3]}
+        request["limits"] = {"tool_speed": 0.2} if side == "left" else {}
+        arms[side] = (robot, request)
+    found = ikplan.plan_together(both, arms)
+    left, right = found.arms["left"], found.arms["right"]
+    assert found.cell.certificate.clearance is not None
+    assert found.cell.certificate.clearance.proven
+    assert left.certificate.valid
+    assert right.certificate.valid
+    assert np.array_equal(left.waypoints.time, right.waypoints.time)
+    assert np.array_equal(left.time, found.cell.time)
+    for side, plan in found.arms.items():
+        robot, request = arms[side]
+        for row, segment in enumerate(request["path"]["segments"]):
+            q = plan.waypoints.q[row]
+            reached = robot.with_tool([0.0, 0.0, 0.3]).fk(q).translation
+            # The corner is rounded within the tolerance.
+            assert np.linalg.norm(reached - segment["to"]["position"]) <= 1e-4
+        assert plan.certificate.max_path_deviation is not None
+        assert plan.certificate.max_path_deviation <= 1e-4
+    assert (left.certificate.tool_speed_ratio or 0.0) <= 1.0 + 1e-9

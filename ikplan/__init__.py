@@ -39,12 +39,12 @@ if TYPE_CHECKING:
         WorkerLost,
     )
     from ikplan.gcode import read_gcode
+    from ikplan.pipeline.asked.together import PlansTogether, plan_together
     from ikplan.pipeline.move import move
     from ikplan.pipeline.plan import plan
     from ikplan.pipeline.pose_batch.solve import solve_ik_batch
     from ikplan.pipeline.poses import solve_ik
     from ikplan.pipeline.retime import time_path, time_request
-    from ikplan.pipeline.together import PlansTogether, plan_together
     from ikplan.plans.plan import Plan
     from ikplan.points import read_waypoints
     from ikplan.reach.reach_map import ReachMap, reach_map
@@ -79,7 +79,7 @@ else:
             "PlanNotFound": "errors",
             "PlanRequest": "documents.plan_request",
             "PlanStatus": "documents.status",
-            "PlansTogether": "pipeline.together",
+            "PlansTogether": "pipeline.asked.together",
             "RateLimited": "errors",
             "ReachMap": "reach.reach_map",
             "Robot": "robots",
@@ -93,7 +93,7 @@ else:
             "load_robot": "robots",
             "move": "pipeline.move",
             "plan": "pipeline.plan",
-            "plan_together": "pipeline.together",
+            "plan_together": "pipeline.asked.together",
             "reach_map": "reach.reach_map",
             "read_scene": "scene.read_scene",
             "read_gcode": "gcode",

@@ -10,10 +10,10 @@ from pydantic import Field
 from ikplan.arrays import Array
 from ikplan.documents.certificate import Certificate, Result
 from ikplan.documents.controller import ControllerInfo
-from ikplan.documents.events import EventResult
 from ikplan.documents.poses import PostureReport
 from ikplan.documents.timing_report import MotionPolynomials, TimingReport
 from ikplan.documents.trajectory import (
+    EventResult,
     ObjectiveReport,
     OrderReport,
     Stats,

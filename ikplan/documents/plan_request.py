@@ -29,9 +29,8 @@ from ikplan.documents import (
     as_list,
     content_hash,
 )
-from ikplan.documents.events import Event
 from ikplan.documents.limits import LimitOptions, SamplingOptions
-from ikplan.documents.path import PathRequest
+from ikplan.documents.path import Event, PathRequest
 from ikplan.documents.poses import (
     Frame,
     Posture,

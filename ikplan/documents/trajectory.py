@@ -9,7 +9,15 @@ from pydantic import Field
 from ikplan.documents import Matrix, Vector
 from ikplan.documents.certificate import Result
 
-__all__ = ["MoveReport", "ObjectiveReport", "OrderReport", "Stats", "Trajectory", "WaypointResults"]
+__all__ = [
+    "EventResult",
+    "MoveReport",
+    "ObjectiveReport",
+    "OrderReport",
+    "Stats",
+    "Trajectory",
+    "WaypointResults",
+]
 
 
 class WaypointResults(Result):
@@ -33,6 +41,19 @@ class Trajectory(Result):
     q: Matrix = Field(description="Joint values, shape (m, dof) [rad or m].")
     dq: Matrix = Field(description="Joint velocities, shape (m, dof) [rad/s or m/s].")
     ddq: Matrix = Field(description="Joint accelerations, shape (m, dof) [rad/s^2 or m/s^2].")
+
+
+class EventResult(Result):
+    """When an event is, and where the tool is then."""
+
+    name: str = Field(description="Its name.")
+    segment: int | None = Field(description="The segment that was asked for.")
+    time: float = Field(description="When it is, since the begin of the motion [s].")
+    position: Vector = Field(description="Position of the tool then, in the base, shape (3,) [m].")
+    q: Vector = Field(description="Joint values then, shape (dof,) [rad or m].")
+    position_error: float | None = Field(
+        description="Distance from the place asked for [m]; null: a time was asked for."
+    )
 
 
 class MoveReport(Result):

@@ -12,12 +12,11 @@ from ikplan.certificate import Claim, RequestedSegment, certify
 from ikplan.certificate.clearance.leaving import Leaving
 from ikplan.certificate.regions import has_regions, prove_regions
 from ikplan.certificate.requested import read_motion
-from ikplan.documents.events import EventResult
 from ikplan.documents.path import PathRequest
 from ikplan.documents.plan_request import PlanRequest
 from ikplan.documents.poses import PostureReport
 from ikplan.documents.timing_request import PathNearness, TimingRequest
-from ikplan.documents.trajectory import MoveReport, Stats, WaypointResults
+from ikplan.documents.trajectory import EventResult, MoveReport, Stats, WaypointResults
 from ikplan.ik.solve import pose_distance
 from ikplan.kinematics.arm import arm_of
 from ikplan.limits.motion_limits import MotionLimits

@@ -26,11 +26,11 @@ from ikplan.errors import (
 from ikplan.ik.arguments import check_start
 from ikplan.limits.motion_limits import MotionLimits
 from ikplan.pipeline.asked.asked_motion import asked_ends
+from ikplan.pipeline.asked.least_time import in_least_time
 from ikplan.pipeline.assemble import assemble_plan, waypoint_results
 from ikplan.pipeline.collisions import keep_clear, requested_model, with_meshes
 from ikplan.pipeline.helpers import helped_by
 from ikplan.pipeline.identity import plan_id
-from ikplan.pipeline.least_time import in_least_time
 from ikplan.pipeline.motion_stages import MotionStages, TimedRoute
 from ikplan.pipeline.poses import pose_solver
 from ikplan.pipeline.request_budget import RequestBudget

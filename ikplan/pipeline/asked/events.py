@@ -8,7 +8,8 @@ import numpy as np
 
 from ikplan.arrays import Array
 from ikplan.certificate.requested import RequestedMotion, ToolLeg
-from ikplan.documents.events import Event, EventResult
+from ikplan.documents.path import Event
+from ikplan.documents.trajectory import EventResult
 from ikplan.errors import InvalidRequest
 from ikplan.robots import Robot
 from ikplan.timing import TimedPath

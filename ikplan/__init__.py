@@ -43,6 +43,7 @@ if TYPE_CHECKING:
     )
     from ikplan.gcode import read_gcode
     from ikplan.ik.registry import register_solver
+    from ikplan.pipeline.asked.together import PlansTogether, plan_together
     from ikplan.pipeline.move import move
     from ikplan.pipeline.plan import plan
     from ikplan.pipeline.pose_batch.solve import solve_ik_batch
@@ -85,6 +86,7 @@ else:
             "PlanNotFound": "errors",
             "PlanRequest": "documents.plan_request",
             "PlanStatus": "documents.status",
+            "PlansTogether": "pipeline.asked.together",
             "RateLimited": "errors",
             "ReachMap": "reach.reach_map",
             "Robot": "robots",
@@ -102,6 +104,7 @@ else:
             "move": "pipeline.move",
             "plan": "pipeline.plan",
             "place": "placement.place",
+            "plan_together": "pipeline.asked.together",
             "reach_map": "reach.reach_map",
             "read_scene": "scene.read_scene",
             "read_gcode": "gcode",
@@ -142,6 +145,7 @@ __all__ = [
     "PlanNotFound",
     "PlanRequest",
     "PlanStatus",
+    "PlansTogether",
     "RateLimited",
     "ReachMap",
     "Robot",
@@ -159,6 +163,7 @@ __all__ = [
     "objective",
     "place",
     "plan",
+    "plan_together",
     "reach_map",
     "read_gcode",
     "read_scene",

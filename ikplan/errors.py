@@ -390,12 +390,14 @@ class TimingFailed(NoPlan):
             None.
         repairs: Changes of the request that were tried and make it feasible, as
             ``{"change", "detail"}``.
+        nearest: Fields of the request with the nearest values found that are feasible: of a motion
+            that begins or ends moving, of a duration or of times asked for; else empty.
     """
 
     slug = "timing-failed"
     title = "Timing failed"
     status = 422
-    fields = ("position", "joint", "limit", "repairs")
+    fields = ("position", "joint", "limit", "repairs", "nearest")
 
     def __init__(
         self,
@@ -405,12 +407,14 @@ class TimingFailed(NoPlan):
         joint: str | None = None,
         limit: str | None = None,
         repairs: Sequence[Mapping[str, Any]] = (),
+        nearest: Mapping[str, Any] | None = None,
     ) -> None:
         super().__init__(detail)
         self.position = position
         self.joint = joint
         self.limit = limit
         self.repairs = [dict(r) for r in repairs]
+        self.nearest = dict(nearest or {})
 
 
 class BudgetExceeded(NoPlan):

@@ -56,6 +56,11 @@ class Claim:
         joint_waypoints: Joint values that a timing asks for, shape (n, dof); None: a path is.
         joint_tolerance: How far from the polyline through them the motion may be; None: it is
             measured only.
+        start_velocity: Joint velocities asked for at the start, shape (dof,); None: rest.
+        end_velocity: Those asked for at the end; None: rest.
+        duration: Time that the motion is to take [s]; None: any.
+        times: When the waypoints are to be passed [s], None: whenever; None: as soon as possible.
+        dwells: Rows of waypoints at which it is to stand, and how long [s].
         order: Numbers of the parts of the path in the order in which they are said to be passed,
             which is that of the waypoints too; None: as it is written.
     """
@@ -75,3 +80,8 @@ class Claim:
     joint_waypoints: Array | None = None
     joint_tolerance: PathNearness | None = None
     order: tuple[int, ...] | None = None
+    start_velocity: Array | None = None
+    end_velocity: Array | None = None
+    duration: float | None = None
+    times: tuple[float | None, ...] | None = None
+    dwells: tuple[tuple[int, float], ...] = ()

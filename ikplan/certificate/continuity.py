@@ -30,6 +30,34 @@ def check_finite(claim: Claim) -> None:
         )
 
 
+def _wrong_ends(claim: Claim) -> list[str]:
+    """What is wrong with the velocities at the ends, the duration and the dwells, in words."""
+    wrong = []
+    wanted = (claim.start_velocity, claim.end_velocity)
+    if all(v is None for v in wanted):
+        if claim.dq[0].any() or claim.dq[-1].any():
+            wrong.append("the motion does not begin and end at rest")
+    else:
+        for at, name, v in ((0, "begin", wanted[0]), (-1, "end", wanted[1])):
+            off = np.abs(claim.dq[at] - (0.0 if v is None else v))
+            if (off > _ROUNDING).any():
+                wrong.append(f"the motion does not {name} with the velocity asked for")
+    if claim.duration is not None and abs(claim.time[-1] - claim.duration) > _ROUNDING:
+        wrong.append("the motion does not take the time asked for")
+    for row, time in enumerate(claim.times or ()):
+        if time is not None and abs(claim.waypoint_time[row] - time) > _ROUNDING:
+            wrong.append(f"waypoint {row} is not passed at {time:g} s")
+    for row, seconds in claim.dwells:
+        arrives = claim.waypoint_time[row]
+        edge = _ROUNDING + 1e-12 * claim.time[-1]
+        inside = (claim.time > arrives + edge) & (claim.time < arrives + seconds - edge)
+        moves = np.abs(claim.dq[inside]).max(initial=0.0) > _ROUNDING
+        away = np.abs(claim.q[inside] - claim.waypoint_q[row]).max(initial=0.0) > _ROUNDING
+        if moves or away or arrives + seconds > claim.time[-1] + edge:
+            wrong.append(f"the motion does not stand at waypoint {row} for {seconds:g} s")
+    return wrong
+
+
 def discontinuities(claim: Claim) -> list[str]:
     """Return what is wrong with the samples as one motion, in words.
 
@@ -40,8 +68,7 @@ def discontinuities(claim: Claim) -> list[str]:
     steps, end = np.diff(claim.time), claim.time[-1]
     if claim.time[0] != 0.0 or (steps <= 0.0).any():
         wrong.append("sample times do not increase strictly from 0")
-    if claim.dq[0].any() or claim.dq[-1].any():
-        wrong.append("the motion does not begin and end at rest")
+    wrong += _wrong_ends(claim)
     if claim.q_start is not None and not np.array_equal(claim.q[0], claim.q_start):
         wrong.append("the first sample is not the start asked for")
     if not np.array_equal(claim.q[-1], claim.waypoint_q[-1]):
@@ -55,7 +82,9 @@ def discontinuities(claim: Claim) -> list[str]:
     if (off > 0.5 * a * dt**2 + _ROUNDING).any():
         wrong.append("positions jump between samples")
     passed = claim.waypoint_time
-    if (np.diff(passed) < 0.0).any() or passed[0] < 0.0 or abs(passed[-1] - end) > 1e-9 * end:
+    stands = sum(seconds for row, seconds in claim.dwells if row == len(passed) - 1)
+    last = passed[-1] + stands
+    if (np.diff(passed) < 0.0).any() or passed[0] < 0.0 or abs(last - end) > 1e-9 * end:
         wrong.append("waypoint times do not increase to the end of the motion")
     # Seen from the sample before and from the sample after.
     at = np.clip(np.searchsorted(claim.time, passed, side="right") - 1, 0, None)

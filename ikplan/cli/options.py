@@ -125,6 +125,9 @@ def add_changes(parser: argparse.ArgumentParser) -> None:
     """Changes of the request."""
     parser.add_argument("--rate", type=float, metavar="HZ", help="samples per second")
     parser.add_argument(
+        "--duration", type=float, metavar="S", help="how long the motion takes, if it can"
+    )
+    parser.add_argument(
         "--set",
         action="append",
         default=[],

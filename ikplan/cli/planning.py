@@ -83,6 +83,7 @@ def _move_document(options: argparse.Namespace) -> dict[str, Any]:
         "path": {"segments": [segment]},
         "ik": {key: value for key, value in ik.items() if value is not None},
         "sampling": {} if options.rate is None else {"rate_hz": options.rate},
+        "limits": {} if options.duration is None else {"duration": options.duration},
     }
 
 
@@ -101,6 +102,8 @@ def _document(options: argparse.Namespace) -> Any:
             document = merged(document, changes)
     if options.rate is not None and isinstance(document, dict):
         document = merged(document, {"sampling": {"rate_hz": options.rate}})
+    if options.duration is not None and isinstance(document, dict):
+        document = merged(document, {"limits": {"duration": options.duration}})
     return document
 
 

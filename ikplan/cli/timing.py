@@ -63,7 +63,7 @@ def _document(options: argparse.Namespace) -> Any:
     if options.rate is not None:
         changes["sampling"] = {"rate_hz": options.rate}
     limits = {"jerk": options.jerk, "velocity_scale": options.scale}
-    limits["acceleration_scale"] = options.scale
+    limits |= {"acceleration_scale": options.scale, "duration": options.duration}
     if present := {key: value for key, value in limits.items() if value is not None}:
         changes["limits"] = present
     return merged(document, changes)

@@ -202,6 +202,12 @@ class LimitOptions(_Limits):
         description="Limits of single joints by name, position limits among them, as if they were "
         "the robot's own: none may be wider, and scales are shares of these. null: the robot's.",
     )
+    duration: Annotated[Annotated[float, Field(ge=1e-6, le=1e6)] | None, IfGiven()] = Field(
+        None,
+        description="How long the whole motion takes, dwells included [s]: it is slowed evenly; "
+        "refused with the least duration where it needs more. Where this is no whole number of "
+        "sampling periods, the last sample follows sooner. null: as little as the limits allow.",
+    )
     jerk: WholeJerk | None = Field(
         None,
         description="Highest joint jerks, both ways, one each or one for all [rad/s^3 or m/s^3], "

@@ -15,7 +15,7 @@ from pydantic import (
     model_validator,
 )
 
-from ikplan.documents import HASHED, Document, IfGiven, as_list
+from ikplan.documents import HASHED, MAX_NUMBER, Document, IfGiven, as_list
 from ikplan.documents.curve import (
     CircleSegment,
     HelixSegment,
@@ -35,6 +35,7 @@ from ikplan.documents.segment import (
 
 __all__ = [
     "AxisFreedom",
+    "Event",
     "OrientationFree",
     "PathRequest",
     "PathTolerance",
@@ -125,6 +126,35 @@ OrientationFree = Annotated[
     Annotated[Literal["all"], Tag("[name]")] | Annotated[AxisFreedom, Tag("[axis]")],
     Discriminator(_free_tag),
 ]
+
+
+_Signed = Annotated[float, Field(ge=-MAX_NUMBER, le=MAX_NUMBER)]
+
+
+class Event(Document):
+    """A place or a time of the motion, such as that of an output: exactly one of both."""
+
+    name: str = Field(min_length=1, max_length=200, description="Its name.")
+    segment: Annotated[int, Field(ge=0)] | None = Field(
+        None,
+        description="Number of the segment that it is on, from 0; of waypoints, segment k ends at "
+        "waypoint k. null: the whole motion.",
+    )
+    distance: _Signed | None = Field(
+        None,
+        description="Distance of the tool from the begin of the segment, along the path [m]; "
+        "negative: from its end, backwards. On joint motions and moves, along the tool's own way.",
+    )
+    time: _Signed | None = Field(
+        None,
+        description="Time since the begin of the segment [s]; negative: before its end.",
+    )
+
+    @model_validator(mode="after")
+    def _one(self) -> Event:
+        if (self.distance is None) == (self.time is None):
+            raise ValueError("give a distance or a time")
+        return self
 
 
 class PathRequest(Document):

@@ -12,7 +12,14 @@ from ikplan.documents.certificate import Certificate, Result
 from ikplan.documents.controller import ControllerInfo
 from ikplan.documents.poses import PostureReport
 from ikplan.documents.timing_report import MotionPolynomials, TimingReport
-from ikplan.documents.trajectory import OrderReport, Stats, Trajectory, WaypointResults
+from ikplan.documents.trajectory import (
+    EventResult,
+    ObjectiveReport,
+    OrderReport,
+    Stats,
+    Trajectory,
+    WaypointResults,
+)
 
 __all__ = ["PlanDocument"]
 
@@ -31,6 +38,9 @@ class PlanDocument(Result):
     order: OrderReport | None = Field(
         None, description="The order found; null: the path was passed as it is written."
     )
+    objective: ObjectiveReport | None = Field(
+        None, description="What `ik.objective` gains; null: least joint motion was asked for."
+    )
     trajectory: Trajectory
     certificate: Certificate
     timing: TimingReport | None = Field(
@@ -45,6 +55,7 @@ class PlanDocument(Result):
     controller: ControllerInfo | None = Field(
         None, description="The robot's controller; null: none is known."
     )
+    events: list[EventResult] = Field([], description="When the events asked for are.")
     stats: Stats
 
     @property

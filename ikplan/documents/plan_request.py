@@ -30,7 +30,7 @@ from ikplan.documents import (
     content_hash,
 )
 from ikplan.documents.limits import LimitOptions, SamplingOptions
-from ikplan.documents.path import PathRequest
+from ikplan.documents.path import Event, PathRequest
 from ikplan.documents.poses import (
     Frame,
     Posture,
@@ -124,11 +124,13 @@ class IkOptions(Document):
         description='How joint motion is kept small: "global" over the whole path, "greedy" '
         "waypoint by waypoint.",
     )
-    objective: Annotated[Literal["motion", "clearance"], IfGiven()] = Field(
+    objective: Annotated[Literal["motion", "time", "clearance"], IfGiven()] = Field(
         "motion",
-        description='What is least: "motion", the motion of the joints, or "clearance", how near '
-        "configurations are to touching anything. In a plan it chooses the configurations of "
-        "waypoints that joint motions lead to; paths with tool paths or moves do not take it.",
+        description='What is least: "motion", the motion of the joints; "time", the time that the '
+        "motion takes within its limits, never more than that of least joint motion; or "
+        '"clearance", how near configurations are to touching anything, which in a plan chooses '
+        "those of waypoints that joint motions lead to; paths with tool paths or moves do not "
+        "take it.",
     )
     effort: Annotated[
         Annotated[int, Field(ge=1, le=10_000_000)] | None,
@@ -202,12 +204,36 @@ class PlanRequest(Document):
         "absent: as the robot's description has them.",
     )
     path: PathRequest
+    start_velocity: Annotated[Floats | None, IfGiven()] = Field(
+        None,
+        description="Joint velocities at the start, shape (dof,) [rad/s or m/s], for a robot that "
+        "moves already; null: at rest. Joint motions begin tangent to it; a tool path has to begin "
+        "along it. What is not feasible is refused with the nearest that is.",
+    )
+    start_acceleration: Annotated[Floats | None, IfGiven()] = Field(
+        None,
+        description="Joint accelerations at the start, shape (dof,) [rad/s^2 or m/s^2]; they count "
+        "where jerks are limited. null: none.",
+    )
+    end_velocity: Annotated[Floats | None, IfGiven()] = Field(
+        None,
+        description="Joint velocities at the end, shape (dof,) [rad/s or m/s]; null: at rest.",
+    )
+    events: Annotated[list[Event], BeforeValidator(as_list), Field(max_length=1_000), IfGiven()] = (
+        Field([], description="Places and times of the motion whose exact times are wanted.")
+    )
     ik: IkOptions = Field(default_factory=IkOptions)
     limits: LimitOptions = Field(default_factory=LimitOptions)
     sampling: SamplingOptions = Field(default_factory=SamplingOptions)
     budget_s: float = Field(
         10.0, gt=0, le=MAX_BUDGET_S, description=f"Time budget of the planner [s]: {BUDGET_COUNTS}."
     )
+
+    @model_validator(mode="after")
+    def _known_start(self) -> PlanRequest:
+        if self.start == "free" and self.start_velocity is not None:
+            raise ValueError("start_velocity: a robot that moves has a start; it is not free")
+        return self
 
     def content_hash(self, *context: str) -> str:
         """Return the plan's id: a hash of this request in canonical form and its context.
@@ -278,6 +304,12 @@ class IkRequest(Document):
     _check = field_validator("quaternion_xyzw")(unit_quaternion)
 
     @model_validator(mode="after")
+    def _no_motion(self) -> IkRequest:
+        if self.ik.objective == "time":
+            raise ValueError("ik.objective: a pose has no motion time; time is for plans")
+        return self
+
+    @model_validator(mode="after")
     def _chosen_by_posture(self) -> IkRequest:
         if self.ik.posture is not None and not self.ik.refine:
             raise ValueError("ik.posture chooses among refined solutions; ik.refine is false")
@@ -338,6 +370,12 @@ class IkBatchRequest(Document):
     budget_s: float = Field(
         10.0, gt=0, le=MAX_BUDGET_S, description=f"Time budget of all poses [s]: {BUDGET_COUNTS}."
     )
+
+    @model_validator(mode="after")
+    def _no_motion(self) -> IkBatchRequest:
+        if self.ik.objective == "time":
+            raise ValueError("ik.objective: poses have no motion time; time is for plans")
+        return self
 
     @model_validator(mode="after")
     def _of_one_kind(self) -> IkBatchRequest:

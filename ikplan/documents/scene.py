@@ -57,7 +57,15 @@ class _Placed(Document):
 
 
 class Obstacle(_Placed):
-    """Something that stands still, in the robot's base frame."""
+    """Something that stands still, in the frame of the robot's base or of a link of its.
+
+    Of a robot whose base moves, such as the plate of a positioner, what stands in the cell is
+    given in the frame of a link that stands there.
+    """
+
+    link: Annotated[Name | None, IfGiven()] = Field(
+        None, description="Link in whose frame it stands, and moves with; null: the base."
+    )
 
 
 class ToolGeometry(_Placed):

@@ -90,6 +90,20 @@ class BaseSegment(Document):
         description="Limits of the motion on this segment, its rounded corners included, on top "
         "of those of the request: the strictest holds; null: none of its own.",
     )
+    dwell: Annotated[float, Field(ge=0, le=3600), IfGiven()] = Field(
+        0.0,
+        description="How long the motion stands at the end of the segment [s]; the corner there is "
+        "exact then.",
+    )
+
+    @model_validator(mode="before")
+    @classmethod
+    def _exact_where_it_stands(cls, value: Any) -> Any:
+        if not isinstance(value, dict) or not value.get("dwell") or "blend" not in cls.model_fields:
+            return value
+        if value.get("blend"):
+            raise ValueError("dwell: a corner that is rounded by a blend has no place to stand at")
+        return {**value, "blend": 0.0}
 
 
 class ToolSegment(BaseSegment):

@@ -77,6 +77,31 @@ class TimingRequest(Document):
         "`position` [m] and `orientation` [rad]. Within it, the motion takes a smooth path, so "
         "that noise of the waypoints costs no time. null: a spline through the waypoints.",
     )
+    times: Annotated[
+        list[Annotated[float, Field(ge=0, le=1e6)] | None] | None,
+        BeforeValidator(as_list),
+        IfGiven(),
+    ] = Field(
+        None,
+        description="When each waypoint is passed [s]; null in the list: whenever it suits. The "
+        "first is 0, the last is given. Refused with the earliest feasible ones found. null: as "
+        "soon as the limits allow.",
+    )
+    start_velocity: Annotated[Floats | None, IfGiven()] = Field(
+        None,
+        description="Joint velocities at the start, shape (dof,) [rad/s or m/s], for a robot that "
+        "moves already; null: at rest. Joint motions begin tangent to it; a tool path has to begin "
+        "along it. What is not feasible is refused with the nearest that is.",
+    )
+    start_acceleration: Annotated[Floats | None, IfGiven()] = Field(
+        None,
+        description="Joint accelerations at the start, shape (dof,) [rad/s^2 or m/s^2]; they count "
+        "where jerks are limited. null: none.",
+    )
+    end_velocity: Annotated[Floats | None, IfGiven()] = Field(
+        None,
+        description="Joint velocities at the end, shape (dof,) [rad/s or m/s]; null: at rest.",
+    )
     tool: ToolFrame = Field(
         default_factory=ToolFrame,
         description="The tool frame (TCP), in the tip frame, and the shape of the tool.",
@@ -99,6 +124,14 @@ class TimingRequest(Document):
     budget_s: float = Field(
         10.0, gt=0, le=MAX_BUDGET_S, description=f"Time budget [s]: {BUDGET_COUNTS}."
     )
+
+    @model_validator(mode="after")
+    def _one_clock(self) -> TimingRequest:
+        if self.times is not None and (
+            self.limits.duration is not None or self.tolerance is not None
+        ):
+            raise ValueError("times go neither with limits.duration nor with tolerance")
+        return self
 
     def content_hash(self, *context: str) -> str:
         """Return the id of the timing: a hash of this request in canonical form and its context.

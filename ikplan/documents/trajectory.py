@@ -2,12 +2,22 @@
 
 from __future__ import annotations
 
+from typing import Literal
+
 from pydantic import Field
 
 from ikplan.documents import Matrix, Vector
 from ikplan.documents.certificate import Result
 
-__all__ = ["MoveReport", "OrderReport", "Stats", "Trajectory", "WaypointResults"]
+__all__ = [
+    "EventResult",
+    "MoveReport",
+    "ObjectiveReport",
+    "OrderReport",
+    "Stats",
+    "Trajectory",
+    "WaypointResults",
+]
 
 
 class WaypointResults(Result):
@@ -25,12 +35,25 @@ class WaypointResults(Result):
 
 
 class Trajectory(Result):
-    """The timed samples; time strictly increases, the motion begins and ends at rest."""
+    """The timed samples; time strictly increases, and the ends rest or move as asked for."""
 
     time: Vector = Field(description="Sample times, shape (m,) [s].")
     q: Matrix = Field(description="Joint values, shape (m, dof) [rad or m].")
     dq: Matrix = Field(description="Joint velocities, shape (m, dof) [rad/s or m/s].")
     ddq: Matrix = Field(description="Joint accelerations, shape (m, dof) [rad/s^2 or m/s^2].")
+
+
+class EventResult(Result):
+    """When an event is, and where the tool is then."""
+
+    name: str = Field(description="Its name.")
+    segment: int | None = Field(description="The segment that was asked for.")
+    time: float = Field(description="When it is, since the begin of the motion [s].")
+    position: Vector = Field(description="Position of the tool then, in the base, shape (3,) [m].")
+    q: Vector = Field(description="Joint values then, shape (dof,) [rad or m].")
+    position_error: float | None = Field(
+        description="Distance from the place asked for [m]; null: a time was asked for."
+    )
 
 
 class MoveReport(Result):
@@ -71,6 +94,19 @@ class OrderReport(Result):
     given_length: float | None = Field(
         description="That of the motion in the given order [rad or m]."
     )
+
+
+class ObjectiveReport(Result):
+    """What an objective other than least joint motion gains."""
+
+    objective: Literal["time"] = Field(description="What was made least.")
+    duration: float = Field(description="Time of the motion [s].")
+    length: float = Field(description="Joint distance along it [rad or m].")
+    least_motion_duration: float = Field(
+        description="Time of the motion that moves the joints least [s]."
+    )
+    least_motion_length: float = Field(description="Joint distance along that one [rad or m].")
+    gain: float = Field(description="By which share of it the motion is faster; never below 0.")
 
 
 class Stats(Result):

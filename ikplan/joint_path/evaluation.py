@@ -104,7 +104,8 @@ def evaluate_timed(
         k = pieces[i]
         h = s[i + 1] - s[i]
         # u = d2s/dt2 from ds/dt at both nodes: (v1^2 - v0^2) / (2 h).
-        u = (sdot[i + 1] - sdot[i]) * (sdot[i + 1] + sdot[i]) / (2.0 * h)
+        # Where the motion stands for a while, h is 0.
+        u = (sdot[i + 1] - sdot[i]) * (sdot[i + 1] + sdot[i]) / (2.0 * h) if h > 0.0 else 0.0
         # Measured from the nearer end, so that both nodes are met exactly.
         before, after = t - time[i], time[i + 1] - t
         if before <= after:

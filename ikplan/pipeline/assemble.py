@@ -16,10 +16,11 @@ from ikplan.documents.path import PathRequest
 from ikplan.documents.plan_request import PlanRequest
 from ikplan.documents.poses import PostureReport
 from ikplan.documents.timing_request import PathNearness, TimingRequest
-from ikplan.documents.trajectory import MoveReport, Stats, WaypointResults
+from ikplan.documents.trajectory import EventResult, MoveReport, Stats, WaypointResults
 from ikplan.ik.solve import pose_distance
 from ikplan.kinematics.arm import arm_of
 from ikplan.limits.motion_limits import MotionLimits
+from ikplan.pipeline.asked.events import EventFinder
 from ikplan.pipeline.collisions import handed_out, prove_motion
 from ikplan.pipeline.hints import default_hints, stop_hints
 from ikplan.pipeline.timing_stage import Timing
@@ -29,6 +30,7 @@ from ikplan.plans.plan import Plan
 from ikplan.robots import Robot
 from ikplan.scene.body import CollisionModel
 from ikplan.time_budget import TimeBudget
+from ikplan.timing.moving.moving_ends import MovingEnds
 
 __all__ = ["assemble_plan", "joint_steps", "waypoint_results"]
 
@@ -85,6 +87,49 @@ def _posture_report(
     )
 
 
+def _dwells(
+    robot: Robot, path: PathRequest | None, q_start: Array | None, order: tuple[int, ...] | None
+) -> tuple[tuple[int, float], ...]:
+    """Rows of waypoints at which a path asks the motion to stand, and how long [s]."""
+    segments = [] if path is None else path.segments or []
+    if path is None or not any(segment.dwell for segment in segments):
+        return ()
+    rows = read_motion(robot, path, q_start, order).last_rows
+    return tuple(
+        (rows[f"path.segments[{k}]"], segment.dwell)
+        for k, segment in enumerate(segments)
+        if segment.dwell
+    )
+
+
+def _times(request: PlanRequest | TimingRequest) -> tuple[float | None, ...] | None:
+    given = request.times if isinstance(request, TimingRequest) else None
+    return None if given is None else tuple(given)
+
+
+def _events(
+    request: PlanRequest | TimingRequest,
+    robot: Robot,
+    path: PathRequest | None,
+    q_start: Array | None,
+    order: tuple[int, ...] | None,
+    timing: Timing,
+    waypoint_time: Array,
+) -> list[EventResult]:
+    """When the events of a request are."""
+    if not isinstance(request, PlanRequest) or path is None or not request.events:
+        return []
+    finder = EventFinder(
+        robot,
+        timing.timed,
+        read_motion(robot, path, q_start, order),
+        len(path.waypoints or path.segments or ()),
+        waypoint_time,
+        path.segments is not None,
+    )
+    return [finder.found(event, f"events[{k}]") for k, event in enumerate(request.events)]
+
+
 def assemble_plan(
     request: PlanRequest | TimingRequest,
     robot: Robot,
@@ -104,6 +149,7 @@ def assemble_plan(
     order: tuple[int, ...] | None = None,
     leaving: Leaving | None = None,
     hints: Sequence[str] = (),
+    ends: MovingEnds | None = None,
     plan_id: str,
 ) -> Plan:
     """Certify a timed trajectory and return it as the plan of its request.
@@ -127,6 +173,7 @@ def assemble_plan(
         order: Numbers of the parts of the path in the order passed; None: as it is written.
         leaving: Pairs that touch at the start, which is left, and until when they may.
         hints: What takes time and need not, in words.
+        ends: Joint rates asked for at the ends; None: rest.
         plan_id: The id of the plan.
 
     Raises:
@@ -154,6 +201,11 @@ def assemble_plan(
                 joint_waypoints=joint_waypoints,
                 joint_tolerance=tolerance,
                 order=order,
+                start_velocity=None if ends is None else ends.start_velocity,
+                end_velocity=None if ends is None else ends.end_velocity,
+                duration=request.limits.duration,
+                times=_times(request),
+                dwells=_dwells(robot, path, q_start, order),
             )
         )
         if path is not None and has_regions(path):
@@ -182,6 +234,7 @@ def assemble_plan(
         timing=timing.report.model_copy(update={"hints": told}),
         motion=timing.motion,
         posture=_posture_report(request, robot, samples.q),
+        events=_events(request, robot, path, q_start, order, timing, waypoints.time),
         controller=None if robot.controller is None else robot.controller.info(),
         stats=Stats(ik_evaluations=clock.evaluations, moves=list(moves), seconds=clock.seconds),
     )

@@ -14,7 +14,9 @@ from ikplan.errors import Disconnected, InCollision, TimingFailed, Unreachable
 from ikplan.joint_path import JointPath
 from ikplan.limits.motion_limits import LimitedSegment, MotionLimits
 from ikplan.path import passed_rows
-from ikplan.pipeline.timing_stage import Timing, least_duration, time_motion
+from ikplan.pipeline.asked.asked_motion import asked_of_plan
+from ikplan.pipeline.asked.asked_timing import time_as_asked
+from ikplan.pipeline.timing_stage import Timing, least_duration
 from ikplan.planning import JointPathProblem, JointRoute, orders_of, plan_joint_path
 from ikplan.planning.joint_steps import clear_joint_path
 from ikplan.planning.tracking.tracked_path import TrackingFailed
@@ -222,7 +224,8 @@ class MotionStages:
     def _timed(self, problem: JointPathProblem, route: JointRoute, path: JointPath) -> Timing:
         segments = self._limited(route)
         sampling, check = self.request.sampling, problem.clock.check
-        return time_motion(path, self.robot, self.limits, sampling, segments, check)
+        asked = asked_of_plan(self.request, self.robot, route)
+        return time_as_asked(path, self.robot, self.limits, sampling, segments, asked, check)
 
 
 def _order_report(

@@ -25,6 +25,8 @@ from ikplan.errors import (
 )
 from ikplan.ik.arguments import check_start
 from ikplan.limits.motion_limits import MotionLimits
+from ikplan.pipeline.asked.asked_motion import asked_ends
+from ikplan.pipeline.asked.least_time import in_least_time
 from ikplan.pipeline.assemble import assemble_plan, waypoint_results
 from ikplan.pipeline.collisions import keep_clear, requested_model, with_meshes
 from ikplan.pipeline.helpers import helped_by
@@ -39,6 +41,7 @@ from ikplan.planning import (
     Progress,
     find_repairs,
 )
+from ikplan.planning.limit_repairs import nearest_repairs
 from ikplan.planning.moves.leave import leaving_contact
 from ikplan.planning.posture import motion_cost, preferred_configuration, softened
 from ikplan.planning.repair_kinds import merged_document
@@ -57,6 +60,8 @@ CONTACT_MARGIN = 1e-4
 leaves the straight motions that it checks by a little, and the proof has the last word."""
 _MOVE_REPAIRS = 3
 """How often a move on which that proof fails is rounded anew, with a gap that grows."""
+_EVENT_CLOSENESS = 5e-7
+"""How near the tool stays to its path where events are at places on it [m]."""
 _EXACT = 1e-9
 """What counts as a solution of a waypoint, whatever the path tolerates [m and rad]."""
 
@@ -145,6 +150,7 @@ def make_plan(
         explain=repairs,
         contact=contact,
         posture=posture,
+        closeness=_EVENT_CLOSENESS if _has_places(request) else np.inf,
     )
     stages = MotionStages(request, robot, limits, limits_of)
     try:
@@ -154,11 +160,18 @@ def make_plan(
             stages, problem, model, known_id
         )
     except (Unreachable, Disconnected, InCollision, TimingFailed) as error:
-        if repairs:
+        if isinstance(error, TimingFailed) and error.nearest:
+            error.repairs = nearest_repairs(error)
+        elif repairs:
             # The verdict stands, whether or not there is time left for repairs.
             with contextlib.suppress(BudgetExceeded):
                 error.repairs = _repairs(request, asked_robot, problem, error)
         raise
+
+
+def _has_places(request: PlanRequest) -> bool:
+    """Whether events of a request are at places of the tool."""
+    return any(event.distance is not None for event in request.events)
 
 
 def _repairs(
@@ -210,11 +223,15 @@ def _ordered(
     stages: MotionStages, problem: JointPathProblem, model: CollisionModel | None, known_id: str
 ) -> Plan:
     """The plan of a path in the order asked for."""
+    said: dict[str, Any] = {}
     if stages.request.path.order == "given":
-        return _corrected(stages, problem, stages.timed(problem), model, known_id)
-    problem, motion, order = stages.in_best_order(problem)
+        motion = stages.timed(problem)
+    else:
+        problem, motion, said["order"] = stages.in_best_order(problem)
+    if stages.request.ik.objective == "time":
+        problem, motion, said["objective"] = in_least_time(stages, problem, motion)
     plan = _corrected(stages, problem, motion, model, known_id)
-    return plan.model_copy(update={"order": order})
+    return plan.model_copy(update=said) if said else plan
 
 
 def _corrected(
@@ -275,6 +292,7 @@ def _certified(
             segment_times=segment_times(route, times, problem.order),
             order=problem.order,
             leaving=_leaving(problem, motion),
+            ends=asked_ends(request, robot),
             plan_id=known_id,
         )
     except RegionLeft as left:

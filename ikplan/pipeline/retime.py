@@ -17,6 +17,9 @@ from ikplan.documents.trajectory import WaypointResults
 from ikplan.errors import BudgetExceeded, IkplanError, InvalidRequest, TimingFailed
 from ikplan.joint_path import JointPath
 from ikplan.limits.motion_limits import LimitedSegment, MotionLimits
+from ikplan.pipeline.asked.asked_motion import AskedMotion, asked_ends
+from ikplan.pipeline.asked.asked_timing import time_as_asked
+from ikplan.pipeline.asked.waypoint_times import time_at
 from ikplan.pipeline.assemble import assemble_plan, joint_steps
 from ikplan.pipeline.collisions import requested_model, with_meshes
 from ikplan.pipeline.helpers import helped_by
@@ -25,9 +28,9 @@ from ikplan.pipeline.identity import plan_id
 from ikplan.pipeline.near_path import Nearness, NearPath, smooth_path
 from ikplan.pipeline.request_budget import RequestBudget
 from ikplan.pipeline.resolve import resolve_robot
-from ikplan.pipeline.timing_stage import Timing, joint_limits, time_motion
+from ikplan.pipeline.timing_stage import Timing, joint_limits
 from ikplan.planning import Progress, TimeBudget
-from ikplan.planning.limit_repairs import limit_repairs, offered
+from ikplan.planning.limit_repairs import limit_repairs, nearest_repairs, offered
 from ikplan.planning.repair_kinds import merged_document
 from ikplan.plans.plan import Plan
 from ikplan.robots import Robot
@@ -49,8 +52,12 @@ def time_path(
     rest_at: Sequence[int] = (),
     segments: Sequence[Mapping[str, Any]] = (),
     tolerance: ArrayLike | Mapping[str, float] | None = None,
+    start_velocity: ArrayLike | None = None,
+    start_acceleration: ArrayLike | None = None,
+    end_velocity: ArrayLike | None = None,
+    times: Sequence[float | None] | Array | None = None,
 ) -> Plan:
-    """Move through joint waypoints as fast as the limits allow, from rest to rest.
+    """Move through joint waypoints as fast as the limits allow, or as asked for.
 
     Args:
         robot: The robot, with its tool.
@@ -60,7 +67,8 @@ def time_path(
         velocity_scale: Share of the robot's velocity limits.
         acceleration_scale: Share of the robot's acceleration limits.
         limits: More limits, as in a request: ``{"jerk": 100, "tool_speed": 0.25, ...}``; without
-            ``jerk``, the maker's jerk limits hold where published, ``False``: none.
+            ``jerk``, the maker's jerk limits hold where published, ``False``: none; with
+            ``duration``, the motion takes that time [s].
         rest_at: Indices of waypoints where the motion stops and may turn a sharp corner.
         segments: Parts with limits of their own, as in a request:
             ``{"first": 2, "last": 5, "limits": {"tool_speed": 0.1}}``, by indices of waypoints.
@@ -68,6 +76,12 @@ def time_path(
             takes a smooth path past their noise: of every joint [rad or m], one value each, shape
             (dof,), or ``{"position": 1e-3, "orientation": 1e-2}`` of the tool [m and rad]. None:
             a spline passes through the waypoints.
+        start_velocity: Joint velocities at the start, shape (dof,) [rad/s or m/s], for a robot
+            that moves already; None: at rest.
+        start_acceleration: Joint accelerations there, shape (dof,); they count under jerk limits.
+        end_velocity: Joint velocities at the end, shape (dof,) [rad/s or m/s]; None: at rest.
+        times: When each waypoint is passed [s], None in the list: whenever it suits; None: as soon
+            as the limits allow.
 
     Returns:
         The certified trajectory: ``.time``, ``.q``, ``.dq``, ``.ddq``, ``.certificate``, ...
@@ -94,6 +108,17 @@ def time_path(
     if tolerance is not None:
         given = dict(tolerance) if isinstance(tolerance, Mapping) else np.asarray(tolerance)
         document["tolerance"] = given if isinstance(given, dict) else given.tolist()
+    rates = {
+        "start_velocity": start_velocity,
+        "start_acceleration": start_acceleration,
+        "end_velocity": end_velocity,
+        "times": times,
+    }
+    document |= {
+        key: v.tolist() if isinstance(v, np.ndarray) else list(v)  # type: ignore[arg-type]
+        for key, v in rates.items()
+        if v is not None
+    }
     return time_request(document, robot=robot)
 
 
@@ -147,7 +172,9 @@ def make_timing(
     try:
         return _made(request, robot, clock, known_id)
     except TimingFailed as error:
-        if repairs:
+        if error.nearest:
+            error.repairs = nearest_repairs(error)
+        elif repairs:
 
             def survives(change: dict[str, Any]) -> bool:
                 return _survives(request, asked_robot, change, clock)
@@ -189,17 +216,40 @@ def _made(request: TimingRequest, robot: Robot, clock: RequestBudget, known_id: 
     jerk = any(x.jerk is not None for x in (limits, *(s.limits for s in segments)))
     helped_by("time", jerk=jerk)
     nearness = _nearness(request, robot)
+    free = nearness is None
+    ends = asked_ends(request, robot)
+    asked_motion = AskedMotion(ends, (free, free), request.limits.duration)
     if nearness is None:
         with clock.stage("planning"):
             path = JointPath.through(asked, joint_limits(robot, limits), rest_at=request.rest_at)
             # Waypoints too close to tell apart are passed as one.
             waypoints = path.q_knots[path.knot_of_waypoint]
+            if request.times is not None:
+                waypoints = asked.copy()
         with clock.stage("timing"):
-            timing = time_motion(path, robot, limits, request.sampling, segments, clock.check)
+            timing = (
+                time_as_asked(
+                    path, robot, limits, request.sampling, segments, asked_motion, clock.check
+                )
+                if request.times is None
+                else time_at(
+                    asked,
+                    request.times,
+                    robot,
+                    limits,
+                    request.sampling,
+                    segments,
+                    request.rest_at,
+                    asked_motion,
+                    clock.check,
+                )
+            )
         times = timing.timed.times
         hints = noise_hints(robot, asked, times)
     else:
-        near, timing = _near_motion(request, robot, limits, asked, nearness, segments, clock)
+        near, timing = _near_motion(
+            request, robot, limits, asked, nearness, segments, asked_motion, clock
+        )
         waypoints = near.path(near.s)
         waypoints[0], waypoints[-1] = asked[0], asked[-1]
         times = timing.timed.times_anywhere(near.s)
@@ -224,6 +274,7 @@ def _made(request: TimingRequest, robot: Robot, clock: RequestBudget, known_id: 
         timing,
         clock,
         q_start=waypoints[0],
+        ends=ends,
         segments=requested,
         joint_waypoints=asked,
         tolerance=request.tolerance,
@@ -259,6 +310,7 @@ def _near_motion(
     asked: Array,
     nearness: Nearness,
     segments: Sequence[LimitedSegment],
+    asked_motion: AskedMotion,
     clock: TimeBudget,
 ) -> tuple[NearPath, Timing]:
     """Time a smooth path near the waypoints; where there are sharp corners, the faster of two.
@@ -290,7 +342,9 @@ def _near_motion(
                 stop_at_sharp=stop_at_sharp,
             )
         with clock.stage("timing"):
-            timing = time_motion(near.path, robot, limits, request.sampling, own, clock.check)
+            timing = time_as_asked(
+                near.path, robot, limits, request.sampling, own, asked_motion, clock.check
+            )
         if best is None or timing.timed.duration < best[1].timed.duration:
             best = near, timing
         if not near.sharp:

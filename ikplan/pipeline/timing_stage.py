@@ -36,7 +36,16 @@ from ikplan.timing.constraints.models import inverse_dynamics, tool_motion
 from ikplan.timing.constraints.tangential_limit import TangentialLimit
 from ikplan.timing.engines.engine import Check, unlimited
 
-__all__ = ["Timing", "joint_limits", "sampling_rate", "time_motion"]
+__all__ = [
+    "Timing",
+    "joint_limits",
+    "least_duration",
+    "motion_polynomials",
+    "prepared",
+    "report_of",
+    "sampling_rate",
+    "time_motion",
+]
 
 DEFAULT_RATE_HZ = 250.0
 """Samples per second where neither the request nor a controller says [Hz]."""
@@ -125,7 +134,7 @@ def time_motion(
         InvalidRequest: The motion is too long for the rate, or a joint moves whose limit is 0.
         TimingFailed: No timing under the limits: where, which joint, which limit.
     """
-    path, joint_segments, constraints = _prepared(path, robot, limits, segments)
+    path, joint_segments, constraints = prepared(path, robot, limits, segments)
     free = time_joint_path(
         path,
         joint_limits(robot, limits),
@@ -141,8 +150,8 @@ def time_motion(
         timed=timed,
         samples=samples,
         trajectory=Trajectory(time=shown.time, q=shown.q, dq=shown.dq, ddq=shown.ddq),
-        motion=_motion(timed) if sampling.form == "polynomial" else None,
-        report=_report(
+        motion=motion_polynomials(timed) if sampling.form == "polynomial" else None,
+        report=report_of(
             free,
             check,
             duration=timed.duration,
@@ -192,7 +201,7 @@ def least_duration(
     """
     smooth = replace(limits, jerk=None)
     eased = [replace(x, limits=replace(x.limits, jerk=None)) for x in segments]
-    path, joint_segments, constraints = _prepared(path, robot, smooth, eased)
+    path, joint_segments, constraints = prepared(path, robot, smooth, eased)
     free = time_joint_path(
         path,
         joint_limits(robot, smooth),
@@ -203,10 +212,10 @@ def least_duration(
     return free.duration
 
 
-def _prepared(
+def prepared(
     path: JointPath, robot: Robot, limits: MotionLimits, segments: Sequence[LimitedSegment]
 ) -> tuple[JointPath, list[SegmentJointLimits], list[PathConstraint]]:
-    """A path with the knots that its limits need, limits of its ranges, and of tool and torques."""
+    """Return a path with the knots that its limits need, and limits of ranges, tool and torques."""
     refuse_moving(robot, path, limits, 0.0, path.length)
     if any(x.deceleration is not None for x in (limits, *(s.limits for s in segments))):
         path = path.with_knots(turning_points(path))
@@ -261,8 +270,14 @@ def _more_torque(limits: MotionLimits, known: MotionLimits) -> bool:
     )
 
 
-def _report(
-    timed: TimedPath, check: Check, *, duration: float, rate_hz: float, **said: Any
+def report_of(
+    timed: TimedPath,
+    check: Check,
+    *,
+    duration: float,
+    rate_hz: float,
+    widened: bool = True,
+    **said: Any,
 ) -> TimingReport:
     """Say why a motion takes as long as it does.
 
@@ -271,12 +286,13 @@ def _report(
         check: As for :func:`time_motion`.
         duration: Its duration after that [s].
         rate_hz: Samples per second [Hz].
+        widened: Whether to tell what wider limits would bring.
         said: What else the report says.
     """
     found = binding(timed)
     shares = found.summary()
     slow = timed.jerk_limited or any(span.problem.constraints for span in timed.spans)
-    most = _ASKED_OF_SLOW if slow else _ASKED
+    most = (_ASKED_OF_SLOW if slow else _ASKED) if widened else 0
     asked = [s for s in shares if s.share >= _LEAST_SHARE][:most]
     wider = [what_if(timed, s.limit, s.joint, _WIDER, check) for s in asked]
     return TimingReport(
@@ -298,7 +314,8 @@ def _report(
     )
 
 
-def _motion(timed: TimedPath) -> MotionPolynomials:
+def motion_polynomials(timed: TimedPath) -> MotionPolynomials:
+    """Return a motion as the document of its polynomials."""
     path = timed.path
     return MotionPolynomials(
         s_knots=path.s_knots,

@@ -56,6 +56,7 @@ class JointPathProblem:
             first, shape (dof,) [rad or m]; None: the motion begins at ``q_start``.
         left: Rows of the model's pairs that touch there; None: none do.
         posture: What motions cost where a posture is preferred; None: joint motion alone counts.
+        closeness: How near joint motions stay to tool paths that are met exactly [m].
     """
 
     robot: Robot
@@ -75,6 +76,7 @@ class JointPathProblem:
     left_from: Array | None = None
     left: Indices | None = None
     posture: MotionCost | None = None
+    closeness: float = np.inf
 
     @property
     def places(self) -> dict[int, int]:

@@ -9,7 +9,15 @@ from ikplan.documents.limits import LimitOptions, ToolRate
 from ikplan.errors import BudgetExceeded, TimingFailed
 from ikplan.planning.repair_kinds import Repair
 
-__all__ = ["ATTEMPTS", "limit_repairs", "offered", "own_torques", "slower_tool", "smaller_payload"]
+__all__ = [
+    "ATTEMPTS",
+    "limit_repairs",
+    "nearest_repairs",
+    "offered",
+    "own_torques",
+    "slower_tool",
+    "smaller_payload",
+]
 
 ATTEMPTS = 4
 """Changes of a kind that are planned to the end."""
@@ -46,6 +54,13 @@ def offered(kinds: Iterator[Iterator[Repair]], survives: Survives | None) -> lis
     except BudgetExceeded:
         return found
     return found
+
+
+def nearest_repairs(error: TimingFailed) -> list[dict[str, Any]]:
+    """Return the nearest feasible values that an error carries as the change of the request."""
+    names = " and ".join(error.nearest)
+    detail = f"ask for the nearest feasible {names}".replace("_", " ")
+    return [{"change": error.nearest, "detail": detail}]
 
 
 def limit_repairs(error: TimingFailed, limits: LimitOptions) -> Iterator[Iterator[Repair]]:

@@ -97,6 +97,7 @@ def path_tracker(problem: JointPathProblem) -> TolerantTracker:
         problem.clock,
         problem.contact,
         posture=problem.posture,
+        closeness=problem.closeness,
     )
 
 

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from ikplan.errors import InvalidRequest, near_names
 from ikplan.robots import Robot
+from ikplan.robots.urdf.rerooting import rooted_for
 from ikplan.robots.urdf.tree import MOVABLE, Joint, KinematicTree, Vector
 from ikplan.robots.urdf.urdf import parse_urdf
 
@@ -54,7 +55,7 @@ def links_of(robot: Robot, fixed_joints: Mapping[str, float] | None = None) -> L
     """
     source = robot.description.shapes
     document = source.urdf or robot.description.urdf.encode()
-    tree = parse_urdf(document, robot=robot.name)
+    tree = rooted_for(parse_urdf(document, robot=robot.name), robot.base_frame, robot.tip_frame)
     serial = {name: k for k, name in enumerate(robot.model.names) if k}
     fixed = _fixed_values(robot, tree, serial, fixed_joints or {})
     carrier, pose, parent = {tree.root: 0}, tree_poses(tree, fixed, serial), dict[str, str]()

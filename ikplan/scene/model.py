@@ -13,6 +13,7 @@ from ikplan.errors import InvalidRequest, near_names
 from ikplan.robots import Robot
 from ikplan.scene.allowed import self_pairs
 from ikplan.scene.body import Body, CollisionModel
+from ikplan.scene.links import Links
 from ikplan.scene.robot_bodies import robot_bodies
 from ikplan.scene.shapes import enclose, transformed
 
@@ -68,7 +69,7 @@ def collision_model(
         for k, part in enumerate(scene.attached)
     ]
     standing = [
-        _placed(part, 0, pin.SE3.Identity(), "obstacle", f"scene.obstacles[{k}]")
+        _placed(part, *_stand_of(part, found.links, f"scene.obstacles[{k}]"))
         for k, part in enumerate(scene.obstacles)
     ]
     bodies = (*links, *carried, *standing)
@@ -99,6 +100,19 @@ def collision_model(
         allowed=tuple(allowed),
         unchecked=found.unchecked,
     )
+
+
+def _stand_of(part: Obstacle, links: Links, field: str) -> tuple[int, pin.SE3, str, str]:
+    """What an obstacle moves with, the frame that it is given in, its kind and its field.
+
+    Raises:
+        InvalidRequest: There is no such link.
+    """
+    if part.link is None:
+        return 0, pin.SE3.Identity(), "obstacle", field
+    known = set(links.carrier)
+    _require(part.link, known, list(links.carrier), f"{field}.link")
+    return links.carrier[part.link], pin.SE3(*links.pose[part.link]), "obstacle", field
 
 
 def _is_joined(link: Body, carried: Body, tip: int) -> bool:

@@ -219,15 +219,25 @@ class SpanProblem:
 
     def _largest_ratios(self, x: Array) -> Array:
         """Largest limit ratio of each span from rest to rest, shape (k + 1,)."""
-        v_ratio, a_ratio = self.limit_ratios(x)
         if len(self.rests) == 0:
+            v_ratio, a_ratio = self.limit_ratios(x)
             others = [float(highest(ratios).max()) for _, ratios in self.others.ratios(x)]
             return np.array([max(float(v_ratio.max()) ** 2, float(a_ratio.max()), *others, 0.0)])
+        largest = self.interval_ratios(x)
+        return np.maximum.reduceat(largest, np.concatenate([[0], self.rests]))
+
+    def interval_ratios(self, x: Array) -> Array:
+        """Return the largest limit ratio on each interval, as a ratio of x, shape (n,).
+
+        Args:
+            x: Squared path velocities at the nodes, shape (n + 1,).
+        """
+        v_ratio, a_ratio = self.limit_ratios(x)
         largest = np.maximum(v_ratio.max(axis=1) ** 2, a_ratio.max(axis=1))
         for points, ratios in self.others.ratios(x):
             most = highest(ratios).max(axis=1)
             largest[points.inside] = np.maximum(largest[points.inside], most)
-        return np.maximum.reduceat(largest, np.concatenate([[0], self.rests]))
+        return np.asarray(largest)
 
     def kept(self, x: Array, least: float, margin: float = 0.0) -> Array:
         """Return velocities slowed span by span until they keep every limit.

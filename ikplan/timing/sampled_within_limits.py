@@ -13,7 +13,7 @@ from ikplan.timing.engines.engine import Check, unlimited
 from ikplan.timing.sampling import Samples, on_grid, sample, with_nodes
 from ikplan.timing.timed_path import TimedPath
 
-__all__ = ["sampled_within_limits"]
+__all__ = ["constraint_ratio", "joint_ratio", "sampled_within_limits"]
 
 
 # What a motion is slowed by beyond its ratio, ten times more each time: what exceeds a limit at
@@ -59,8 +59,8 @@ def sampled_within_limits(
         samples = with_nodes(timed, rate_hz) if nodes else sample(timed, rate_hz)
         ratio = max(
             [
-                _joint_ratio(timed, samples),
-                *(_constraint_ratio(timed, samples, c) for c in constraints),
+                joint_ratio(timed, samples),
+                *(constraint_ratio(timed, samples, c) for c in constraints),
             ]
         )
         if ratio <= 1.0:
@@ -69,7 +69,7 @@ def sampled_within_limits(
         step *= 10.0
 
 
-def _constraint_ratio(timed: TimedPath, samples: Samples, constraint: PathConstraint) -> float:
+def constraint_ratio(timed: TimedPath, samples: Samples, constraint: PathConstraint) -> float:
     """Return a constraint's limit ratio at the samples in its range."""
     first, last = timed.times_at(np.array([constraint.start, constraint.end]))
     time, edge = samples.time, _EDGE * timed.duration
@@ -83,7 +83,7 @@ def _constraint_ratio(timed: TimedPath, samples: Samples, constraint: PathConstr
     return float(ratio.max())
 
 
-def _joint_ratio(timed: TimedPath, samples: Samples) -> float:
+def joint_ratio(timed: TimedPath, samples: Samples) -> float:
     """Return the ratio to the joints' own limits at the samples."""
     if not timed.spans or len(samples.time) < 2:
         return 0.0

@@ -20,6 +20,7 @@ __all__ = [
     "periods",
     "sample",
     "sample_at_nodes",
+    "samples_at",
     "with_nodes",
 ]
 
@@ -145,10 +146,34 @@ def with_nodes(timed: TimedPath, rate_hz: float) -> Samples:
     return _samples(timed, np.array([*kept, end] if end > 0.0 else kept))
 
 
+def samples_at(timed: TimedPath, rate_hz: float, *, nodes: bool) -> Samples:
+    """Sample a motion at multiples of the period, and at its end wherever that is.
+
+    Args:
+        timed: The motion.
+        rate_hz: Samples per second [Hz].
+        nodes: Whether its nodes are samples too.
+
+    Returns:
+        The samples; of those within a millionth of a period of each other, the first; the last
+        one is that of the end.
+    """
+    end = timed.duration
+    times = np.arange(periods(end, rate_hz) + 1) / rate_hz
+    if nodes:
+        times = np.union1d(times, timed.node_times)
+    kept = [0.0]
+    for time in times[1:]:
+        if min(time - kept[-1], end - time) > _SAME / rate_hz:
+            kept.append(float(time))
+    return _samples(timed, np.array([*kept, end] if end > 0.0 else kept))
+
+
 def _samples(timed: TimedPath, time: Array) -> Samples:
     q, dq, ddq = timed.evaluate(time)
     q[-1] = timed.path.q_knots[-1]
-    dq[-1] = 0.0
+    if timed.sdot[-1] == 0.0:
+        dq[-1] = 0.0
     return Samples(time, q, dq, ddq)
 
 

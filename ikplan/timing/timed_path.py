@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -71,7 +72,9 @@ class TimedPath:
     def stop_times(self) -> Array:
         """Times at which the motion rests between its ends, shape (k,) [s]."""
         rests = np.flatnonzero(self.sdot[1:-1] == 0.0) + 1
-        return self.node_times[rests]
+        # Where it stands for a while, a stop is when it arrives.
+        begins = (self.s[rests] > self.s[rests - 1]) & (self.s[rests] < self.s[-1])
+        return np.asarray(self.node_times[rests[begins]])
 
     def times_at(self, positions: Array) -> Array:
         """Return when knots of the path are passed [s]; of a jerk-limited motion, any positions.
@@ -117,7 +120,7 @@ class TimedPath:
         """
         at = np.atleast_1d(np.asarray(t, dtype=np.float64))
         path = self.path
-        if len(self.s) == 1:
+        if len(path.s_knots) == 1:
             q = np.repeat(path.q_knots, len(at), axis=0)
             return q, np.zeros_like(q), np.zeros_like(q)
         if self.sddot is not None:
@@ -140,7 +143,7 @@ class TimedPath:
         Args:
             t: Times [s], shape (m,); clipped to [0, duration].
         """
-        return self._cubic(t)[3] if len(self.s) > 1 else np.zeros(len(t))
+        return self._cubic(t)[3] if len(self.path.s_knots) > 1 else np.zeros(len(t))
 
     def _cubic(self, t: Array) -> tuple[Array, Array, Array, Array]:
         """Evaluate a jerk-limited motion; see evaluate_cubic."""
@@ -171,6 +174,30 @@ class TimedPath:
         return replace(
             self, sdot=self.sdot / factor, node_times=self.node_times * factor, sddot=sddot
         )
+
+    def standing(self, places: Sequence[tuple[float, float]]) -> TimedPath:
+        """Return the same motion, standing for a while at places where it rests.
+
+        Args:
+            places: Path positions, of rests, and how long it stands there [s].
+        """
+        timed = self
+        for place, seconds in places:
+            rests = np.flatnonzero(timed.sdot == 0.0)
+            k = int(rests[np.argmin(np.abs(timed.s[rests] - place))])
+            later = timed.node_times.copy()
+            later[k + 1 :] += seconds
+            piece = timed.pieces[min(k, len(timed.pieces) - 1) :][:1]
+            sddot = timed.sddot
+            timed = replace(
+                timed,
+                s=np.insert(timed.s, k + 1, timed.s[k]),
+                sdot=np.insert(timed.sdot, k + 1, 0.0),
+                node_times=np.insert(later, k + 1, timed.node_times[k] + seconds),
+                pieces=np.insert(timed.pieces, min(k, len(timed.pieces)), piece),
+                sddot=None if sddot is None else np.insert(sddot, k + 1, 0.0),
+            )
+        return timed
 
     def lasting(self, duration: float) -> TimedPath:
         """Return the same motion, slowed until it takes a given time exactly.

@@ -42,6 +42,8 @@ class TrackedArm:
         contact: Refuses configurations and motions in contact; None: nothing is checked.
         within: Whether points that cannot be met exactly may be met within the tolerance.
         posture: What motions cost where a posture is preferred; None: joint motion alone counts.
+        closeness: How near the joint spline stays to a path that is met exactly [m]: nearer than
+            the tolerance asks for, where places on it have to be met.
     """
 
     arm: Arm
@@ -53,6 +55,7 @@ class TrackedArm:
     contact: ContactCheck | None = None
     within: bool = False
     posture: MotionCost | None = None
+    closeness: float = np.inf
 
     @property
     def cost(self) -> MotionCost:
@@ -78,7 +81,9 @@ class TrackedArm:
     @property
     def deviation_share(self) -> float:
         """Largest ratio of the joint spline's deviation to the tolerance."""
-        return TRACKING_WITHIN if self.within else TRACKING
+        if self.within:
+            return TRACKING_WITHIN
+        return min(TRACKING, self.closeness / self.tolerance.position)
 
     def first_contact(self, reference: ReferencePath, s: Array, q: Array) -> Contact | None:
         """Return where the straight motions between tracked points first meet a body, or None.

@@ -31,7 +31,7 @@ def check_objective(options: IkOptions, legs: Sequence[Leg]) -> None:
             "ik.objective: clearance chooses the configurations of waypoints that joint motions "
             "lead to; this path has a tool path or a move",
             field="ik.objective",
-            allowed=["motion"],
+            allowed=["motion", "time"],
         )
 
 

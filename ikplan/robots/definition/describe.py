@@ -12,21 +12,29 @@ from ikplan.robots.definition.couplings import mimic_coupling
 from ikplan.robots.definition.joint_spec import joint_spec
 from ikplan.robots.definition.schema import JointEntry, RobotFile
 from ikplan.robots.description import Coupling, JointSpec, LimitSource, RobotDescription
+from ikplan.robots.urdf.rerooting import passes_upwards, rooted_for
 from ikplan.robots.urdf.tree import MOVABLE, Joint, KinematicTree
 
-__all__ = ["MAX_MOVABLE_JOINTS", "check_jerks", "describe_file", "moving_chain"]
+__all__ = ["MAX_MOVABLE_JOINTS", "MOVING_BASE", "check_jerks", "describe_file", "moving_chain"]
 
 MAX_MOVABLE_JOINTS = 64
+MOVING_BASE = (
+    "the way to the tip goes up from the base {base!r}, which moves with the joints above it, and "
+    "gravity has no fixed direction in it"
+)
+"""What a user should know of a robot whose base is on another branch than its tip."""
 
 
 def moving_chain(tree: KinematicTree, base: str, tip: str) -> tuple[Joint, ...]:
     """The joints that move between ``base`` and ``tip``, in that order, those that mimic included.
 
+    The way may go up one branch of the tree and down another.
+
     Raises:
         InvalidRobot: There is none, or more than can be read; one is floating or planar, or has a
             zero axis; or a number of a joint of the chain makes no sense.
     """
-    every = tree.chain(base, tip)
+    every = rooted_for(tree, base, tip).chain(base, tip)
     chain = [j for j in every if j.kind != "fixed"]
     if len(chain) > MAX_MOVABLE_JOINTS:
         raise InvalidRobot(
@@ -83,6 +91,8 @@ def describe_file(
     tree = tree.with_kinds(
         {j.name: kinds[j.name] for j in tree.joints if j.kind == "revolute" and j.name in kinds}
     )
+    upwards = passes_upwards(tree, base, tip)
+    tree = rooted_for(tree, base, tip)
     chain = moving_chain(tree, base, tip)
     if file.coupling is None and (mimic := mimic_coupling(tree.name, chain)):
         raise InvalidRobot(
@@ -127,8 +137,8 @@ def describe_file(
         coupling=coupling,
         limit_sources=sources,
         sources=tuple(str(s) for s in file.sources),
-        notes=tuple(file.notes),
-        inertias_sourced=file.inertias is not None,
+        notes=(*file.notes, *([MOVING_BASE.format(base=base)] if upwards else ())),
+        inertias_sourced=file.inertias is not None and not upwards,
         controller=_controller(file, specs, unit, base),
         assumptions=default_assumptions(sources, [entries.get(n) for n in names], joints),
     )

@@ -15,11 +15,12 @@ from ikplan.robots.definition.defaults import (
     FIRST_ACCELERATION,
     VELOCITY_DEFAULTS,
 )
-from ikplan.robots.definition.describe import check_jerks, moving_chain
+from ikplan.robots.definition.describe import MOVING_BASE, check_jerks, moving_chain
 from ikplan.robots.definition.joint_spec import joint_spec
 from ikplan.robots.definition.schema import JointEntry
 from ikplan.robots.description import Coupling, LimitSource, RobotDescription, Tool
 from ikplan.robots.urdf.inertias import inertia_faults
+from ikplan.robots.urdf.rerooting import passes_upwards, rooted_for
 from ikplan.robots.urdf.tree import Joint, KinematicTree
 
 __all__ = ["Given", "describe_urdf"]
@@ -85,7 +86,8 @@ def describe_urdf(
     _check_velocity_default(given.velocity_default, name)
     tree.require_link(base, "base")
     said = {entry.name: entry for entry in given.entries}
-    tree = _endless(tree, said)
+    upwards = passes_upwards(tree, base, tip)
+    tree = rooted_for(_endless(tree, said), base, tip)
     serial = moving_chain(tree, base, tip)
     chain = user_joints(serial)
     names = [j.name for j in chain]
@@ -107,7 +109,13 @@ def describe_urdf(
         else given_coupling(name, serial, given.coupling)
     )
     sources = _urdf_sources(merged, chain, source, given)
-    faults = [*inertia_faults(tree, serial), *(f.detail for j in tree.joints for f in j.faults)]
+    # Gravity has no fixed direction in a base that moves.
+    moving = [MOVING_BASE.format(base=base)] if upwards else []
+    faults = [
+        *moving,
+        *inertia_faults(tree, serial),
+        *(f.detail for j in tree.joints for f in j.faults),
+    ]
     home = given.home or {}
     return RobotDescription(
         name=name,

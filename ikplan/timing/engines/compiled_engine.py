@@ -82,15 +82,17 @@ def _those_that_matter(row: Array, a: Array) -> None:
 
 
 @kernel
-def _solve(s: Array, rows_a: Array, b: Array, x_max: Array) -> Array:
+def _solve(s: Array, rows_a: Array, b: Array, x_max: Array, x_first: float, x_last: float) -> Array:
     n, m = rows_a.shape
     a = np.empty(m)
     controllable = np.zeros(n + 1)
+    controllable[n] = x_last
     for i in range(n - 1, -1, -1):
         h = s[i + 1] - s[i]
         _those_that_matter(rows_a[i], a)
         controllable[i] = _largest_controllable(a, b[i], h, x_max[i], controllable[i + 1])
     x = np.zeros(n + 1)
+    x[0] = min(x_first, controllable[0])
     for i in range(n):
         h = s[i + 1] - s[i]
         _those_that_matter(rows_a[i], a)
@@ -104,9 +106,11 @@ class CompiledEngine:
 
     The backward and the forward pass of Pham and Pham (IEEE T-RO 2018). Their linear programs
     have two variables, and rest keeps every row, so that the lower ends of the controllable sets
-    are zero and each upper end is the root of a concave function.
+    are zero and each upper end is the root of a concave function. Of a motion that begins or ends
+    moving, the ends of the solution are as fast as asked for, or as fast as can be.
     """
 
     def solve(self, rows: StageRows) -> Array:
         """Return the squared path velocity at every node; see Engine."""
-        return checked(_solve(rows.s, rows.a, rows.b, np.minimum(rows.x_max, 1e8)))
+        x_max = np.minimum(rows.x_max, 1e8)
+        return checked(_solve(rows.s, rows.a, rows.b, x_max, *rows.ends))

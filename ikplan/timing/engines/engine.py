@@ -33,7 +33,7 @@ class EngineFailed(Exception):
 
 
 class Engine(Protocol):
-    """Chooses the fastest path speed, from rest to rest."""
+    """Chooses the fastest path speed."""
 
     def solve(self, rows: StageRows) -> Array:
         """Return the squared path velocity at every node, shape (n + 1,).
@@ -42,7 +42,8 @@ class Engine(Protocol):
             rows: Constraints in natural units.
 
         Returns:
-            Zero at both ends, finite, and not zero at both ends of any interval.
+            As asked for at both ends, or lower where that is too fast; finite, and not zero at
+            both ends of any interval.
 
         Raises:
             EngineFailed: No such speed was found.

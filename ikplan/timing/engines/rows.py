@@ -25,12 +25,14 @@ class StageRows:
         a: Coefficients of u, shape (n, m).
         b: Coefficients of x, shape (n, m).
         x_max: Upper bounds of x at the nodes, shape (n + 1,).
+        ends: x at the first and at the last node; zero: the motion begins or ends at rest.
     """
 
     s: Array
     a: Array
     b: Array
     x_max: Array
+    ends: tuple[float, float] = (0.0, 0.0)
 
 
 @kernel
@@ -195,4 +197,5 @@ def natural_units(rows: StageRows) -> tuple[StageRows, float]:
     a, b = rows.a, rows.b
     a *= unit / length
     b *= unit
-    return StageRows(s, a, b, rows.x_max / unit), unit
+    ends = (rows.ends[0] / unit, rows.ends[1] / unit)
+    return StageRows(s, a, b, rows.x_max / unit, ends), unit

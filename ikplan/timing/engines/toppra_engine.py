@@ -94,7 +94,7 @@ class ToppraEngine:
         """Return the squared path velocity at every node; see Engine."""
         program = _solver()(rows)
         n, nan = len(rows.s) - 1, math.nan
-        controllable = [0.0] * (n + 1)
+        controllable = [0.0] * n + [rows.ends[1]]
         # The weight of u breaks the tie between equal x, as in toppra's backward pass.
         highest_x = np.array([1e-9, -1.0])
         for i in range(n - 1, -1, -1):
@@ -104,7 +104,7 @@ class ToppraEngine:
             elif math.isnan(top):
                 raise EngineFailed(i)
         h = np.diff(rows.s).tolist()
-        x = [0.0] * (n + 1)
+        x = [min(rows.ends[0], controllable[0])] + [0.0] * n
         highest_next = np.array([0.0, -1.0])
         for i in range(n):
             highest_next[0] = -2.0 * h[i]

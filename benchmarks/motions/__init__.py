@@ -1,0 +1,1 @@
+"""Motions with more asked for than to be fast: studies."""

@@ -1,0 +1,1 @@
+"""Motions that begin or end moving: the path speed at both ends is given."""

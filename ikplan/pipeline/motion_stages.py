@@ -14,11 +14,12 @@ from ikplan.errors import Disconnected, InCollision, TimingFailed, Unreachable
 from ikplan.joint_path import JointPath
 from ikplan.limits.motion_limits import LimitedSegment, MotionLimits
 from ikplan.path import passed_rows
-from ikplan.pipeline.timing_stage import Timing, least_duration, time_motion
+from ikplan.pipeline.timing_stage import Motion, Timing, least_timing, move_along, reported
 from ikplan.planning import JointPathProblem, JointRoute, orders_of, plan_joint_path
 from ikplan.planning.joint_steps import clear_joint_path
 from ikplan.planning.tracking.tracked_path import TrackingFailed
 from ikplan.robots import Robot
+from ikplan.timing import TimedPath
 
 __all__ = ["LaidRoute", "MotionStages", "TimedRoute", "without_blends"]
 
@@ -184,32 +185,33 @@ class MotionStages:
             TimingFailed: None has a timing; that of the first.
         """
         # What a motion takes without jerk limits is quickly known, and with them it takes longer.
-        least = [self._least(problem, one) for one in laid] if len(laid) > 1 else [0.0]
-        best: tuple[float, int, Timing] | None = None
+        known = [self._least(problem, one) for one in laid] if len(laid) > 1 else [None]
+        least = [0.0 if timed is None else timed.duration for timed in known]
+        best: tuple[float, int, Motion] | None = None
         failures: dict[int, TimingFailed] = {}
         for k in sorted(range(len(laid)), key=lambda k: (least[k], k)):
             if best is not None and (1.0 - _BOUND) * least[k] >= best[0]:
                 continue
             try:
-                timing = self._timed(problem, laid[k].route, laid[k].joint_path)
+                motion = self._moved(problem, laid[k], known[k])
             except TimingFailed as failure:
                 failures[k] = failure
                 continue
-            duration = timing.timed.duration
+            duration = motion.timed.duration
             if best is None or (duration, k) < best[:2]:
-                best = duration, k, timing
+                best = duration, k, motion
         if best is None:
             raise failures[min(failures)]
         route, joint_path, path = laid[best[1]]
-        return TimedRoute(route, joint_path, best[2], path)
+        return TimedRoute(route, joint_path, reported(best[2], problem.clock.check), path)
 
-    def _least(self, problem: JointPathProblem, laid: LaidRoute) -> float:
-        """Duration without jerk limits [s]; 0 where there is no timing."""
+    def _least(self, problem: JointPathProblem, laid: LaidRoute) -> TimedPath | None:
+        """The motion that no jerk limit slows; None: there is no timing."""
         segments, check = self._limited(laid.route), problem.clock.check
         try:
-            return least_duration(laid.joint_path, self.robot, self.limits, segments, check)
+            return least_timing(laid.joint_path, self.robot, self.limits, segments, check)
         except TimingFailed:
-            return 0.0
+            return None
 
     def _limited(self, route: JointRoute) -> list[LimitedSegment]:
         """The segments of a route that have limits of their own."""
@@ -219,10 +221,12 @@ class MotionStages:
             if x.field in self.limits_of
         ]
 
-    def _timed(self, problem: JointPathProblem, route: JointRoute, path: JointPath) -> Timing:
-        segments = self._limited(route)
-        sampling, check = self.request.sampling, problem.clock.check
-        return time_motion(path, self.robot, self.limits, sampling, segments, check)
+    def _moved(self, problem: JointPathProblem, laid: LaidRoute, known: TimedPath | None) -> Motion:
+        segments, check = self._limited(laid.route), problem.clock.check
+        sampling = self.request.sampling
+        return move_along(
+            laid.joint_path, self.robot, self.limits, sampling, segments, check, known
+        )
 
 
 def _order_report(

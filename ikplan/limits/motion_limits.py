@@ -7,10 +7,11 @@ from typing import Any
 
 import numpy as np
 
-from ikplan.arrays import Array
+from ikplan.arrays import Array, Flags
 from ikplan.documents.limits import LEAST, LimitOptions, SegmentLimits, ToolAcceleration, ToolRate
 from ikplan.errors import InvalidRequest
 from ikplan.robots import Robot
+from ikplan.robots.definition.assumptions import is_assumed
 
 __all__ = ["STILL", "LimitedSegment", "MotionLimits"]
 
@@ -78,11 +79,13 @@ class MotionLimits:
                 inertias or torque limits have no source; a payload without a torque limit.
         """
         own_jerk = None if options.jerk is False else robot.jerk_limit
+        # A default that no source gives holds where nothing is asked for: see _own.
+        firm = np.where(_assumed(robot), np.inf, robot.acceleration_limit)
         return cls(
             velocity=robot.velocity_limit,
             velocity_lower=-robot.velocity_limit,
-            acceleration=robot.acceleration_limit,
-            acceleration_lower=-robot.acceleration_limit,
+            acceleration=firm,
+            acceleration_lower=-firm,
             jerk=own_jerk,
             torque=None,
             payload_mass=0.0,
@@ -163,8 +166,8 @@ class MotionLimits:
             known = np.minimum(self.acceleration, -self.acceleration_lower)
         if given is None:
             return np.minimum(known, np.minimum(up, -down))
-        own = options.acceleration_scale * robot.acceleration_limit
         asked = _each(robot, given, f"{field}.deceleration")
+        own = options.acceleration_scale * _own(robot, "acceleration", asked)
         return np.minimum(known, np.minimum(own, asked))
 
 
@@ -202,12 +205,30 @@ def _rates(
     robot: Robot, options: SegmentLimits | LimitOptions, kind: str, scale: float, field: str
 ) -> tuple[Array, Array]:
     """Highest and lowest velocities or accelerations."""
-    own: Array = scale * getattr(robot, f"{kind}_limit")
     above, below = getattr(options, kind), getattr(options, f"{kind}_lower")
-    up = own if above is None else np.minimum(own, _each(robot, above, f"{field}.{kind}"))
+    if above is None:
+        up: Array = scale * _own(robot, kind, None)
+    else:
+        asked = _each(robot, above, f"{field}.{kind}")
+        up = np.minimum(scale * _own(robot, kind, asked), asked)
     if below is None:
         return up, -up
-    return up, np.maximum(-own, _each(robot, below, f"{field}.{kind}_lower"))
+    asked = _each(robot, below, f"{field}.{kind}_lower")
+    return up, np.maximum(-scale * _own(robot, kind, -asked), asked)
+
+
+def _assumed(robot: Robot) -> Flags:
+    """Which joints' acceleration limits are only a default that no source gives, shape (dof,)."""
+    said = robot.description.assumptions
+    return np.array([is_assumed(said, "acceleration", n) for n in robot.joint_names], dtype=bool)
+
+
+def _own(robot: Robot, kind: str, asked: Array | None) -> Array:
+    """The robot's own limits, shape (dof,); what is asked for in place of a lower default."""
+    own: Array = getattr(robot, f"{kind}_limit")
+    if asked is None or kind != "acceleration":
+        return own
+    return np.where(_assumed(robot), np.maximum(own, asked), own)
 
 
 def _torque(robot: Robot, asked: bool | list[float], field: str) -> Array:

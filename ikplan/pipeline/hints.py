@@ -25,7 +25,9 @@ _ROUNDING = 1e-9
 
 
 def default_hints(robot: Robot, limits: LimitOptions) -> list[str]:
-    """Say where an acceleration that is asked for is above a default of the robot, which holds.
+    """Say where an acceleration that is asked for is above a limit of the robot, which holds.
+
+    One that is only a default, given by no source, does not hold then: what is asked for does.
 
     Args:
         robot: The robot.
@@ -38,15 +40,15 @@ def default_hints(robot: Robot, limits: LimitOptions) -> list[str]:
         value = getattr(limits, field)
         if value is None:
             continue
-        above = np.flatnonzero(np.abs(np.broadcast_to(np.array(value), own.shape)) > own)
-        names = [robot.joint_names[j] for j in above]
-        assumed = [name for name in names if is_assumed(assumptions, "acceleration", name)]
-        if assumed:
-            rates = ", ".join(f"{n} {own[robot.joint_names.index(n)]:.4g}" for n in assumed)
+        above = np.abs(np.broadcast_to(np.array(value), own.shape)) > own
+        names = [robot.joint_names[j] for j in np.flatnonzero(above)]
+        firm = [name for name in names if not is_assumed(assumptions, "acceleration", name)]
+        if firm:
+            rates = ", ".join(f"{n} {own[robot.joint_names.index(n)]:.4g}" for n in firm)
             said.append(
                 f"limits.{field} is above the robot's limits of {rates} rad/s^2 or m/s^2, which "
-                "hold though they are only a default (no source gives them): give the robot "
-                "acceleration limits of its own, by load_robot(limits=...) or in its upload"
+                "hold, since a source gives them: load_robot(limits=...) or an upload gives the "
+                "robot others"
             )
     return said
 

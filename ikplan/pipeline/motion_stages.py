@@ -16,11 +16,12 @@ from ikplan.limits.motion_limits import LimitedSegment, MotionLimits
 from ikplan.path import passed_rows
 from ikplan.pipeline.asked.asked_motion import asked_of_plan
 from ikplan.pipeline.asked.asked_timing import time_as_asked
-from ikplan.pipeline.timing_stage import Timing, least_duration
+from ikplan.pipeline.timing_stage import Motion, Timing, least_timing, move_along, reported
 from ikplan.planning import JointPathProblem, JointRoute, orders_of, plan_joint_path
 from ikplan.planning.joint_steps import clear_joint_path
 from ikplan.planning.tracking.tracked_path import TrackingFailed
 from ikplan.robots import Robot
+from ikplan.timing import TimedPath
 
 __all__ = ["LaidRoute", "MotionStages", "TimedRoute", "without_blends"]
 
@@ -186,32 +187,35 @@ class MotionStages:
             TimingFailed: None has a timing; that of the first.
         """
         # What a motion takes without jerk limits is quickly known, and with them it takes longer.
-        least = [self._least(problem, one) for one in laid] if len(laid) > 1 else [0.0]
-        best: tuple[float, int, Timing] | None = None
+        known = [self._least(problem, one) for one in laid] if len(laid) > 1 else [None]
+        least = [0.0 if timed is None else timed.duration for timed in known]
+        best: tuple[float, int, Motion | Timing] | None = None
         failures: dict[int, TimingFailed] = {}
         for k in sorted(range(len(laid)), key=lambda k: (least[k], k)):
             if best is not None and (1.0 - _BOUND) * least[k] >= best[0]:
                 continue
             try:
-                timing = self._timed(problem, laid[k].route, laid[k].joint_path)
+                motion = self._moved(problem, laid[k], known[k])
             except TimingFailed as failure:
                 failures[k] = failure
                 continue
-            duration = timing.timed.duration
+            duration = motion.timed.duration
             if best is None or (duration, k) < best[:2]:
-                best = duration, k, timing
+                best = duration, k, motion
         if best is None:
             raise failures[min(failures)]
         route, joint_path, path = laid[best[1]]
-        return TimedRoute(route, joint_path, best[2], path)
+        motion = best[2]
+        timing = reported(motion, problem.clock.check) if isinstance(motion, Motion) else motion
+        return TimedRoute(route, joint_path, timing, path)
 
-    def _least(self, problem: JointPathProblem, laid: LaidRoute) -> float:
-        """Duration without jerk limits [s]; 0 where there is no timing."""
+    def _least(self, problem: JointPathProblem, laid: LaidRoute) -> TimedPath | None:
+        """The motion that no jerk limit slows; None: there is no timing."""
         segments, check = self._limited(laid.route), problem.clock.check
         try:
-            return least_duration(laid.joint_path, self.robot, self.limits, segments, check)
+            return least_timing(laid.joint_path, self.robot, self.limits, segments, check)
         except TimingFailed:
-            return 0.0
+            return None
 
     def _limited(self, route: JointRoute) -> list[LimitedSegment]:
         """The segments of a route that have limits of their own."""
@@ -221,10 +225,15 @@ class MotionStages:
             if x.field in self.limits_of
         ]
 
-    def _timed(self, problem: JointPathProblem, route: JointRoute, path: JointPath) -> Timing:
-        segments = self._limited(route)
-        sampling, check = self.request.sampling, problem.clock.check
-        asked = asked_of_plan(self.request, self.robot, route)
+    def _moved(
+        self, problem: JointPathProblem, laid: LaidRoute, known: TimedPath | None
+    ) -> Motion | Timing:
+        """Move along a joint path; the report of a motion that is only to be fast waits."""
+        segments, check = self._limited(laid.route), problem.clock.check
+        sampling, path = self.request.sampling, laid.joint_path
+        asked = asked_of_plan(self.request, self.robot, laid.route)
+        if asked is None or asked.plain:
+            return move_along(path, self.robot, self.limits, sampling, segments, check, known)
         return time_as_asked(path, self.robot, self.limits, sampling, segments, asked, check)
 
 

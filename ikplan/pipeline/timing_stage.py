@@ -37,12 +37,15 @@ from ikplan.timing.constraints.tangential_limit import TangentialLimit
 from ikplan.timing.engines.engine import Check, unlimited
 
 __all__ = [
+    "Motion",
     "Timing",
     "joint_limits",
-    "least_duration",
+    "least_timing",
     "motion_polynomials",
+    "move_along",
     "prepared",
     "report_of",
+    "reported",
     "sampling_rate",
     "time_motion",
 ]
@@ -55,6 +58,29 @@ _ASKED = 3
 _ASKED_OF_SLOW = 1  # where timing again takes long: limits of jerks, torques and the tool
 _LEAST_SHARE = 0.05
 _WIDER = 1.1
+
+
+@dataclass(frozen=True, eq=False)
+class Motion:
+    """A timed and sampled joint path, nothing said yet of why it takes as long as it does.
+
+    Attributes:
+        free: The motion before it is slowed to end at a sample.
+        timed: The motion.
+        samples: Samples at the controller's period, those of the trajectory among them.
+        sampling: The samples asked for.
+        rate_hz: Samples per second [Hz].
+        rate_source: Who says so.
+        jerk_source: Who limits jerks; None: nobody.
+    """
+
+    free: TimedPath
+    timed: TimedPath
+    samples: Samples
+    sampling: SamplingOptions
+    rate_hz: float
+    rate_source: str
+    jerk_source: str | None
 
 
 @dataclass(frozen=True, eq=False)
@@ -134,31 +160,70 @@ def time_motion(
         InvalidRequest: The motion is too long for the rate, or a joint moves whose limit is 0.
         TimingFailed: No timing under the limits: where, which joint, which limit.
     """
+    return reported(move_along(path, robot, limits, sampling, segments, check), check)
+
+
+def move_along(
+    path: JointPath,
+    robot: Robot,
+    limits: MotionLimits,
+    sampling: SamplingOptions,
+    segments: Sequence[LimitedSegment] = (),
+    check: Check = unlimited,
+    known: TimedPath | None = None,
+) -> Motion:
+    """Move along a joint path as :func:`time_motion` does, without the report.
+
+    Args:
+        path: The path.
+        robot: The robot, with its tool.
+        limits: What the motion has to keep.
+        sampling: Samples wanted.
+        segments: Segments between waypoints of the path with limits of their own.
+        check: Is called now and then, and may end the stage by an error of its own.
+        known: The timing that no jerk limit slows, where :func:`least_timing` has found it.
+
+    Raises:
+        InvalidRequest: The motion is too long for the rate, or a joint moves whose limit is 0.
+        TimingFailed: No timing under the limits: where, which joint, which limit.
+    """
     path, joint_segments, constraints = prepared(path, robot, limits, segments)
-    free = time_joint_path(
-        path,
-        joint_limits(robot, limits),
-        segments=joint_segments,
-        constraints=constraints,
-        check=check,
-    )
+    if known is None or any(x.jerk is not None for x in (limits, *(s.limits for s in segments))):
+        known = time_joint_path(
+            path,
+            joint_limits(robot, limits),
+            segments=joint_segments,
+            constraints=constraints,
+            check=check,
+        )
     rate_hz, rate_source = sampling_rate(robot, sampling)
     at_nodes = sampling.form == "knots"
-    timed, samples = sampled_within_limits(free, rate_hz, constraints, at_nodes, check)
-    shown = sample_at_nodes(timed) if at_nodes else samples
+    timed, samples = sampled_within_limits(known, rate_hz, constraints, at_nodes, check)
+    return Motion(known, timed, samples, sampling, rate_hz, rate_source, limits.jerk_source)
+
+
+def reported(motion: Motion, check: Check = unlimited) -> Timing:
+    """Return a motion in the form asked for, and why it takes as long as it does.
+
+    Args:
+        motion: The motion.
+        check: Is called now and then, and may end the stage by an error of its own.
+    """
+    free, timed, samples = motion.free, motion.timed, motion.samples
+    shown = sample_at_nodes(timed) if motion.sampling.form == "knots" else samples
     return Timing(
         timed=timed,
         samples=samples,
         trajectory=Trajectory(time=shown.time, q=shown.q, dq=shown.dq, ddq=shown.ddq),
-        motion=motion_polynomials(timed) if sampling.form == "polynomial" else None,
+        motion=motion_polynomials(timed) if motion.sampling.form == "polynomial" else None,
         report=report_of(
             free,
             check,
             duration=timed.duration,
-            rate_hz=rate_hz,
-            rate_source=rate_source,
+            rate_hz=motion.rate_hz,
+            rate_source=motion.rate_source,
             grid_factor=timed.duration / free.duration if free.duration > 0.0 else 1.0,
-            jerk_source=limits.jerk_source,
+            jerk_source=motion.jerk_source,
             zero_end_acceleration=not samples.ddq[[0, -1]].any(),
         ),
     )
@@ -186,14 +251,14 @@ def _alike(a: MotionLimits, b: MotionLimits) -> bool:
     return rates[0] == rates[1] and (b.torque is a.torque) and not _more_torque(b, a)
 
 
-def least_duration(
+def least_timing(
     path: JointPath,
     robot: Robot,
     limits: MotionLimits,
     segments: Sequence[LimitedSegment] = (),
     check: Check = unlimited,
-) -> float:
-    """Return the duration of a motion that no jerk limit slows [s]; arguments as above.
+) -> TimedPath:
+    """Return the motion that no jerk limit slows; arguments as above.
 
     Raises:
         InvalidRequest: A joint moves whose limit is 0.
@@ -202,14 +267,13 @@ def least_duration(
     smooth = replace(limits, jerk=None)
     eased = [replace(x, limits=replace(x.limits, jerk=None)) for x in segments]
     path, joint_segments, constraints = prepared(path, robot, smooth, eased)
-    free = time_joint_path(
+    return time_joint_path(
         path,
         joint_limits(robot, smooth),
         segments=joint_segments,
         constraints=constraints,
         check=check,
     )
-    return free.duration
 
 
 def prepared(

@@ -81,7 +81,7 @@ def test_a_smaller_tool_speed_is_offered_where_it_has_a_timing(
     asked: Any, passes: float, offered: Any, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """As if no timing were found for anything faster."""
-    known = motion_stages.time_motion
+    known = motion_stages.move_along
     tried: list[float] = []
 
     def slow_only(path: Any, robot: Robot, limits: MotionLimits, *more: Any) -> Any:
@@ -90,7 +90,7 @@ def test_a_smaller_tool_speed_is_offered_where_it_has_a_timing(
             raise TimingFailed("no path speed found", position=0.5, limit="acceleration")
         return known(path, robot, limits, *more)
 
-    monkeypatch.setattr(motion_stages, "time_motion", slow_only)
+    monkeypatch.setattr(motion_stages, "move_along", slow_only)
     request = LINE if asked is None else {**LINE, "limits": {"tool_speed": asked}}
     error = refused(request)
     speeds = [r["change"]["limits"]["tool_speed"] for r in error.repairs if "limits" in r["change"]]

@@ -106,9 +106,9 @@ def test_jerk_is_limited_and_told_with_its_price() -> None:
 
 
 def test_the_strictest_limit_holds_and_limits_may_differ_by_direction() -> None:
-    robot = ikplan.load_robot("ur5")
-    limits = {"velocity": [0.4] * 6, "velocity_lower": -0.2, "acceleration": 1e6}
-    plan = timed("ur5", limits)
+    robot = ikplan.load_robot("panda")
+    limits = {"velocity": [0.4] * 7, "velocity_lower": -0.2, "acceleration": 1e6}
+    plan = timed("panda", limits)
     assert plan.dq.max() <= 0.4
     assert -0.2 <= plan.dq.min() < -0.199
     assert (np.abs(plan.ddq) <= robot.acceleration_limit * (1 + 1e-9)).all()

@@ -33,22 +33,31 @@ def options(kind: str, asked: dict) -> dict:
     return document
 
 
-def expected(*layers: dict) -> tuple[np.ndarray, np.ndarray]:
+def expected(kind: str, *layers: dict) -> tuple[np.ndarray, np.ndarray]:
     """The strictest shares of the robot's own limits up and down, shape (dof,) each."""
-    up, down = np.ones(ROBOT.dof), np.ones(ROBOT.dof)
+    up, down = np.full(ROBOT.dof, np.inf), np.full(ROBOT.dof, np.inf)
     for layer in layers:
-        here = np.minimum(layer.get("scale", 1.0), layer.get("upper", np.inf))
+        here = share(kind, layer, "upper")
         # Without one of its own, the other direction has the same limit.
-        there = np.minimum(layer.get("scale", 1.0), layer["lower"]) if "lower" in layer else here
+        there = share(kind, layer, "lower") if "lower" in layer else here
         up, down = np.minimum(up, here), np.minimum(down, there)
     return up, down
+
+
+def share(kind: str, layer: dict, side: str) -> np.ndarray:
+    """What one layer allows; the arm's accelerations are defaults, which higher ones replace."""
+    asked, scale = np.asarray(layer.get(side, np.full(ROBOT.dof, np.inf))), layer.get("scale", 1.0)
+    own = np.ones(ROBOT.dof)
+    if kind == "acceleration" and side in layer:
+        own = np.maximum(own, asked)
+    return np.minimum(scale * own, asked)
 
 
 @pytest.mark.parametrize("kind", KINDS)
 @given(whole=asked, segment=asked, part=asked)
 def test_the_strictest_holds_in_each_direction_whichever_comes_first(kind, whole, segment, part):
     own = getattr(ROBOT, f"{kind}_limit")
-    up, down = expected(whole, segment, part)
+    up, down = expected(kind, whole, segment, part)
     for first, second in ((segment, part), (part, segment)):
         merged = MotionLimits.of(ROBOT, LimitOptions.model_validate(options(kind, whole)))
         for layer in (first, second):

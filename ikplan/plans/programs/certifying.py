@@ -21,6 +21,7 @@ from ikplan.plans.programs.reference import LEVER, lags, looks
 if TYPE_CHECKING:
     from ikplan.documents.plan_document import PlanDocument
     from ikplan.robots import Robot
+from ikplan.robots.definition.assumptions import is_assumed
 
 __all__ = ["Distances", "certify", "distances", "limits_of"]
 
@@ -31,16 +32,20 @@ def limits_of(plan: PlanDocument, robot: Robot) -> tuple[Array, Array]:
     """Return the joint limits that a plan was made for, shape (dof,) each.
 
     The robot's, and where the request scales them, scaled so too: by the plan's own share of the
-    robot's limits over the share of its own limits that its certificate names.
+    robot's limits over the share of its own limits that its certificate names. Only accelerations
+    that are a default of the robot may have been exceeded at the request's wish.
     """
+    said = robot.description.assumptions
+    assumed = [is_assumed(said, "acceleration", name) for name in robot.joint_names]
+    firm = [False] * robot.dof
     found = []
-    for rate, limit, ratio in (
-        (plan.dq, robot.velocity_limit, plan.certificate.velocity_limit_ratio),
-        (plan.ddq, robot.acceleration_limit, plan.certificate.acceleration_limit_ratio),
+    for rate, limit, ratio, free in (
+        (plan.dq, robot.velocity_limit, plan.certificate.velocity_limit_ratio, firm),
+        (plan.ddq, robot.acceleration_limit, plan.certificate.acceleration_limit_ratio, assumed),
     ):
         share = float((np.abs(rate) / limit).max())
-        scale = min(share / ratio, 1.0) if ratio > 0.0 and share > 0.0 else 1.0
-        found.append(np.asarray(limit * scale))
+        scale = share / ratio if ratio > 0.0 and share > 0.0 else 1.0
+        found.append(np.asarray(limit * np.where(free, scale, min(scale, 1.0))))
     return found[0], found[1]
 
 

@@ -18,6 +18,9 @@ __all__ = ["Smoothed", "smooth_span", "smooth_span_alike"]
 _FIRST_WINDOW, _FIRST_ROUNDS = 1.2, 2
 # Jerk limits hardly matter where the motion takes so many times as long as that.
 _WEAK = 100.0
+# Other ways of smoothing are tried on spans of at most so many intervals: what they bring falls
+# with the length of a motion, and what they cost grows.
+_SEARCHED = 3_000
 
 
 def smooth_span(problem: SpanProblem, check: Check = unlimited) -> Smoothed:
@@ -51,7 +54,7 @@ def smooth_span(problem: SpanProblem, check: Check = unlimited) -> Smoothed:
     assert search.best is not None  # the first round has made one
     motion = fastest(problem, search.best, swing, slowdown, check)
     found.append(Smoothed(within_limits(problem, motion, slowdown), None, None))
-    if duration > _WEAK * swing:
+    if duration > _WEAK * swing and len(problem.h) <= _SEARCHED:
         found.append(smoothed(problem, slowdown, check))
     return min(found, key=lambda each: each.duration)
 

@@ -12,7 +12,7 @@ from ikplan.timing.jerk.course_kernels import apart, course_rates, spline_basis
 from ikplan.timing.jerk.cubic_kernels import times_of
 from ikplan.timing.jerk.cubic_motion import CubicMotion
 from ikplan.timing.jerk.smoothing import JointSlowdown
-from ikplan.timing.jerk.through_nodes import through_nodes
+from ikplan.timing.jerk.through_nodes import slow_nodes, through_nodes
 from ikplan.timing.jerk.warp_kernels import fastest_warp
 from ikplan.timing.jerk.within_limits import constraint_factors
 from ikplan.timing.problem import SpanProblem
@@ -84,7 +84,8 @@ def fastest(
         tight = np.ones(len(course.s) - 1)
         for _ in range(tightenings):
             check()
-            played = _played(problem, course, slowdown, tight, _LAST_MU if last else _ROUGH_MU)
+            weight = _LAST_MU if last else _ROUGH_MU
+            played = _played(problem, course, slowdown, tight, weight, build_up)
             if played is None:
                 return best
             course = motion = played
@@ -154,18 +155,20 @@ def through(time: Array, s: Array, v: Array, a: Array) -> CubicMotion | None:
         a: Path accelerations there, shape (n + 1,).
 
     Returns:
-        The motion, from rest to rest; accelerations are changed a little, by a parabola over time
-        that is zero at both ends, so that it ends at rest. None: there is none.
+        The motion, from rest to rest; accelerations are changed a little, so that it ends at rest
+        (see through_nodes). None: there is none.
     """
-    x = time / time[-1]
-    middle = min(max(int(np.argmax(v)), 1), len(s) - 2)
-    found = through_nodes(s, a, x * (1.0 - x), middle)
-    motion = CubicMotion(*found)
+    motion = CubicMotion(*through_nodes(time, s, v, a, slow_nodes(v)))
     return motion if np.isfinite(motion.time[-1]) else None
 
 
 def _played(
-    problem: SpanProblem, course: CubicMotion, slowdown: JointSlowdown, tight: Array, last_mu: float
+    problem: SpanProblem,
+    course: CubicMotion,
+    slowdown: JointSlowdown,
+    tight: Array,
+    last_mu: float,
+    build_up: float,
 ) -> CubicMotion | None:
     """Return a motion played as fast as its limits allow; None: none was found."""
     path, profile = slowdown.path, slowdown.profile
@@ -201,6 +204,7 @@ def _played(
         rows_d * square[..., None] / end,
         (_FIRST_MU / n, _AGAIN_MU / n, last_mu / n),
         _SHRINK,
+        build_up / end,
     )
     if not c.any():
         return None

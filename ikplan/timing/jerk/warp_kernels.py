@@ -6,7 +6,9 @@ import numpy as np
 
 from ikplan._jit import kernel
 from ikplan.arrays import Array
+from ikplan.joint_path.evaluation import interval_of
 from ikplan.timing.jerk.course_kernels import FIRST, spline_basis
+from ikplan.timing.jerk.jerk_kernels import spread
 
 __all__ = ["fastest_warp"]
 
@@ -14,6 +16,16 @@ _MAX_STEPS = 40
 _HALVINGS = 30
 # A squared speed within the limits as a share of that asked for, above which little is to do.
 _NEAR = 0.8
+# Where a motion exceeds limits it is slowed at first: by so much more than needed, over these
+# multiples of the time in which accelerations build up, so many times.
+_BELOW = 0.03
+# On fewer intervals the whole is slowed and steps are halved: that costs little there, and its
+# local optima are a little shorter.
+_FEW = 1_500
+_REACHES = (20.0, 60.0, 6.0)
+_DIPS = 6
+# How much of the way to the limits a step may go.
+_WAY = 0.98
 
 
 @kernel
@@ -180,6 +192,174 @@ def _newton(
 
 
 @kernel
+def _longest(
+    c: Array,
+    step: Array,
+    value: Array,
+    slope: Array,
+    bend: Array,
+    rates: Array,
+    most: Array,
+    up: Array,
+    down: Array,
+    rows_b: Array,
+    rows_d: Array,
+) -> float:
+    """Return how much of a step keeps inside the limits, at most 1.
+
+    The room to a jerk limit is taken along its tangent, below which it does not fall.
+    """
+    largest = 0.0
+    for i in range(value.shape[0]):
+        c0, c1, c2 = c[i], c[i + 1], c[i + 2]
+        d0, d1, d2 = step[i], step[i + 1], step[i + 2]
+        b2 = bend[i, 0] * c0 + bend[i, 1] * c1 + bend[i, 2] * c2
+        e2 = bend[i, 0] * d0 + bend[i, 1] * d1 + bend[i, 2] * d2
+        for k in range(value.shape[1]):
+            b = value[i, k, 0] * c0 + value[i, k, 1] * c1 + value[i, k, 2] * c2
+            e = value[i, k, 0] * d0 + value[i, k, 1] * d1 + value[i, k, 2] * d2
+            b1 = slope[i, k, 0] * c0 + slope[i, k, 1] * c1 + slope[i, k, 2] * c2
+            e1 = slope[i, k, 0] * d0 + slope[i, k, 1] * d1 + slope[i, k, 2] * d2
+            w = 1.0 / np.sqrt(b)
+            dw = -0.5 * w / b * e
+            largest = max(largest, -e / b)
+            if most[i, k] < np.inf:
+                largest = max(largest, e / (most[i, k] - b))
+            for j in range(rates.shape[2]):
+                pull = rates[i, k, j, 0] * b + rates[i, k, j, 1] * b1
+                more = rates[i, k, j, 0] * e + rates[i, k, j, 1] * e1
+                q = up[i, k, j] if more > 0.0 else down[i, k, j]
+                largest = max(largest, more * q / (1.0 - pull * q))
+                jerk = rates[i, k, j, 2] * b + rates[i, k, j, 3] * b1 + rates[i, k, j, 4] * b2
+                change = rates[i, k, j, 2] * e + rates[i, k, j, 3] * e1 + rates[i, k, j, 4] * e2
+                largest = max(largest, (change - dw) / (w - jerk), (-change - dw) / (w + jerk))
+            for r in range(rows_b.shape[2]):
+                left = 1.0 - rows_b[i, k, r] * b - rows_d[i, k, r] * b1
+                largest = max(largest, (rows_b[i, k, r] * e + rows_d[i, k, r] * e1) / left)
+    return min(1.0, _WAY / largest) if largest > 0.0 else 1.0
+
+
+@kernel
+def _excess(
+    c: Array,
+    value: Array,
+    slope: Array,
+    bend: Array,
+    rates: Array,
+    most: Array,
+    up: Array,
+    down: Array,
+    rows_b: Array,
+    rows_d: Array,
+) -> Array:
+    """Return by what factor the squared speed is too high, interval by interval, shape (n,)."""
+    n = value.shape[0]
+    found = np.zeros(n)
+    for i in range(n):
+        c0, c1, c2 = c[i], c[i + 1], c[i + 2]
+        b2 = bend[i, 0] * c0 + bend[i, 1] * c1 + bend[i, 2] * c2
+        for k in range(value.shape[1]):
+            b = value[i, k, 0] * c0 + value[i, k, 1] * c1 + value[i, k, 2] * c2
+            b1 = slope[i, k, 0] * c0 + slope[i, k, 1] * c1 + slope[i, k, 2] * c2
+            if not b > 0.0:
+                found[i] = np.inf
+                continue
+            top, top_jerk = b / most[i, k], 0.0
+            for j in range(rates.shape[2]):
+                pull = rates[i, k, j, 0] * b + rates[i, k, j, 1] * b1
+                top = max(top, pull * up[i, k, j], pull * down[i, k, j])
+                jerk = rates[i, k, j, 2] * b + rates[i, k, j, 3] * b1 + rates[i, k, j, 4] * b2
+                top_jerk = max(top_jerk, abs(jerk))
+            for r in range(rows_b.shape[2]):
+                top = max(top, rows_b[i, k, r] * b + rows_d[i, k, r] * b1)
+            found[i] = max(found[i], top, np.cbrt(np.square(top_jerk) * b))
+    return found
+
+
+@kernel
+def _running_mean(values: Array, tau: Array, reach: float) -> Array:
+    """Return the means of values over a reach each way, the ends going on for ever, shape (n,)."""
+    n = len(values)
+    below = np.zeros(n + 1)
+    for i in range(n):
+        below[i + 1] = below[i] + values[i] * (tau[i + 1] - tau[i])
+    out = np.empty(n)
+    for i in range(n):
+        middle = 0.5 * (tau[i] + tau[i + 1])
+        ends = np.empty(2)
+        for side in range(2):
+            at = middle + (reach if side == 1 else -reach)
+            if at <= tau[0]:
+                ends[side] = values[0] * (at - tau[0])
+            elif at >= tau[n]:
+                ends[side] = below[n] + values[n - 1] * (at - tau[n])
+            else:
+                k = interval_of(tau, at)
+                ends[side] = below[k] + values[k] * (at - tau[k])
+        out[i] = (ends[1] - ends[0]) / (2.0 * reach)
+    return out
+
+
+@kernel
+def _dipped(excess: Array, tau: Array, reach: float) -> Array:
+    """Return logarithms of what to slow a motion by: smooth, at least what is asked, (n,)."""
+    needed = np.zeros(len(excess))
+    for i in range(len(excess)):
+        if excess[i] > 1.0 - 0.5 * _BELOW:
+            needed[i] = np.log(min(excess[i], 10.0)) + _BELOW
+    wide = spread(needed, tau, reach)
+    for _ in range(3):
+        wide = _running_mean(wide, tau, reach / 3.0)
+    return wide
+
+
+@kernel
+def _begin(
+    tau: Array,
+    value: Array,
+    slope: Array,
+    bend: Array,
+    rates: Array,
+    most: Array,
+    up: Array,
+    down: Array,
+    rows_b: Array,
+    rows_d: Array,
+    swing: float,
+) -> Array:
+    """Return coefficients within the limits, slowed smoothly about the places that exceed them.
+
+    The arguments are those of fastest_warp.
+
+    Returns:
+        Coefficients, shape (n + 2,); where smooth dips do not do, the whole is slowed; all zero
+        where not even that does.
+    """
+    n = len(tau) - 1
+    for reach in _REACHES:
+        if n <= _FEW or reach * swing > 0.25:
+            break
+        slower = np.zeros(n)
+        for _ in range(_DIPS):
+            c = np.empty(n + 2)
+            for i in range(n + 2):
+                c[i] = 0.98 * np.exp(-0.5 * (slower[max(i - 2, 0)] + slower[min(i, n - 1)]))
+            excess = _excess(c, value, slope, bend, rates, most, up, down, rows_b, rows_d)
+            if excess.max() < 0.999:
+                return c
+            if not excess.max() < np.inf:
+                break
+            slower += _dipped(excess, tau, reach * swing)
+    c = np.full(n + 2, 0.98)
+    for _ in range(100):
+        excess = _excess(c, value, slope, bend, rates, most, up, down, rows_b, rows_d)
+        if excess.max() < 1.0:
+            return c
+        c *= 0.9
+    return np.zeros(n + 2)
+
+
+@kernel
 def fastest_warp(
     tau: Array,
     rates: Array,
@@ -190,6 +370,7 @@ def fastest_warp(
     rows_d: Array,
     weights: tuple[float, float, float],
     shrink: float,
+    swing: float,
 ) -> Array:
     """Play a motion as fast as limits allow, at a speed that varies along it.
 
@@ -210,6 +391,7 @@ def fastest_warp(
         weights: First weight of the barrier for a motion that exceeds limits by much, first
             weight for another, and last weight.
         shrink: Factor from one to the next, below 1.
+        swing: About the time in which accelerations build up, as a share of the duration.
 
     Returns:
         The coefficients of b, shape (n + 2,); all zero where not even a slow motion keeps the
@@ -217,16 +399,11 @@ def fastest_warp(
     """
     h = np.diff(tau)
     value, slope, bend = spline_basis(tau, np.array([FIRST, 1.0 - FIRST]))
-    c = np.full(len(h) + 2, 0.98)
+    c = _begin(tau, value, slope, bend, rates, most, up, down, rows_b, rows_d, swing)
     mu, again_mu, last_mu = weights
-    for _ in range(100):
-        merit = _merit(c, mu, h, value, slope, bend, rates, most, up, down, rows_b, rows_d)
-        if merit < np.inf:
-            break
-        c *= 0.9
-    if not merit < np.inf:
+    if not _merit(c, mu, h, value, slope, bend, rates, most, up, down, rows_b, rows_d) < np.inf:
         return np.zeros(len(c))
-    if c[0] > _NEAR:
+    if c.max() > _NEAR:
         mu = again_mu
     while True:
         merit = _merit(c, mu, h, value, slope, bend, rates, most, up, down, rows_b, rows_d)
@@ -237,6 +414,8 @@ def fastest_warp(
             if not fall > 0.02 * mu * len(h):
                 break
             size, moved = 1.0, False
+            if len(h) > _FEW:
+                size = _longest(c, step, value, slope, bend, rates, most, up, down, rows_b, rows_d)
             for _ in range(_HALVINGS):
                 trial = c + size * step
                 new = _merit(

@@ -6,7 +6,7 @@ import asyncio
 import contextlib
 import logging
 import os
-from collections.abc import AsyncIterator
+from collections.abc import AsyncIterator, Callable
 from typing import Any
 
 from fastapi import FastAPI, Request, Response
@@ -17,6 +17,7 @@ from ikplan.robots import robot_names
 from ikplan.robots.folders import PATH_VARIABLE
 from ikplan_api.connections.registry import ConnectionLimits, Connections, most_open
 from ikplan_api.http import openapi, problems
+from ikplan_api.jobs.job_service import JobService
 from ikplan_api.jobs.plan_jobs import PlanJobs
 from ikplan_api.jobs.shutdown import Shutdown
 from ikplan_api.middleware.access_log import is_probe
@@ -25,7 +26,7 @@ from ikplan_api.robots.robot_builder import RobotBuilder
 from ikplan_api.routes import ROUTERS
 from ikplan_api.settings import Settings, load_settings, unknown_variables
 from ikplan_api.store.document_store import DocumentStore, MemoryDocumentStore
-from ikplan_api.store.plan_store import PlanStore, StoreFault
+from ikplan_api.store.plan_store import OpenStore, PlanStore, StoreFault
 from ikplan_api.store.sqlite_documents import SqliteDocumentStore, Table
 from ikplan_api.store.sqlite_plans import SqlitePlanStore
 from ikplan_api.telemetry.loop_lag import watch_loop
@@ -37,6 +38,9 @@ from ikplan_api.workers.process_planner import ProcessPlanner
 __all__ = ["create_app"]
 
 _log = logging.getLogger("ikplan.service")
+
+Parts = tuple[OpenStore, JobService, Callable[[Table], DocumentStore]]
+"""Store, jobs, and what makes the store of uploaded robots or scenes."""
 
 
 def create_app(
@@ -92,13 +96,15 @@ def create_app(
     app.state.connections = Connections(_connection_limits(settings))
     app.state.metrics = Metrics(planner, app.state.connections)
     app.state.planner = InstrumentedPlanner(planner, app.state.metrics)
-    app.state.store = store or _store(settings)
-    app.state.plan_jobs = PlanJobs(app.state.planner, app.state.store, settings.max_budget_s)
+    app.state.store, app.state.plan_jobs, uploads = (
+        _fleet(settings, app.state.planner)
+        if settings.store_url and store is None
+        else _alone(settings, app.state.planner, store or _store(settings))
+    )
+    app.state.metrics.watch_jobs(app.state.plan_jobs)
     app.state.shutdown = Shutdown(app.state.plan_jobs, settings.stop_s)
-    bounds = settings.store_robots, settings.store_robot_bytes
-    app.state.robots = robots or _uploads("robots", bounds, app.state.store)
-    bounds = settings.store_scenes, settings.store_scene_bytes
-    app.state.scenes = scenes or _uploads("scenes", bounds, app.state.store)
+    app.state.robots = robots or uploads("robots")
+    app.state.scenes = scenes or uploads("scenes")
     app.state.described = {}  # robots of the catalogue, each made once by a worker
     app.state.robot_builder = RobotBuilder(settings.robot_memory_bytes, settings.robot_timeout_s)
     for router in ROUTERS:
@@ -111,14 +117,15 @@ def create_app(
 
 
 async def _on_store_fault(request: Request, error: Exception) -> Response:
-    """Answer a read or a deletion that the disk does not allow now."""
+    """Answer a read or a deletion that the store does not allow now."""
+    assert isinstance(error, StoreFault)
     _log.error("the store failed: %s", error)
     return problems.error_response(
         request,
         ServiceUnavailable(
             "the store of the service fails now; try again later",
             status_code=ServiceUnavailable.status,
-            retry_after_s=60.0,
+            retry_after_s=error.retry_after_s,
         ),
     )
 
@@ -159,10 +166,62 @@ def _store(settings: Settings) -> SqlitePlanStore:
     return store
 
 
-def _uploads(table: Table, bounds: tuple[int, int], store: PlanStore) -> DocumentStore:
-    if isinstance(store, SqlitePlanStore):
-        return SqliteDocumentStore(store, table, *bounds)
-    return MemoryDocumentStore(*bounds)
+def _upload_bounds(settings: Settings, table: Table) -> tuple[int, int]:
+    if table == "robots":
+        return settings.store_robots, settings.store_robot_bytes
+    return settings.store_scenes, settings.store_scene_bytes
+
+
+def _alone(settings: Settings, planner: Planner, store: PlanStore) -> Parts:
+    """Return the parts of a service that shares its plans and jobs with no other one."""
+
+    def uploads(table: Table) -> DocumentStore:
+        bounds = _upload_bounds(settings, table)
+        if isinstance(store, SqlitePlanStore):
+            return SqliteDocumentStore(store, table, *bounds)
+        return MemoryDocumentStore(*bounds)
+
+    return store, PlanJobs(planner, store, settings.max_budget_s, settings.job_quota), uploads
+
+
+def _fleet(settings: Settings, planner: Planner) -> Parts:
+    """Return the parts of one replica of several.
+
+    Raises:
+        InvalidRequest: The address is wrong, or what the database needs is not installed.
+    """
+    try:
+        from ikplan_api.jobs.fleet_jobs import FleetJobs
+        from ikplan_api.store.postgres.documents import PostgresDocumentStore
+        from ikplan_api.store.postgres.store import PostgresBounds, PostgresStore
+    except ImportError as error:
+        raise InvalidRequest(
+            f"IKPLAN_STORE_URL: {error.name} is not installed; pip install 'ikplan[postgres]'",
+            field="IKPLAN_STORE_URL",
+        ) from error
+    bounds = PostgresBounds(
+        settings.store_plans,
+        settings.store_bytes,
+        max_age_s=settings.store_days * 86400.0,
+        object_bytes=settings.object_bytes,
+    )
+    store = PostgresStore(
+        settings.store_url, bounds, lease_s=settings.lease_s, object_url=settings.object_store_url
+    )
+    store.check()
+    jobs = FleetJobs(
+        planner,
+        store,
+        settings.max_budget_s,
+        lease_s=settings.lease_s,
+        max_jobs=settings.max_jobs,
+        quota=settings.job_quota,
+    )
+
+    def uploads(table: Table) -> DocumentStore:
+        return PostgresDocumentStore(store.database, table, *_upload_bounds(settings, table))
+
+    return store, jobs, uploads
 
 
 @contextlib.asynccontextmanager
@@ -172,7 +231,7 @@ async def _lifespan(app: FastAPI) -> AsyncIterator[dict[str, Any]]:
         _log.warning("unknown setting %s%s", name, hint)
     shutdown: Shutdown = app.state.shutdown
     planner: Planner = app.state.planner
-    store: PlanStore = app.state.store
+    store: OpenStore = app.state.store
     await store.open()
     await app.state.plan_jobs.resume()
     warming = asyncio.create_task(planner.warm_up())

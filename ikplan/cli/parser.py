@@ -29,6 +29,8 @@ __all__ = ["as_one_command", "make_parser", "numbers_as_values"]
 
 ADD = "robots-add"
 """What the parser calls ``robots add``: ``robots`` alone takes the name of a robot."""
+ROLES = ("planner", "reader", "auditor", "monitor")
+"""What a key of the service may do."""
 SHELLS = ("bash", "zsh", "tcsh")
 """Shells that there is a completion for."""
 
@@ -284,11 +286,34 @@ def make_parser() -> argparse.ArgumentParser:
     serve.add_argument("--workers", type=int, help="plans made at the same time; 0: all processors")
     serve.set_defaults(run=_command("serving", "serve"))
 
+    kept = commands.add_parser("plans", help="list the plans and jobs of a service")
+    kept.add_argument(
+        "--server",
+        metavar="URL",
+        help="the service; absent: IKPLAN_SERVER, or the one on this machine",
+    )
+    kept.add_argument("--robot", metavar="NAME", help="only those of this robot")
+    kept.add_argument("--outcome", help="only those: finished, failed or unfinished")
+    kept.add_argument("--since", metavar="TIME", help="only those since this time (RFC 3339)")
+    kept.add_argument("--until", metavar="TIME", help="only those before this time")
+    kept.add_argument("--limit", type=int, default=100, metavar="N", help="most rows; else 100")
+    add_json(kept)
+    kept.set_defaults(run=_command("plans", "plans"))
+
     known = commands.add_parser("keys", help="keys of the service")
     key_commands = known.add_subparsers(title="commands", metavar="COMMAND", required=True)
     new = key_commands.add_parser("new", help="make a key, and its hash for IKPLAN_API_KEYS")
     new.add_argument("--name", help="what logs and metrics call its owner")
+    new.add_argument("--role", choices=ROLES, help="what it may do; absent: planner")
+    new.add_argument("--rate", help="its rate limit, such as 60/minute")
+    new.add_argument("--jobs", type=int, help="most unfinished jobs that it may have")
     new.set_defaults(run=_command("keys", "new"))
+    audit = key_commands.add_parser("audit", help="tell who planned what, by a service")
+    audit.add_argument("--server", metavar="URL", help="the service; see ikplan plans")
+    audit.add_argument("--owner", metavar="NAME", help="only what this key did")
+    audit.add_argument("--limit", type=int, default=100, metavar="N", help="most rows; else 100")
+    add_json(audit)
+    audit.set_defaults(run=_command("keys", "audit"))
 
     schema = commands.add_parser("schema", help="print the JSON schema of the plan request")
     schema.set_defaults(run=_command("catalogue", "schema"))

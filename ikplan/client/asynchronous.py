@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import AsyncIterator, Iterable, Mapping
+from datetime import datetime
 from types import TracebackType
 from typing import Any, Self, TypeVar
 
@@ -15,6 +16,8 @@ from ikplan.client.jobs import AsyncPlanJob
 from ikplan.client.retrying import Patience
 from ikplan.client.streams import BATCH, batch_body, read_event, read_line
 from ikplan.client.wire import EVENTS, PROBLEM, Call, client_headers, read, unreachable
+from ikplan.documents.audit import AuditEntry
+from ikplan.documents.plan_list import Outcome, PlanSummary
 from ikplan.documents.plan_request import FkRequest, IkBatchRequest, IkRequest, PlanRequest
 from ikplan.documents.pose_results import FkResult, IkBatchSolution, IkSolution
 from ikplan.documents.scene import Scene
@@ -222,6 +225,58 @@ class AsyncClient:
             ServiceUnavailable: It is not finished yet.
         """
         return await self._send(calls.get_plan(plan_id))
+
+    async def plans(
+        self,
+        *,
+        robot: str | None = None,
+        outcome: Outcome | None = None,
+        since: datetime | str | None = None,
+        until: datetime | str | None = None,
+    ) -> AsyncIterator[PlanSummary]:
+        """List plans and jobs of the service, the newest first.
+
+        Args:
+            robot: Name of their robot.
+            outcome: ``"finished"``, ``"failed"`` or ``"unfinished"``.
+            since: Earliest time; text as in RFC 3339.
+            until: Time before which they were stored or accepted.
+
+        Yields:
+            Each, page after page, as far as it is asked for.
+
+        Raises:
+            InvalidRequest: A value is not allowed.
+            ServiceUnavailable: The service cannot be reached.
+        """
+        after: str | None = None
+        while True:
+            page = await self._send(calls.plans(robot, outcome, since, until, after))
+            for plan in page.plans:
+                yield plan
+            if (after := page.next) is None:
+                return
+
+    async def audit(self, *, owner: str | None = None) -> AsyncIterator[AuditEntry]:
+        """Tell who planned what, the newest first; a key needs the role ``auditor``.
+
+        Args:
+            owner: Only what this key did.
+
+        Yields:
+            Each action, page after page, as far as it is asked for.
+
+        Raises:
+            AccessDenied: The key may not ask.
+            ServiceUnavailable: The service cannot be reached.
+        """
+        before: int | None = None
+        while True:
+            page = await self._send(calls.audit(owner, before))
+            for entry in page.entries:
+                yield entry
+            if (before := page.next) is None:
+                return
 
     async def ik(self, request: Mapping[str, Any] | IkRequest) -> IkSolution:
         """Find joint values that bring the tool to a pose.

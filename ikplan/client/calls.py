@@ -4,13 +4,16 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Mapping
+from datetime import datetime
 from pathlib import Path
 from typing import Any
-from urllib.parse import quote
+from urllib.parse import quote, urlencode
 
 from pydantic import BaseModel
 
 from ikplan.client.wire import Call, encode
+from ikplan.documents.audit import Audit
+from ikplan.documents.plan_list import PlanList
 from ikplan.documents.plan_request import FkRequest, IkBatchRequest, IkRequest, PlanRequest
 from ikplan.documents.pose_results import FkResult, IkBatchSolution, IkSolution
 from ikplan.documents.status import PlanStatus
@@ -20,6 +23,7 @@ from ikplan.plans.plan import Plan
 from ikplan.scene.mesh_files import without_mesh_files
 
 __all__ = [
+    "audit",
     "delete_plan",
     "delete_robot",
     "delete_scene",
@@ -30,6 +34,7 @@ __all__ = [
     "peek",
     "plan",
     "plan_path",
+    "plans",
     "robot",
     "robots",
     "scene",
@@ -61,6 +66,32 @@ def plan_path(plan_id: str) -> str:
 def get_plan(plan_id: str) -> Call[Plan]:
     """Fetch a finished plan."""
     return Call("GET", plan_path(plan_id), Plan.load, unfinished=_not_yet)
+
+
+def plans(
+    robot: str | None,
+    outcome: str | None,
+    since: datetime | str | None,
+    until: datetime | str | None,
+    after: str | None,
+) -> Call[PlanList]:
+    """List a page of plans and jobs."""
+    asked = {"robot": robot, "outcome": outcome, "since": _moment(since), "until": _moment(until)}
+    query = {name: value for name, value in {**asked, "after": after}.items() if value is not None}
+    path = "/v1/plans" + (f"?{urlencode(query)}" if query else "")
+    return Call("GET", path, PlanList.model_validate_json)
+
+
+def audit(owner: str | None, before: int | None) -> Call[Audit]:
+    """List a page of what was done."""
+    asked = {"owner": owner, "before": before}
+    query = {name: value for name, value in asked.items() if value is not None}
+    path = "/v1/audit" + (f"?{urlencode(query)}" if query else "")
+    return Call("GET", path, Audit.model_validate_json)
+
+
+def _moment(value: datetime | str | None) -> str | None:
+    return value.isoformat() if isinstance(value, datetime) else value
 
 
 def submit(request: Mapping[str, Any] | PlanRequest) -> Call[Plan | PlanStatus]:

@@ -159,9 +159,9 @@ def test_a_plan_is_answered_before_it_is_kept_and_forgotten_after_that():
     async def use(planner, http, jobs) -> None:
         put, written = jobs._store.put, asyncio.Event()
 
-        async def slowly(plan_id: str, document: bytes) -> None:
+        async def slowly(plan_id: str, document: bytes, **about: Any) -> None:
             await written.wait()
-            await put(plan_id, document)
+            await put(plan_id, document, **about)
 
         jobs._store.put = slowly
         asking = ask(http)

@@ -14,6 +14,7 @@ from .bad_requests import GOOD
 
 OPERATIONS = {
     "create_plan": ("post", "/v1/plans"),
+    "list_plans": ("get", "/v1/plans"),
     "get_plan": ("get", "/v1/plans/{plan_id}"),
     "delete_plan": ("delete", "/v1/plans/{plan_id}"),
     "watch_plan": ("get", "/v1/plans/{plan_id}/events"),
@@ -32,6 +33,7 @@ OPERATIONS = {
     "get_scene": ("get", "/v1/scenes/{scene_id}"),
     "delete_scene": ("delete", "/v1/scenes/{scene_id}"),
     "list_solvers": ("get", "/v1/solvers"),
+    "list_audit": ("get", "/v1/audit"),
     "livez": ("get", "/livez"),
     "readyz": ("get", "/readyz"),
     "get_version": ("get", "/version"),

@@ -14,8 +14,9 @@ from fastapi import Request
 from ikplan.documents.json_text import json_ready
 from ikplan.errors import IkplanError, InvalidRequest
 from ikplan_api.http.body import too_long
+from ikplan_api.http.owner import owner_of
 from ikplan_api.http.problems import Refusal, http_problem, request_id_of
-from ikplan_api.jobs.plan_jobs import PlanJobs
+from ikplan_api.jobs.job_service import JobService
 from ikplan_api.robots.uploads import named_robot
 from ikplan_api.scenes.uploads import with_stored_scene
 
@@ -94,14 +95,16 @@ async def plan_lines(
 
 
 async def _plan_line(request: Request, index: int, line: bytes) -> bytes:
-    jobs: PlanJobs = request.app.state.plan_jobs
+    jobs: JobService = request.app.state.plan_jobs
     longest: int = request.app.state.settings.max_body_bytes
     try:
         if len(line) > longest:
             raise too_long(longest)
         line = await with_stored_scene(request, line)
         robot, known = await named_robot(request, "plan", line)
-        job = await jobs.identify("plan", line, robot, known, wait_if_full=True)
+        job = await jobs.identify(
+            "plan", line, robot, known, owner=owner_of(request), wait_if_full=True
+        )
         plan = await jobs.run(job, wait_if_full=True)
     except IkplanError as error:
         return _failed(request, index, json_ready(error.to_problem()))

@@ -10,9 +10,9 @@ from fastapi.sse import ServerSentEvent
 
 from ikplan.documents.status import PlanStatus
 from ikplan.errors import PlanNotFound
+from ikplan_api.http.owner import owner_of
 from ikplan_api.http.problems import request_id_of
-from ikplan_api.jobs.plan_in_progress import PlanInProgress
-from ikplan_api.jobs.plan_jobs import PlanJobs
+from ikplan_api.jobs.job_service import JobService, WatchedJob
 from ikplan_api.jobs.shutdown import Shutdown
 
 __all__ = ["Watched", "find_watched"]
@@ -34,7 +34,7 @@ class Watched:
         plan_id: str,
         request_id: str,
         shutdown: Shutdown,
-        in_progress: PlanInProgress | None = None,
+        in_progress: WatchedJob | None = None,
         problem: dict[str, Any] | None = None,
     ) -> None:
         self._plan_id = plan_id
@@ -68,13 +68,15 @@ async def find_watched(request: Request, plan_id: str) -> Watched:
     Raises:
         PlanNotFound: No plan and no job has this id.
     """
-    jobs: PlanJobs = request.app.state.plan_jobs
+    jobs: JobService = request.app.state.plan_jobs
     shutdown: Shutdown = request.app.state.shutdown
-    request_id = request_id_of(request)
-    if (in_progress := jobs.in_progress(plan_id)) is not None:
+    request_id, owner = request_id_of(request), owner_of(request)
+    if (in_progress := await jobs.in_progress(plan_id, owner)) is not None:
         return Watched(plan_id, request_id, shutdown, in_progress)
-    if await jobs.find(plan_id) is not None:
+    if await jobs.find(plan_id, owner) is not None:
         return Watched(plan_id, request_id, shutdown)
-    if (problem := await jobs.failure(plan_id)) is not None:
+    if (problem := await jobs.failure(plan_id, owner)) is not None:
         return Watched(plan_id, request_id, shutdown, problem=problem)
+    if await jobs.find(plan_id, owner) is not None:  # finished meanwhile
+        return Watched(plan_id, request_id, shutdown)
     raise PlanNotFound(id=plan_id)

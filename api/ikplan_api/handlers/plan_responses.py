@@ -18,13 +18,14 @@ from ikplan_api.handlers.point_files import CSV, NOTES, is_csv, read_points_requ
 from ikplan_api.http.body import read_body, read_json_body
 from ikplan_api.http.deadline import late, within_deadline
 from ikplan_api.http.disconnect import while_connected
+from ikplan_api.http.owner import owner_of
 from ikplan_api.http.problems import problem_response, request_id_of
 from ikplan_api.http.representations import (
     accepted_format,
     document_response,
     not_acceptable,
 )
-from ikplan_api.jobs.plan_jobs import PlanJobs
+from ikplan_api.jobs.job_service import JobService
 from ikplan_api.robots.uploads import named_robot
 from ikplan_api.scenes.uploads import with_stored_scene
 from ikplan_api.store.plan_store import Job
@@ -75,18 +76,18 @@ async def create_plan_response(request: Request, kind: str) -> Response:
     Raises:
         IkplanError: The verdict on the request.
     """
-    jobs: PlanJobs = request.app.state.plan_jobs
+    jobs: JobService = request.app.state.plan_jobs
     form = accepted_format(request)
     document = await (_plan_request(request) if kind == "plan" else read_json_body(request))
     async with within_deadline(request) as deadline_s:
         document = await with_stored_scene(request, document)
         robot, known = await named_robot(request, kind, document)
-        job = await jobs.identify(kind, document, robot, known)
+        job = await jobs.identify(kind, document, robot, known, owner=owner_of(request))
         if not _prefers_async(request):
             if math.isfinite(deadline_s):
                 await _refuse_late(request, job, deadline_s)
             plan = await while_connected(request, jobs.run(job))
-        elif (stored := await jobs.find(job.plan_id)) is not None:
+        elif (stored := await jobs.find(job.plan_id, job.owner)) is not None:
             plan = stored
         else:
             return _pending(await jobs.accept(job), applied=True, headers=_notes(request))
@@ -99,12 +100,12 @@ async def _refuse_late(request: Request, job: Job, deadline_s: float) -> None:
     Raises:
         ServiceUnavailable: A worker is expected to be free later.
     """
-    jobs: PlanJobs = request.app.state.plan_jobs
+    jobs: JobService = request.app.state.plan_jobs
     planner: Planner = request.app.state.planner
     wait_s = planner.load.wait_s
-    if wait_s <= deadline_s or jobs.in_progress(job.plan_id) is not None:
+    if wait_s <= deadline_s or await jobs.in_progress(job.plan_id, job.owner) is not None:
         return
-    if await jobs.find(job.plan_id) is None:
+    if await jobs.find(job.plan_id, job.owner) is None:
         raise late(f"a worker is expected to be free in {wait_s:.3g} s", deadline_s, wait_s)
 
 
@@ -131,17 +132,19 @@ async def get_plan_response(request: Request, plan_id: str) -> Response:
     Raises:
         PlanNotFound: No plan and no job has this id.
     """
-    jobs: PlanJobs = request.app.state.plan_jobs
-    form = accepted_format(request)
-    if (document := await jobs.find(plan_id)) is not None:
+    jobs: JobService = request.app.state.plan_jobs
+    form, owner = accepted_format(request), owner_of(request)
+    if (document := await jobs.find(plan_id, owner)) is not None:
         etag = _etag(plan_id, form)
         if etag in _tags(request, "if-none-match"):
             return Response(status_code=304, headers={"etag": etag, "vary": "Accept"})
         return await _finished(request, plan_id, document, form)
-    if (in_progress := jobs.in_progress(plan_id)) is not None:
+    if (in_progress := await jobs.in_progress(plan_id, owner)) is not None:
         return _pending(in_progress.status)
-    if (problem := await jobs.failure(plan_id)) is not None:
+    if (problem := await jobs.failure(plan_id, owner)) is not None:
         return problem_response(problem, request_id_of(request))
+    if (document := await jobs.find(plan_id, owner)) is not None:  # finished meanwhile
+        return await _finished(request, plan_id, document, form)
     raise PlanNotFound(id=plan_id)
 
 

@@ -47,7 +47,7 @@ class JobAttempts(Attempts):
     def __init__(self, job: Job, store: PlanStore) -> None:
         super().__init__(job.attempts)
         self.accepted = False
-        self._plan_id = job.plan_id
+        self._job = job
         self._store = store
         self._writing: set[asyncio.Task[None]] = set()
 
@@ -74,7 +74,7 @@ class JobAttempts(Attempts):
 
     async def _save(self, begun: int) -> None:
         try:
-            await self._store.count_attempts(self._plan_id, begun)
+            await self._store.count_attempts(self._job.plan_id, begun, self._job.owner)
         except StoreFault as error:
             _log.error("failed to store an attempt: %s", error)
 

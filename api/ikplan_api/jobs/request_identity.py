@@ -2,17 +2,79 @@
 
 from __future__ import annotations
 
+import hashlib
 import json
+from collections import OrderedDict
 from typing import TYPE_CHECKING
 
 from ikplan.pipeline.identity import UNKNOWN, KnownRequest
+from ikplan_api.store.plan_store import Job
 from ikplan_api.workers import tasks
 from ikplan_api.workers.tasks import RequestIdentity, TaskInput
 
 if TYPE_CHECKING:
     from ikplan_api.workers.planner import Planner
 
-__all__ = ["identify"]
+__all__ = ["RequestIdentifier", "identify"]
+
+_MAX_SEEN = 4096
+"""Number of recent requests that are recognised."""
+
+
+class RequestIdentifier:
+    """Makes jobs of requests.
+
+    Args:
+        planner: Parses long documents; its capacity bounds what is read.
+        max_budget_s: Upper limit of every time budget [s].
+    """
+
+    def __init__(self, planner: Planner, max_budget_s: float) -> None:
+        self._planner = planner
+        self._max_budget_s = max_budget_s
+        self._seen: OrderedDict[bytes, None] = OrderedDict()
+
+    async def identify(
+        self,
+        kind: str,
+        document: bytes,
+        robot: bytes | None,
+        known: KnownRequest = UNKNOWN,
+        *,
+        owner: str,
+        wait_if_full: bool = False,
+    ) -> Job:
+        """Identify a request: its plan id and its time budget.
+
+        Args:
+            kind: ``"plan"`` or ``"time"``.
+            document: The request document.
+            robot: The uploaded robot that it names; None: a robot of the catalogue.
+            known: What is known of it already.
+            owner: Whose request it is.
+            wait_if_full: If the queue is full, wait instead of raising.
+
+        Raises:
+            IkplanError: The request is invalid.
+            ServiceUnavailable: The queue is full and the request was not seen before.
+        """
+        parts = (owner.encode(), kind.encode(), robot or b"", document)
+        digest = hashlib.sha256(b"\0".join(parts)).digest()
+        if digest not in self._seen and not wait_if_full:
+            # A busy service reads a request only if its plan may be stored or in progress.
+            self._planner.check_capacity()
+        identity, known = await identify(
+            self._planner, kind, document, robot, known, wait_if_full=wait_if_full
+        )
+        budget_s = min(identity.budget_s, self._max_budget_s)
+        self._seen[digest] = None
+        while len(self._seen) > _MAX_SEEN:
+            self._seen.popitem(last=False)
+        return Job(
+            *(identity.plan_id, kind, document, robot, budget_s, known),
+            owner=owner,
+            robot_name=identity.robot,
+        )
 
 
 async def identify(

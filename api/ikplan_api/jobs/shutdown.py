@@ -9,7 +9,7 @@ import time
 from collections.abc import AsyncIterator
 from typing import TypeVar
 
-from ikplan_api.jobs.plan_jobs import PlanJobs
+from ikplan_api.jobs.job_service import JobService
 
 __all__ = ["Shutdown"]
 
@@ -26,7 +26,7 @@ class Shutdown:
         stop_s: Time for the jobs in progress to finish [s].
     """
 
-    def __init__(self, jobs: PlanJobs, stop_s: float) -> None:
+    def __init__(self, jobs: JobService, stop_s: float) -> None:
         self._jobs = jobs
         self._stop_s = stop_s
         self._requested = asyncio.Event()

@@ -16,12 +16,13 @@ from starlette.types import ASGIApp, Receive, Scope, Send
 
 from ikplan.client.api_keys import key_hash
 from ikplan.errors import AccessDenied, IkplanError, RateLimited
-from ikplan_api.http.problems import error_response
-from ikplan_api.settings.access import ApiKey, is_loopback
+from ikplan_api.http.problems import Refusal, error_response
+from ikplan_api.settings.access import ApiKey, Role, is_loopback
 
 __all__ = ["AccessMiddleware"]
 
 _PUBLIC = frozenset({"/", "/docs", "/openapi.json", "/livez", "/readyz", "/version"})
+_AUDIT = "/v1/audit"
 _OPEN_FOLDER = "/page/"
 """Public paths, for probes and browsers without a key: they reveal no plans and no robots."""
 
@@ -48,6 +49,10 @@ class AccessMiddleware:
         if scope["type"] == "http":
             try:
                 self._check(scope)
+            except Refusal as refusal:
+                answer = error_response(Request(scope), refusal.error, refusal.status)
+                await answer(scope, receive, send)
+                return
             except IkplanError as error:
                 status = 403 if isinstance(error, AccessDenied) and not self._keys else None
                 answer = error_response(Request(scope), error, status)
@@ -61,6 +66,7 @@ class AccessMiddleware:
         Raises:
             AccessDenied: The key is missing or invalid.
             RateLimited: The key exceeded its rate limit.
+            Refusal: 403, the role of the key does not allow it.
         """
         path = str(scope["path"])
         if path in _PUBLIC or path.startswith(_OPEN_FOLDER):
@@ -72,26 +78,40 @@ class AccessMiddleware:
                     "operator can create a key with `ikplan keys new`"
                 )
             return
-        name = self._bearer(Headers(scope=scope).getlist("authorization"))
-        scope.setdefault("state", {})["key"] = name
-        if self._rate is not None and not self._limiter.hit(self._rate, name):
-            reset = self._limiter.get_window_stats(self._rate, name).reset_time
-            raise RateLimited(limit=str(self._rate), retry_after_s=_seconds_until(reset))
+        key = self._bearer(Headers(scope=scope).getlist("authorization"))
+        scope.setdefault("state", {})["key"] = key.name
+        rate = limits.parse(key.rate) if key.rate is not None else self._rate
+        if rate is not None and not self._limiter.hit(rate, key.name):
+            reset = self._limiter.get_window_stats(rate, key.name).reset_time
+            raise RateLimited(limit=str(rate), retry_after_s=_seconds_until(reset))
+        if not _may(key.role, str(scope["method"]), path):
+            raise Refusal(
+                AccessDenied(f"a key with the role {key.role} may not do this"), status=403
+            )
 
-    def _bearer(self, authorization: Sequence[str]) -> str:
-        """Return the name of a request's key."""
+    def _bearer(self, authorization: Sequence[str]) -> ApiKey:
+        """Return a request's key."""
         scheme, _, key = (authorization[0] if len(authorization) == 1 else "").partition(" ")
         if scheme.lower() != "bearer" or not key.strip():
             raise AccessDenied(
                 "an API key is required: send the header `Authorization: Bearer <key>`"
             )
-        digest, name = key_hash(key.strip()), ""
+        digest, found = key_hash(key.strip()), None
         for known in self._keys:  # compare with every key, so that timing reveals nothing
             if hmac.compare_digest(known.hash, digest):
-                name = known.name
-        if not name:
+                found = known
+        if found is None:
             raise AccessDenied("invalid API key")
-        return name
+        return found
+
+
+def _may(role: Role, method: str, path: str) -> bool:
+    """Whether a key may do something with what is its own."""
+    if role == "monitor":
+        return path == "/metrics"
+    if path == _AUDIT:
+        return role == "auditor"
+    return role == "planner" or method in ("GET", "HEAD", "OPTIONS")
 
 
 def _seconds_until(moment: float) -> float:

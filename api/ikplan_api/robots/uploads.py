@@ -13,6 +13,7 @@ from ikplan.errors import IkplanError, InvalidRequest, InvalidRobot, RobotNotFou
 from ikplan.pipeline.identity import UNKNOWN, KnownRequest
 from ikplan.robots import RobotUpload, is_upload_id, robot_names
 from ikplan_api.http.body import media_type_of, read_body
+from ikplan_api.http.owner import owner_of
 from ikplan_api.http.problems import Refusal
 from ikplan_api.store.document_store import DocumentStore, StoredDocument
 from ikplan_api.workers.tasks import SHORT, parse_request
@@ -80,7 +81,7 @@ async def stored_robot(request: Request, name: str) -> StoredDocument:
         RobotNotFound: It is not or no longer stored.
     """
     store: DocumentStore = request.app.state.robots
-    robot = await store.get(name)
+    robot = await store.get(name, owner_of(request))
     if robot is None:
         raise RobotNotFound(
             f"no robot {name!r} is stored here; upload it again", name=name, valid=robot_names()

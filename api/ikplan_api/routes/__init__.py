@@ -5,6 +5,7 @@ from __future__ import annotations
 from fastapi import APIRouter
 
 from ikplan_api.routes import (
+    audit,
     batches,
     docs,
     health,
@@ -32,6 +33,7 @@ ROUTERS: tuple[APIRouter, ...] = (
     scenes.router,
     visuals.router,
     outputs.router,
+    audit.router,
     health.router,
     metrics.router,
     docs.router,

@@ -16,8 +16,9 @@ from ikplan.robots import catalogue_robot, is_upload_id
 from ikplan_api.http.body import read_json_body
 from ikplan_api.http.disconnect import while_connected
 from ikplan_api.http.openapi import WORKER_ERRORS, problems, request_body
+from ikplan_api.http.owner import owner_of
 from ikplan_api.http.schemas import FormatInfo, FormatList
-from ikplan_api.jobs.plan_jobs import PlanJobs
+from ikplan_api.jobs.job_service import JobService
 from ikplan_api.robots.uploads import named_robot, stored_robot
 from ikplan_api.scenes.uploads import with_stored_scene
 from ikplan_api.workers.headed import headed
@@ -83,12 +84,13 @@ async def measure_plan(request: Request) -> Response:
     The body is the request document as for `POST /v1/plans`; its plan must be stored here.
     Nothing is planned.
     """
-    jobs: PlanJobs = request.app.state.plan_jobs
+    jobs: JobService = request.app.state.plan_jobs
     planner: Planner = request.app.state.planner
     document = await with_stored_scene(request, await read_json_body(request))
     robot, known = await named_robot(request, "plan", document)
-    job = await jobs.identify("plan", document, robot, known)
-    plan = await jobs.find(job.plan_id)
+    owner = owner_of(request)
+    job = await jobs.identify("plan", document, robot, known, owner=owner)
+    plan = await jobs.find(job.plan_id, owner)
     if plan is None:
         raise errors.PlanNotFound(id=job.plan_id)
     work = planner.run("series", headed(document.decode(), plan), robot=robot)

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import AsyncIterator
+from datetime import UTC, datetime
 from typing import Annotated, Any
 
-from fastapi import APIRouter, Depends, Request, Response
+from fastapi import APIRouter, Depends, Query, Request, Response
 from fastapi.sse import EventSourceResponse, ServerSentEvent
 
 from ikplan import errors
+from ikplan.documents.plan_list import Outcome, PlanList
 from ikplan.documents.plan_request import PlanRequest
 from ikplan.plans.plan import Plan
 from ikplan_api.handlers.plan_events import Watched, find_watched
@@ -21,7 +23,9 @@ from ikplan_api.handlers.plan_responses import (
 )
 from ikplan_api.handlers.point_files import csv_body, with_notes
 from ikplan_api.http.openapi import plan_answers, problems, request_body
-from ikplan_api.jobs.plan_jobs import PlanJobs
+from ikplan_api.http.owner import owner_of
+from ikplan_api.jobs.job_service import JobService
+from ikplan_api.store.plan_query import PlanQuery, page_of, read_cursor
 
 __all__ = ["PLAN_ERRORS", "router"]
 
@@ -81,6 +85,53 @@ async def create_plan(request: Request) -> Response:
 
 
 @router.get(
+    "",
+    summary="List plans and jobs",
+    responses=problems(errors.InvalidRequest, errors.ServiceUnavailable, body=False),
+)
+async def list_plans(
+    request: Request,
+    robot: Annotated[
+        str | None, Query(max_length=200, description="Only those of this robot.")
+    ] = None,
+    outcome: Annotated[Outcome | None, Query(description="Only those of this outcome.")] = None,
+    since: Annotated[
+        datetime | None, Query(description="Only those of this time or later (RFC 3339).")
+    ] = None,
+    until: Annotated[
+        datetime | None, Query(description="Only those before this time (RFC 3339).")
+    ] = None,
+    limit: Annotated[int, Query(ge=1, le=1000, description="Most plans of a page.")] = 100,
+    after: Annotated[
+        str | None, Query(max_length=400, description="The `next` of the page before.")
+    ] = None,
+) -> PlanList:
+    """List the stored plans and the jobs, the newest first.
+
+    A failed request is listed if it was a job; an answer to a waiting client is not stored. A key
+    sees its own plans only.
+    """
+    jobs: JobService = request.app.state.plan_jobs
+    query = PlanQuery(
+        owner=owner_of(request),
+        limit=limit,
+        robot=robot,
+        outcome=outcome,
+        since=_seconds(since),
+        until=_seconds(until),
+        after=None if after is None else read_cursor(after),
+    )
+    return page_of(await jobs.list(query), limit)
+
+
+def _seconds(moment: datetime | None) -> float | None:
+    """Return the seconds since 1970; a time without an offset is in UTC."""
+    if moment is None:
+        return None
+    return (moment if moment.tzinfo else moment.replace(tzinfo=UTC)).timestamp()
+
+
+@router.get(
     "/{plan_id}",
     summary="Fetch a plan",
     response_model=Plan,
@@ -114,8 +165,8 @@ async def delete_plan(request: Request, plan_id: str) -> None:
 
     Clients that wait for the response to the same request still receive it.
     """
-    jobs: PlanJobs = request.app.state.plan_jobs
-    await jobs.cancel(plan_id)
+    jobs: JobService = request.app.state.plan_jobs
+    await jobs.cancel(plan_id, owner_of(request))
 
 
 @router.get(

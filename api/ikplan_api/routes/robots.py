@@ -12,6 +12,7 @@ from ikplan import errors
 from ikplan.robots import RobotInfo, RobotUpload, catalogue_robot, is_upload_id
 from ikplan_api.http.disconnect import while_connected
 from ikplan_api.http.openapi import WORKER_ERRORS, problems, upload_body
+from ikplan_api.http.owner import owner_of
 from ikplan_api.http.problems import Refusal
 from ikplan_api.http.schemas import RobotList, SolverList
 from ikplan_api.robots.robot_builder import RobotBuilder
@@ -46,7 +47,8 @@ async def list_robots(request: Request) -> Response:
     """Return every robot with its joints, limits, home, frames and sources; uploads last."""
     document = await asyncio.to_thread(tasks.robots_document)
     store: DocumentStore = request.app.state.robots
-    stored = [await store.get(name) for name in await store.names()]
+    owner = owner_of(request)
+    stored = [await store.get(name, owner) for name in await store.names(owner)]
     uploads = [robot.info for robot in stored if robot is not None]
     if uploads:
         document = document.removesuffix(b"]}") + b"," + b",".join(uploads) + b"]}"
@@ -80,12 +82,13 @@ async def upload_robot(request: Request) -> Response:
         await while_connected(request, planner.run("check-upload", document))
     builder: RobotBuilder = request.app.state.robot_builder
     store: DocumentStore = request.app.state.robots
-    known = await store.get(name)
+    owner = owner_of(request)
+    known = await store.get(name, owner)
     if known is None:
         info = await builder.build(document, name=name)
         known = StoredDocument(document, json.dumps(info, allow_nan=False).encode())
     try:
-        new = await store.put(name, known)
+        new = await store.put(name, known, owner)
     except StoreFault as error:
         _log.error("failed to store a robot: %s", error)
         raise errors.ServiceUnavailable(
@@ -139,7 +142,7 @@ async def delete_robot(request: Request, name: str) -> Response:
         )
     await stored_robot(request, name)
     store: DocumentStore = request.app.state.robots
-    await store.delete(name)
+    await store.delete(name, owner_of(request))
     return Response(status_code=204)
 
 

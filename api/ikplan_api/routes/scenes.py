@@ -10,6 +10,7 @@ from fastapi import APIRouter, Request, Response
 from ikplan import errors
 from ikplan.documents.scene import SceneUpload
 from ikplan_api.http.openapi import WORKER_ERRORS, problems, request_body
+from ikplan_api.http.owner import owner_of
 from ikplan_api.http.schemas import StoredScene
 from ikplan_api.scenes.uploads import read_scene_upload, stored_scene
 from ikplan_api.store.document_store import DocumentStore
@@ -54,7 +55,7 @@ async def upload_scene(request: Request) -> Response:
     scene_id, scene = await read_scene_upload(request)
     store: DocumentStore = request.app.state.scenes
     try:
-        new = await store.put(scene_id, scene)
+        new = await store.put(scene_id, scene, owner_of(request))
     except StoreFault as error:
         _log.error("failed to store a scene: %s", error)
         raise errors.ServiceUnavailable(
@@ -92,5 +93,5 @@ async def delete_scene(request: Request, scene_id: str) -> Response:
     """Delete an uploaded scene, but neither its plans nor its accepted jobs."""
     await stored_scene(request, scene_id)
     store: DocumentStore = request.app.state.scenes
-    await store.delete(scene_id)
+    await store.delete(scene_id, owner_of(request))
     return Response(status_code=204)

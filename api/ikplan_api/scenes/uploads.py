@@ -11,6 +11,7 @@ from fastapi import Request
 from ikplan.errors import InvalidRequest
 from ikplan_api.http.body import read_json_body
 from ikplan_api.http.disconnect import while_connected
+from ikplan_api.http.owner import owner_of
 from ikplan_api.http.problems import Refusal
 from ikplan_api.store.document_store import DocumentStore, StoredDocument
 from ikplan_api.workers.headed import split_head
@@ -50,7 +51,7 @@ async def stored_scene(request: Request, scene_id: str) -> StoredDocument:
         Refusal: 404, it is not or no longer stored.
     """
     store: DocumentStore = request.app.state.scenes
-    scene = await store.get(scene_id)
+    scene = await store.get(scene_id, owner_of(request))
     if scene is None:
         raise Refusal(_unknown(scene_id, field="id"), status=404)
     return scene
@@ -74,7 +75,7 @@ async def with_stored_scene(request: Request, body: bytes) -> bytes:
         return body
     store: DocumentStore = request.app.state.scenes
     scene_id = found[1].decode(errors="replace")
-    scene = await store.get(scene_id)
+    scene = await store.get(scene_id, owner_of(request))
     if scene is None:
         raise _unknown(scene_id, field="scene")
     return body[: found.start(1) - 1] + scene.document + body[found.end(1) + 1 :]

@@ -4,15 +4,19 @@ from __future__ import annotations
 
 import ipaddress
 import re
-from typing import Annotated, Any, NamedTuple
+from typing import Annotated, Any, Literal, NamedTuple, get_args
 
 import limits
 from pydantic import BeforeValidator, Field, field_validator, model_validator
 from pydantic_settings import BaseSettings, NoDecode, SettingsConfigDict
 
-__all__ = ["AccessSettings", "ApiKey", "is_loopback"]
+__all__ = ["AccessSettings", "ApiKey", "Role", "is_loopback"]
 
-_KEY = re.compile(r"(?:(?P<name>[A-Za-z0-9_.-]{1,64}):)?(?P<hash>[0-9a-fA-F]{64})")
+_KEY = re.compile(
+    r"(?:(?P<name>[A-Za-z0-9_.-]{1,64}):)?(?P<hash>[0-9a-fA-F]{64})(?P<options>(;[a-z]+=[^;]*)*)"
+)
+Role = Literal["planner", "reader", "auditor", "monitor"]
+_ROLES: tuple[Role, ...] = get_args(Role)
 _HOST = re.compile(r"[A-Za-z0-9_]([A-Za-z0-9_.-]*[A-Za-z0-9_])?")
 _ORIGIN = re.compile(r"https?://(?:[A-Za-z0-9.-]+|\[[0-9A-Fa-f:.]+\])(?::[0-9]{1,5})?")
 
@@ -23,10 +27,17 @@ class ApiKey(NamedTuple):
     Attributes:
         name: Name of its owner in logs.
         hash: SHA-256 of the key, hexadecimal.
+        role: What it may do: ``planner``: all with what is its own; ``reader``: read that;
+            ``auditor``: read that, and who planned what; ``monitor``: the metrics only.
+        rate: Its rate limit; None: that of all keys.
+        jobs: Most accepted and unfinished jobs; None: no limit.
     """
 
     name: str
     hash: str
+    role: Role = "planner"
+    rate: str | None = None
+    jobs: int | None = None
 
 
 def _is_address(host: str) -> bool:
@@ -67,10 +78,41 @@ def _keys(value: Any) -> Any:
                 f"entry {i + 1} is not a SHA-256 hash of 64 hexadecimal digits, with or without a "
                 "name before it (name:hash); create one with `ikplan keys new`"
             )
-        keys.append(ApiKey(found["name"] or f"key-{i + 1}", found["hash"].lower()))
+        key = ApiKey(found["name"] or f"key-{i + 1}", found["hash"].lower())
+        keys.append(key._replace(**_options(found["options"], f"entry {i + 1}")))
     if len({key.name for key in keys}) < len(keys):
         raise ValueError("two keys have the same name")
     return tuple(keys)
+
+
+def _options(text: str, where: str) -> dict[str, Any]:
+    """Read the options of a key, such as ``;role=reader;jobs=100``."""
+    options: dict[str, Any] = {}
+    for part in text.split(";")[1:]:
+        name, _, value = part.partition("=")
+        if name == "role" and value in _ROLES:
+            options[name] = value
+        elif name == "rate":
+            options[name] = _rate(value)
+        elif name == "jobs" and value.isdecimal() and len(value) < 10:
+            options[name] = int(value)
+        else:
+            raise ValueError(
+                f"{where}: {part[:100]!r} is no option of a key; allowed are "
+                f"role={'|'.join(_ROLES)}, rate=1200/minute and jobs=100"
+            )
+    return options
+
+
+def _rate(value: str) -> str:
+    """Return a rate limit as it is given, stripped."""
+    try:
+        item = limits.parse(value)
+    except ValueError as error:
+        raise ValueError(f"{error}; give a rate such as 1200/minute or 20/second") from error
+    if item.amount < 1:
+        raise ValueError("the limit must be at least 1 request; empty: no limit")
+    return value.strip()
 
 
 class AccessSettings(BaseSettings):
@@ -82,7 +124,12 @@ class AccessSettings(BaseSettings):
     api_keys: Annotated[tuple[ApiKey, ...], NoDecode, BeforeValidator(_keys)] = Field(
         (),
         description="Hashes of the accepted API keys, separated by commas, each optionally with a "
-        "`name:` before it.",
+        "`name:` before it and options after it: `;role=reader;rate=60/minute;jobs=100`.",
+    )
+    shared_store: bool = Field(
+        False,
+        description="1: all keys share plans, jobs, robots and scenes. 0: each key has its own, "
+        "but in a file that was begun by a version without this setting.",
     )
     rate_limit: str = Field(
         "1200/minute",
@@ -101,6 +148,10 @@ class AccessSettings(BaseSettings):
         "commas; others are refused with 403. None: with API keys any, else loopback names only.",
     )
 
+    def job_quota(self, owner: str) -> int | None:
+        """Return the most accepted and unfinished jobs of an owner; None: no limit."""
+        return next((key.jobs for key in self.api_keys if key.name == owner), None)
+
     @field_validator("hosts")
     @classmethod
     def _names_of_hosts(cls, value: tuple[str, ...]) -> tuple[str, ...]:
@@ -115,16 +166,7 @@ class AccessSettings(BaseSettings):
     @field_validator("rate_limit")
     @classmethod
     def _a_rate(cls, value: str) -> str:
-        if value.strip():
-            try:
-                item = limits.parse(value)
-            except ValueError as error:
-                raise ValueError(
-                    f"{error}; give a rate such as 1200/minute or 20/second"
-                ) from error
-            if item.amount < 1:
-                raise ValueError("the limit must be at least 1 request; empty: no limit")
-        return value.strip()
+        return _rate(value) if value.strip() else ""
 
     @field_validator("cors_origins")
     @classmethod

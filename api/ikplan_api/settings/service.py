@@ -102,6 +102,32 @@ class Settings(AccessSettings):
     )
     max_batch_bytes: int = Field(64 * 2**20, ge=1024, description="Largest batch [bytes].")
     max_batch_lines: int = Field(10_000, ge=1, description="Largest number of requests in a batch.")
+    store_url: str = Field(
+        "",
+        repr=False,
+        description="Database of several replicas, `postgresql://user@host/database`; empty: the "
+        "file IKPLAN_STORE_PATH, for one service.",
+    )
+    object_store_url: str = Field(
+        "",
+        repr=False,
+        description="Where long plans of the database are, an address that fsspec knows such as "
+        "`s3://bucket/plans`; empty: in the database.",
+    )
+    object_bytes: int = Field(
+        2**20,
+        ge=0,
+        description="Size of a compressed plan above which it is in the object store [bytes].",
+    )
+    lease_s: float = Field(
+        10.0,
+        ge=1,
+        le=600,
+        description="Time after which another replica takes over a job of one that is gone [s].",
+    )
+    max_jobs: int = Field(
+        10_000, ge=1, description="Jobs that may wait in the database; further ones get 503."
+    )
     store_path: str = Field(
         default_factory=_data_file,
         min_length=1,
@@ -148,6 +174,16 @@ class Settings(AccessSettings):
         "info",
         description="Log level: `debug` (includes probes), `info`, `warning` or `error`.",
     )
+
+    @field_validator("store_url")
+    @classmethod
+    def _a_database(cls, value: str) -> str:
+        if value and not value.startswith(("postgresql://", "postgres://")):
+            raise ValueError(
+                "not a database: give postgresql://user@host:port/database, or leave it empty and "
+                "name a file in IKPLAN_STORE_PATH"
+            )
+        return value
 
     @field_validator("worker_memory_bytes")
     @classmethod

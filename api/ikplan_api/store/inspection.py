@@ -17,9 +17,9 @@ _SQLITE_CORRUPT = 11
 _READ_WHOLE = 64 * 2**20
 """Length up to which every page is checked, within a second [bytes]."""
 _QUERIES = (
-    "SELECT id, bytes, made, used FROM plans",
-    "SELECT id, kind, budget_s, accepted, problem, robot, document FROM jobs",
-    "SELECT name, bytes, used, info FROM robots",
+    "SELECT id, bytes, made, used, owner, kind, robot FROM plans",
+    "SELECT id, kind, budget_s, accepted, problem, robot, document, owner, robot_name FROM jobs",
+    "SELECT name, bytes, used, info, owner FROM robots",
     "SELECT id, made, document FROM kept LIMIT 0",
 )
 """What a start reads: names, and the jobs that are to be resumed."""

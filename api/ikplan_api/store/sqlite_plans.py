@@ -2,53 +2,47 @@
 
 from __future__ import annotations
 
-import asyncio
 import contextlib
+import json
 import logging
-import math
-import sqlite3
 import time
-from collections.abc import AsyncIterator, Sequence
-from contextlib import asynccontextmanager
 from typing import Any
 
-import aiosqlite
-
-from ikplan.errors import InvalidRequest
-from ikplan_api.store.inspection import DamagedStore, NewerStore, inspect, set_aside
-from ikplan_api.store.lock_holder import lock_holder
-from ikplan_api.store.plan_store import Job, StoreFault
-from ikplan_api.store.sqlite_schema import ADDED, OPEN, SCHEMA, VERSION
+from ikplan_api.store.owners import EVERYONE, scoped, unscoped
+from ikplan_api.store.plan_query import ListedPlan, PlanQuery
+from ikplan_api.store.plan_store import AuditRow, Job, StoreFault
+from ikplan_api.store.sqlite_file import IN_MEMORY, SqliteFile
+from ikplan_api.store.sqlite_purge import SqlitePurge
 
 __all__ = ["IN_MEMORY", "SqlitePlanStore"]
 
-IN_MEMORY = ":memory:"
-"""The path that means: in memory, without a file."""
-
 _log = logging.getLogger("ikplan.service")
 
-_SETTING = "IKPLAN_STORE_PATH"
-_OLD_PLANS = "DELETE FROM plans WHERE made < ?"
 _OLD_FAILURES = "DELETE FROM jobs WHERE problem IS NOT NULL AND accepted < ?"
-_SURPLUS = """
-DELETE FROM plans WHERE id IN (
-    SELECT id FROM (
-        SELECT id, SUM(bytes) OVER newest AS total, ROW_NUMBER() OVER newest AS place
-        FROM plans WINDOW newest AS (ORDER BY used DESC, id DESC)
-    ) WHERE total > ? OR place > ?
-)
+_DELETED = """
+INSERT INTO audit (time, owner, action, subject, robot) VALUES (?, ?, 'deleted', ?, '')
+"""
+_AUDIT = """
+SELECT place, time, owner, action, subject, robot FROM audit
+WHERE (:owner IS NULL OR owner = :owner) AND (:before IS NULL OR place < :before)
+ORDER BY place DESC LIMIT :limit
+"""
+_LIST = """
+SELECT id, outcome, kind, robot, time, bytes, problem FROM (
+    SELECT id, 'finished' AS outcome, kind, robot, made AS time, bytes, NULL AS problem, owner
+    FROM plans WHERE made >= :oldest
+    UNION ALL
+    SELECT id, CASE WHEN problem IS NULL THEN 'unfinished' ELSE 'failed' END, kind,
+        robot_name, accepted, NULL, problem, owner
+    FROM jobs
+) WHERE owner = :owner AND {where} ORDER BY time DESC, id DESC LIMIT :limit
 """
 
 
-_SLACK = 1 / 32
-"""Fraction by which the bounds may be exceeded before the surplus is deleted."""
-
-
-class SqlitePlanStore:
+class SqlitePlanStore(SqliteFile):
     """Keeps plans and jobs in one file, bounded in number, size and age.
 
-    The service locks the file while it runs. Every write survives a kill of the service; a power
-    failure can lose the last writes.
+    The service locks the file while it runs.
 
     Args:
         path: The file, created with its folders if missing; ``":memory:"``: no file.
@@ -67,172 +61,64 @@ class SqlitePlanStore:
         *,
         replace_damaged: bool = False,
     ) -> None:
-        self._path = path
-        self._replace_damaged = replace_damaged
+        super().__init__(path, replace_damaged=replace_damaged)
         self._max_plans = max_plans
         self._max_bytes = max_bytes
         self._max_age_s = max_age_s
-        self._connection: aiosqlite.Connection | None = None
-        self._writing = asyncio.Lock()
-        # Stored since the last deletion of surplus; infinite: unknown.
-        self._new_plans: float = math.inf
-        self._new_bytes: float = math.inf
-        # Ids of all stored plans and of some deleted ones: most requests ask for new plans, and
-        # then no query is needed.
-        self._ids: set[str] = set()
-
-    def check(self) -> None:
-        """Check that the file can be used.
-
-        Raises:
-            InvalidRequest: The file cannot be created, written or locked.
-        """
-        if self._path == IN_MEMORY:
-            return
-        try:
-            try:
-                inspect(self._path, VERSION)
-            except DamagedStore:
-                if not self._replace_damaged:
-                    raise
-                set_aside(self._path)
-                inspect(self._path, VERSION)
-        except DamagedStore as error:
-            raise self._unusable(
-                f"is damaged ({error}); set IKPLAN_STORE_DAMAGED=set-aside to rename it and start "
-                "a new one, restore it from a copy, or name another file"
-            ) from error
-        except NewerStore as error:
-            raise self._unusable(
-                "was written by a newer version of this service; name another file"
-            ) from error
-        except (OSError, sqlite3.Error) as error:
-            reason = getattr(error, "strerror", None) or str(error)
-            if "locked" in reason:
-                holder = lock_holder(self._path)
-                reason = "another service uses it" + (f" (process {holder})" if holder else "")
-            raise InvalidRequest(
-                f"{_SETTING}: plans cannot be stored in {self._path}: {reason}; name another file, "
-                f"or {IN_MEMORY} to keep them in memory",
-                field=_SETTING,
-                allowed=f"a file that can be written, or {IN_MEMORY}",
-            ) from error
-
-    def _unusable(self, why: str) -> InvalidRequest:
-        return InvalidRequest(f"{_SETTING}: {self._path} {why}", field=_SETTING)
+        self._purge = SqlitePurge(self, max_plans, max_bytes, max_age_s)
 
     async def open(self) -> None:
-        """Open the file.
+        """Open the file, and begin to delete what exceeds the bounds.
 
         Raises:
             InvalidRequest: The file cannot be created, written or locked.
         """
-        await asyncio.to_thread(self.check)
-        self._connection = await aiosqlite.connect(self._path, isolation_level=None, timeout=1.0)
+        await super().open()
         try:
-            await self._connection.executescript(OPEN)
-            (version,) = await self.row("PRAGMA user_version", ())
-            if version < VERSION:
-                # Plans of an older version are planned again on request.
-                await self._connection.executescript(SCHEMA)
-            await self._connection.executescript(ADDED)
-            await self._learn_ids()
+            await self._purge.start()
         except BaseException:
             await self.close()
             raise
 
-    async def _learn_ids(self) -> None:
-        before = set(self._ids)
-        rows = await self._open_connection().execute_fetchall("SELECT id FROM plans")
-        stored = {row[0] for row in rows}
-        self._ids -= before - stored
-        self._ids |= stored
-
     async def close(self) -> None:
         """Close the file."""
-        if self._connection is not None:
-            await self._connection.close()
-            self._connection = None
+        await self._purge.stop()
+        await super().close()
 
-    @asynccontextmanager
-    async def writing(self) -> AsyncIterator[aiosqlite.Connection]:
-        """Make several changes in one transaction.
-
-        Raises:
-            StoreFault: The write fails.
-        """
-        connection = self._open_connection()
-        async with self._writing:
-            try:
-                await connection.execute("BEGIN IMMEDIATE")
-                try:
-                    yield connection
-                    await connection.execute("COMMIT")
-                except BaseException:
-                    # SQLite rolls back by itself on some errors, such as a full disk.
-                    if connection.in_transaction:
-                        await connection.execute("ROLLBACK")
-                    raise
-            except sqlite3.Error as error:
-                raise StoreFault(str(error)) from error
-
-    async def change(self, statement: str, values: Sequence[Any]) -> None:
-        """Make one change.
-
-        Raises:
-            StoreFault: The write fails.
-        """
-        connection = self._open_connection()
-        async with self._writing:
-            try:
-                await connection.execute_fetchall(statement, values)
-            except sqlite3.Error as error:
-                raise StoreFault(str(error)) from error
-
-    def _open_connection(self) -> aiosqlite.Connection:
-        assert self._connection is not None, "the store is not open"
-        return self._connection
-
-    async def row(self, query: str, values: Sequence[Any]) -> Any:
-        """Return the first row of a query's result, or None.
-
-        Raises:
-            StoreFault: The read fails.
-        """
-        try:
-            rows = await self._open_connection().execute_fetchall(query, values)
-        except sqlite3.Error as error:
-            raise StoreFault(str(error)) from error
-        return next(iter(rows), None)
-
-    async def put(self, plan_id: str, document: bytes) -> None:
+    async def put(
+        self,
+        plan_id: str,
+        document: bytes,
+        *,
+        owner: str = EVERYONE,
+        kind: str = "plan",
+        robot: str = "",
+    ) -> None:
         """Store a plan and evict the least recently used ones."""
-        now = time.time()
-        new_plans, new_bytes = self._new_plans + 1, self._new_bytes + len(document)
-        # A check at every plan would take time proportional to the number of plans.
-        trim = new_plans > _SLACK * self._max_plans or new_bytes > _SLACK * self._max_bytes
-        await self.change("INSERT INTO kept VALUES (?, ?, ?)", (plan_id, now, document))
-        self._ids.add(plan_id)
-        self._new_plans, self._new_bytes = new_plans, new_bytes
-        if trim:
-            try:
-                await self.change(_OLD_PLANS, (now - self._max_age_s,))
-                await self.change(_SURPLUS, (self._max_bytes, self._max_plans))
-                await self._learn_ids()
-            except (StoreFault, sqlite3.Error) as error:  # the next plan tries it again
-                _log.error("failed to delete surplus plans: %s", error)
-            else:
-                self._new_plans, self._new_bytes = 0, 0
+        key, size = scoped(owner, plan_id), len(document)
+        if size > self._max_bytes or not self._max_plans:
+            await self.change("DELETE FROM jobs WHERE id = ?", (key,))
+            return
+        await self.change(
+            "INSERT INTO kept (id, made, document, owner, kind, robot) VALUES (?, ?, ?, ?, ?, ?)",
+            (key, time.time(), document, owner, kind, robot),
+        )
+        self._purge.added(key, size)
+        try:
+            await self._purge.trim()
+        except StoreFault as error:  # the next plan tries it again
+            _log.error("failed to delete surplus plans: %s", error)
 
-    async def get(self, plan_id: str) -> bytes | None:
+    async def get(self, plan_id: str, owner: str = EVERYONE) -> bytes | None:
         """Return a plan, or None if it is not stored."""
-        if plan_id not in self._ids:
+        key = scoped(owner, plan_id)
+        if key not in self._purge.sizes:
             return None
         now = time.time()
         try:
             row = await self.row(
                 "SELECT document FROM kept WHERE id = ? AND made >= ?",
-                (plan_id, now - self._max_age_s),
+                (key, now - self._max_age_s),
             )
         except StoreFault as error:  # then it is planned again
             _log.error("failed to read plan %s: %s", plan_id, error)
@@ -240,51 +126,102 @@ class SqlitePlanStore:
         if row is None:
             return None
         with contextlib.suppress(StoreFault):  # reading still works
-            await self.change("UPDATE plans SET used = ? WHERE id = ?", (now, plan_id))
+            await self.change("UPDATE plans SET used = ? WHERE id = ?", (now, key))
         return bytes(row[0])
 
     async def accept(self, job: Job) -> None:
         """Store a job and delete an earlier failure of the same request."""
         await self.change(
-            "INSERT OR REPLACE INTO jobs (id, kind, document, robot, budget_s, accepted) "
-            "VALUES (?, ?, ?, ?, ?, ?)",
-            (job.plan_id, job.kind, job.document, job.robot, job.budget_s, time.time()),
+            "INSERT OR REPLACE INTO jobs (id, kind, document, robot, budget_s, accepted, owner, "
+            "robot_name) VALUES (?, ?, ?, ?, ?, ?, ?, ?)",
+            (
+                *(scoped(job.owner, job.plan_id), job.kind, job.document, job.robot, job.budget_s),
+                *(time.time(), job.owner, job.robot_name),
+            ),
         )
 
-    async def count_attempts(self, plan_id: str, attempts: int) -> None:
+    async def count_attempts(self, plan_id: str, attempts: int, owner: str = EVERYONE) -> None:
         """Store how often a worker began an unfinished job."""
         await self.change(
             "INSERT OR REPLACE INTO attempts SELECT id, ? FROM jobs "
             "WHERE id = ? AND problem IS NULL",
-            (attempts, plan_id),
+            (attempts, scoped(owner, plan_id)),
         )
 
-    async def fail(self, plan_id: str, problem: bytes) -> None:
+    async def fail(self, plan_id: str, problem: bytes, owner: str = EVERYONE) -> None:
         """Store the problem document of a failed job."""
+        key = scoped(owner, plan_id)
         async with self.writing() as connection:
-            await connection.execute("UPDATE jobs SET problem = ? WHERE id = ?", (problem, plan_id))
+            await connection.execute("UPDATE jobs SET problem = ? WHERE id = ?", (problem, key))
             await connection.execute(_OLD_FAILURES, (time.time() - self._max_age_s,))
 
-    async def problem(self, plan_id: str) -> bytes | None:
+    async def problem(self, plan_id: str, owner: str = EVERYONE) -> bytes | None:
         """Return the problem document of a failed job, or None."""
-        row = await self.row("SELECT problem FROM jobs WHERE id = ?", (plan_id,))
+        key = scoped(owner, plan_id)
+        row = await self.row("SELECT problem FROM jobs WHERE id = ?", (key,))
         return None if row is None or row[0] is None else bytes(row[0])
 
-    async def delete(self, plan_id: str) -> bool:
+    async def delete(self, plan_id: str, owner: str = EVERYONE) -> bool:
         """Delete a plan, a job and its failure; return whether any existed."""
-        found = 0
+        key, found = scoped(owner, plan_id), 0
         async with self.writing() as connection:
             for table in ("plans", "jobs"):
                 statement = f"DELETE FROM {table} WHERE id = ?"
-                async with connection.execute(statement, (plan_id,)) as cursor:
+                async with connection.execute(statement, (key,)) as cursor:
                     found += cursor.rowcount
+            if found:
+                await connection.execute(_DELETED, (time.time(), owner, plan_id))
+        self._purge.removed(key)
         return found > 0
 
     async def pending(self) -> list[Job]:
         """Return the unfinished jobs in the order of their acceptance."""
         query = (
-            "SELECT id, kind, document, robot, budget_s, coalesce(begun, 0) FROM jobs "
-            "LEFT JOIN attempts USING (id) WHERE problem IS NULL ORDER BY place"
+            "SELECT id, kind, document, robot, budget_s, coalesce(begun, 0), owner, robot_name "
+            "FROM jobs LEFT JOIN attempts USING (id) WHERE problem IS NULL ORDER BY place"
         )
+        return [
+            Job(unscoped(key), *row)._replace(attempts=begun, owner=owner, robot_name=robot_name)
+            async for key, *row, begun, owner, robot_name in self._each(query)
+        ]
+
+    async def audit(self, owner: str | None, before: int | None, limit: int) -> list[AuditRow]:
+        """Return what was done, the newest first."""
+        rows = await self.rows(_AUDIT, {"owner": owner, "before": before, "limit": limit})
+        return [AuditRow(*row) for row in rows]
+
+    async def _each(self, query: str) -> Any:
         async with self._open_connection().execute(query) as cursor:
-            return [Job(*row)._replace(attempts=begun) async for *row, begun in cursor]
+            async for row in cursor:
+                yield row
+
+    async def list(self, query: PlanQuery) -> list[ListedPlan]:
+        """Return plans and jobs, the newest first, one more than the limit if there are more."""
+        conditions: dict[str, Any] = {
+            "robot = :robot": query.robot,
+            "outcome = :outcome": query.outcome,
+            "time >= :since": query.since,
+            "time < :until": query.until,
+        }
+        asked = {text: value for text, value in conditions.items() if value is not None}
+        values = {text.rpartition(":")[2]: value for text, value in asked.items()}
+        where = list(asked)
+        if query.after is not None:
+            where.append("(time, id) < (:after_time, :after_id)")
+            time_s, plan_id = query.after
+            values |= {"after_time": time_s, "after_id": scoped(query.owner, plan_id)}
+        values |= {
+            "owner": query.owner,
+            "limit": query.limit + 1,
+            "oldest": time.time() - self._max_age_s,
+        }
+        rows = await self.rows(_LIST.format(where=" AND ".join(where) or "true"), values)
+        return [
+            ListedPlan._make((unscoped(key), *row, _type_of(problem)))
+            for key, *row, problem in rows
+        ]
+
+
+def _type_of(problem: bytes | None) -> str | None:
+    """Return the type of a problem document, if there is one."""
+    return None if problem is None else str(json.loads(problem).get("type", "about:blank"))

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import NamedTuple, Protocol
 
-__all__ = ["ConnectionSource", "Load", "LoadSource"]
+__all__ = ["ConnectionSource", "JobSource", "Load", "LoadSource"]
 
 
 class Load(NamedTuple):
@@ -34,6 +34,22 @@ class LoadSource(Protocol):
     @property
     def load(self) -> Load:
         """Current load of the workers."""
+
+
+class JobSource(Protocol):
+    """Anything that knows the jobs."""
+
+    @property
+    def depth(self) -> tuple[int, int]:
+        """Number of jobs that wait for a worker, and of those that run."""
+
+    @property
+    def ends(self) -> Mapping[str, int]:
+        """Number of jobs that ended here, by how."""
+
+    @property
+    def store_up(self) -> bool:
+        """Whether the store answered when it was last asked."""
 
 
 class ConnectionSource(Protocol):

@@ -19,7 +19,7 @@ from prometheus_client.exposition import CONTENT_TYPE_LATEST, generate_latest
 from prometheus_client.registry import Collector
 
 import ikplan
-from ikplan_api.telemetry.load import ConnectionSource, LoadSource
+from ikplan_api.telemetry.load import ConnectionSource, JobSource, LoadSource
 from ikplan_api.telemetry.plan_figures import PlanFigures
 
 __all__ = ["MEDIA_TYPE", "Metrics"]
@@ -44,6 +44,23 @@ class _ClosedConnections(Collector):
         )
         for reason, count in sorted(self._connections.closed.items()):
             family.add_metric([reason], count)
+        yield family
+
+
+class _EndedJobs(Collector):
+    """Jobs that ended in this process, by how."""
+
+    def __init__(self, jobs: JobSource) -> None:
+        self._jobs = jobs
+
+    def collect(self) -> Iterator[CounterMetricFamily]:
+        family = CounterMetricFamily(
+            "ikplan_jobs_ended",
+            "Jobs that ended here: finished, failed, or late (their claim was lost before)",
+            labels=["end"],
+        )
+        for end, count in sorted(self._jobs.ends.items()):
+            family.add_metric([end], count)
         yield family
 
 
@@ -124,6 +141,23 @@ class Metrics:
         }
         for name, (title, ask) in gauges.items():
             Gauge(name, title, registry=registry).set_function(ask)
+
+    def watch_jobs(self, jobs: JobSource) -> None:
+        """Show the queue of jobs, which is that of all replicas where they share one."""
+        gauges: dict[str, tuple[str, Callable[[], float]]] = {
+            "ikplan_jobs_queued": (
+                "Jobs that wait for a worker, of all replicas",
+                lambda: jobs.depth[0],
+            ),
+            "ikplan_jobs_running": (
+                "Jobs that a worker runs, of all replicas",
+                lambda: jobs.depth[1],
+            ),
+            "ikplan_store_up": ("1 if the store answers, else 0", lambda: jobs.store_up),
+        }
+        for name, (title, ask) in gauges.items():
+            Gauge(name, title, registry=self._registry).set_function(ask)
+        self._registry.register(_EndedJobs(jobs))
 
     def count_plan(self, figures: PlanFigures) -> None:
         """Record the figures of one plan."""

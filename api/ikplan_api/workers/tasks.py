@@ -130,10 +130,12 @@ class RequestIdentity(NamedTuple):
     Attributes:
         plan_id: The id of its plan.
         budget_s: Its time budget [s].
+        robot: Name of its robot.
     """
 
     plan_id: str
     budget_s: float
+    robot: str = ""
 
 
 _REQUESTS: dict[str, type[PlanRequest] | type[TimingRequest]] = {
@@ -169,7 +171,7 @@ def identify(kind: str, task: TaskInput) -> RequestIdentity:
     """
     request = task.request(_REQUESTS[kind])
     robot = resolve_robot(request, task.robot_named(request.robot))
-    return RequestIdentity(plan_id(request, robot), request.budget_s)
+    return RequestIdentity(plan_id(request, robot), request.budget_s, request.robot)
 
 
 def make_plan(task: TaskInput) -> TaskResult:

@@ -129,8 +129,8 @@ def test_every_format_of_the_robot_is_taken_home_as_the_library_writes_it(
     assert "urscript" in labels
     assert "rapid" not in labels
     theirs = ikplan.Plan.load(saved(page, "JSON"))
-    for label in ("ros", "ros-goal", "urscript"):
-        assert saved(page, label).encode() == encode(theirs, label)
+    for label in ("ROS", "ros-goal", "urscript"):
+        assert saved(page, label).encode() == encode(theirs, label.lower())
     # What is taken home plays back as the plan that is shown.
     np.testing.assert_array_equal(theirs.q, made.q)
 
@@ -172,3 +172,18 @@ def test_two_plans_are_compared_side_by_side_and_in_step(page: Page) -> None:
     page.get_by_role("button", name="End the comparison").click()
     expect(page.locator("#stage")).to_have_attribute("data-ghosts", "")
     expect(page.locator(".compare")).to_have_count(0)
+
+
+def test_the_history_of_the_service_is_searched_and_opened(page: Page, made: ikplan.Plan) -> None:
+    page.get_by_text("History of this service").click()
+    rows = page.locator("#history-list .rows li")
+    expect(rows.filter(has_text=made.id[:8])).to_have_count(1)
+    page.get_by_role("searchbox", name="Search").fill("no such plan")
+    expect(rows).to_have_count(0)
+    page.get_by_role("searchbox", name="Search").fill(f"ur5 {made.id[:6]}")
+    expect(rows).to_have_count(1)
+    rows.get_by_role("button").click()
+    expect(page.locator("#stale")).to_contain_text("from the history")
+    expect(page.locator(".downloads code")).to_have_text(made.id[:16])
+    seek(page, len(made.time) - 1)
+    np.testing.assert_array_equal(ikplan.Plan.load(saved(page, "JSON")).q, made.q)

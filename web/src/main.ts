@@ -8,6 +8,7 @@ import { EXAMPLES } from "./examples";
 import { Outcome } from "./outcome";
 import { FileDrop } from "./panels/drop";
 import { Editor } from "./panels/editor";
+import { History } from "./panels/history";
 import { JogPanel } from "./panels/jog";
 import { PathList } from "./panels/path-list";
 import { Plots } from "./panels/plots";
@@ -52,8 +53,10 @@ const drop = new FileDrop(store, () => editor, (robot) => {
 const text = new JsonEditor(byId("editor"), store, () => void outcome.plan(), () => bench.robots.map(({ name }) => name));
 
 const outcome = new Outcome({
-  store, results, view, bench, clock, transport, motion, points, editor, text, say, show, begin: () => void begin(),
+  store, results, view, bench, clock, transport, motion, points, editor, text, say, show, made: () => history.renew(), begin: () => void begin(),
 });
+
+const history = new History((id) => void outcome.showKept(id));
 
 store.onChange(() => void show());
 

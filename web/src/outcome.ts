@@ -1,6 +1,6 @@
 /** Planning and its outcome: a plan or a verdict, shown, marked stale, compared, repaired. */
 
-import { isNumbers, type Problem, type Repair, type Request, type RobotInfo } from "./documents";
+import { isNumbers, type Plan, type Problem, type Repair, type Request, type RobotInfo } from "./documents";
 import { byId, h } from "./dom";
 import type { JsonEditor } from "./editor/json-editor";
 import { makePlan } from "./job";
@@ -8,7 +8,7 @@ import { bindingPanel } from "./panels/binding";
 import { certificatePanel } from "./panels/certificate";
 import { comparePanel } from "./panels/compare";
 import { downloadPanel } from "./panels/downloads";
-import type { Editor } from "./panels/editor";
+import { forRobot, type Editor } from "./panels/editor";
 import type { PathList } from "./panels/path-list";
 import { ProgressPanel } from "./panels/progress";
 import type { Transport } from "./panels/transport";
@@ -17,7 +17,7 @@ import type { Clock } from "./clock";
 import { Motion } from "./playback";
 import type { Planned, Results } from "./results";
 import type { MotionView } from "./see/motion-view";
-import { Refusal, accessKey } from "./service";
+import { Refusal, accessKey, fetchPlan } from "./service";
 import type { DocumentStore } from "./state/store";
 import { failedTargets } from "./targets";
 import { timeText } from "./units";
@@ -39,6 +39,8 @@ export interface Parts {
   say: (text: string) => void;
   /** Shows the document as it is. */
   show: () => Promise<void>;
+  /** Hears that something has been planned. */
+  made: () => void;
   /** Begins anew, with the key that was given. */
   begin: () => void;
 }
@@ -67,9 +69,13 @@ export class Outcome {
 
   /** Marks what is no longer of the document. */
   markStale(): void {
+    const { planned } = this.parts.results;
     const stale = this.parts.results.stale(this.parts.store.request);
     this.result.dataset["stale"] = String(stale);
     byId("stale").hidden = !stale;
+    byId("stale").textContent = planned !== null && !("path" in planned.request)
+      ? "This plan is from the history of the service, not of the document."
+      : "The document has changed: this result is of the one before.";
     if (stale) this.parts.points.markFailed(null);
   }
 
@@ -101,6 +107,7 @@ export class Outcome {
       const robot = bench.robots.find(({ name }) => name === made.robot);
       if (robot === undefined) throw new Error(`the service planned for ${made.robot}, which it does not list`);
       await this.showPlan({ request, plan: made, text, motion: new Motion(made.trajectory), robot });
+      this.parts.made();
     } catch (error) {
       if (error instanceof Refusal) await this.showVerdict(error, request);
       else if (error instanceof DOMException) say("Cancelled");
@@ -125,6 +132,25 @@ export class Outcome {
     clock.reset(made.motion.duration);
     view.follow();
     say(`There is a plan of ${timeText(made.motion.duration)}`);
+  }
+
+  /** Shows a plan that the service keeps; its request is not known, so it is never that of the document. */
+  async showKept(id: string): Promise<void> {
+    const { bench, store, say } = this.parts;
+    try {
+      const text = await fetchPlan(id);
+      const plan = JSON.parse(text) as Plan;
+      const robot = bench.robots.find(({ name }) => name === plan.robot);
+      if (robot === undefined) {
+        say(`The robot ${plan.robot} of this plan is no longer listed.`);
+        return;
+      }
+      if (store.request?.["robot"] !== plan.robot) store.edit((request) => forRobot(request, plan.robot));
+      await this.showPlan({ request: { robot: plan.robot }, plan, text, motion: new Motion(plan.trajectory), robot });
+    } catch (error) {
+      if (!(error instanceof Refusal)) throw error;
+      say(error.problem.detail);
+    }
   }
 
   private async showVerdict(refusal: Refusal, request: Request): Promise<void> {

@@ -118,3 +118,26 @@ export async function fetchSeries(request: Request): Promise<Series> {
   });
   return (await answer.json()) as Series;
 }
+
+/** A plan or job in the list of the service. */
+export interface PlanSummary {
+  id: string;
+  outcome: "finished" | "failed" | "unfinished";
+  kind: "plan" | "time";
+  robot: string | null;
+  time: string;
+  problem: string | null;
+}
+
+/** Plans that the service keeps, the newest first; an empty outcome: all. */
+export async function fetchPlans(outcome: string, after: string | null): Promise<{ plans: PlanSummary[]; next: string | null }> {
+  const query = new URLSearchParams({ limit: "50" });
+  if (outcome !== "") query.set("outcome", outcome);
+  if (after !== null) query.set("after", after);
+  return (await (await ask(`v1/plans?${query}`)).json()) as { plans: PlanSummary[]; next: string | null };
+}
+
+/** A plan that the service keeps, as text. */
+export async function fetchPlan(id: string): Promise<string> {
+  return (await ask(`v1/plans/${encodeURIComponent(id)}`)).text();
+}

@@ -10,6 +10,8 @@ const SAME = 1e-3;
 
 export class LiveArm {
   q: number[] = [];
+  /** Where the tool has been told to go last, in the base; null: the joints have been set since. */
+  goal: Pose | null = null;
   private robot: RobotInfo | null = null;
   private wanted: { pose: Pose; own: boolean } | null = null;
   private asking = false;
@@ -27,12 +29,14 @@ export class LiveArm {
     this.robot = robot;
     this.q = q;
     this.wanted = null;
+    this.goal = null;
     this.view.setFault("");
     for (const listener of this.listeners) listener();
   }
 
   /** Shows joint values that the user sets, and asks whether they touch anything. */
   setJoints(q: number[]): void {
+    this.goal = null;
     this.put(q);
     this.view.setFault("");
     this.ask(this.view.toolPose(), true);
@@ -40,6 +44,7 @@ export class LiveArm {
 
   /** Lets the tool follow a pose in the base; the last one asked for is the one it ends at. */
   follow(pose: Pose): void {
+    this.goal = pose;
     this.ask(pose, false);
   }
 

@@ -21,7 +21,6 @@ export class JogPanel {
   private outputs: HTMLOutputElement[] = [];
   private frame: Frame = "base";
   private step = 1;
-  private target: Pose | null = null;
 
   /** `start` hears that the document is to begin at the joint values of now. */
   constructor(
@@ -48,7 +47,7 @@ export class JogPanel {
         ...["x", "y", "z"].map((axis, i) => this.pair(axis, i, false)),
         ...["rx", "ry", "rz"].map((axis, i) => this.pair(axis, i, true))),
       h("div", { class: "actions" },
-        button("Home", "home", () => { this.target = null; this.live.setJoints(robot.joints.map(({ home }) => home)); }),
+        button("Home", "home", () => this.live.setJoints(robot.joints.map(({ home }) => home))),
         button("Start the path here", "start-here", () => this.start(this.live.q))));
     this.update();
   }
@@ -81,7 +80,6 @@ export class JogPanel {
   private set(j: number, value: number): void {
     const joint = this.robot!.joints[j]!;
     const kept = Math.min(Math.max(value, joint.lower ?? -Infinity), joint.upper ?? Infinity);
-    this.target = null;
     this.live.setJoints(this.live.q.map((old, i) => (i === j ? kept : old)));
   }
 
@@ -93,13 +91,13 @@ export class JogPanel {
   private jog(i: number, turns: boolean, sign: number): void {
     const by = new Vector3().setComponent(i, sign * (turns ? STEPS_RAD : STEPS_M)[this.step]!);
     // Steps add up from where the last one leads, also while the arm is on its way.
-    const at = matrixOf(this.target ?? this.pose());
+    const { goal } = this.live;
+    const at = matrixOf(goal === null || goal.quaternion === null ? this.pose() : goal);
     const change = turns
       ? new Matrix4().makeRotationFromQuaternion(new Quaternion().setFromEuler(new Euler(by.x, by.y, by.z)))
       : new Matrix4().makeTranslation(by);
     const moved = this.frame === "tool" ? at.multiply(change) : inBase(at, change, turns);
-    this.target = poseOfMatrix(moved);
-    this.live.follow(this.target);
+    this.live.follow(poseOfMatrix(moved));
   }
 
   private update(): void {
@@ -113,11 +111,6 @@ export class JogPanel {
       output.textContent = jointText(value, unit);
       output.dataset["value"] = String(value);
     }
-  }
-
-  /** Forgets where the last jog led: the arm has been moved in another way. */
-  forget(): void {
-    this.target = null;
   }
 }
 

@@ -77,7 +77,7 @@ export class PathList {
         button(`Move ${name} down`, `down-${index}`, () =>
           act((request) => edits.swap(request, index, index + 1), index + 1), "↓", index === count - 1),
         button(`Duplicate ${name}`, `copy-${index}`, () =>
-          act((request) => edits.duplicate(request, index), index + 1), "×2"),
+          act((request) => edits.duplicate(request, index), index + 1), "⊕"),
         button(`Delete ${name}`, `delete-${index}`, () =>
           act((request) => edits.remove(request, index), -1), "✕")));
   }

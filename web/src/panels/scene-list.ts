@@ -71,7 +71,7 @@ export class SceneList {
     const selected: Selected = { kind: list === "obstacles" ? "obstacle" : "part", index };
     return this.line(selected, name, list === "obstacles" ? shape : `${shape}, carried`,
       button(`Duplicate ${name}`, `copy-${list}-${index}`, () =>
-        this.store.edit((request) => addBody(request, list, structuredClone(body))), "×2"),
+        this.store.edit((request) => addBody(request, list, structuredClone(body))), "⊕"),
       button(`Delete ${name}`, `delete-${list}-${index}`, () => {
         this.selection.set(null);
         this.store.edit((request) => removeBody(request, list, index));

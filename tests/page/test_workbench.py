@@ -9,9 +9,11 @@ import numpy as np
 import pytest
 from playwright.sync_api import Page, expect
 
+import ikplan
+from ikplan.plans.export import encode
 from ikplan.robots import catalogue_robot
 
-from .actions import document, drag_handle, open_tab, plan, settled, tool, write
+from .actions import document, drag_handle, open_tab, plan, saved, settled, tool, write
 
 Open = Callable[..., Page]
 UR5 = {
@@ -199,3 +201,37 @@ def test_joints_and_tool_are_jogged_as_pinocchio_has_it(page: Page) -> None:
     assert np.degrees(angle) == pytest.approx(5, abs=1e-2)
     page.get_by_role("button", name="Start the path here").click()
     np.testing.assert_allclose(document(page)["start"], joints(page))
+
+
+def test_a_path_is_blocked_cleared_compared_taken_home_and_played(page: Page) -> None:
+    begin(page, UR5)
+    for right, down in ((0, 0), (60, -20), (0, -60)):
+        page.get_by_role("button", name="Add the current pose").click()
+        if (right, down) != (0, 0):
+            drag_handle(page, right, down)
+            settled(page)
+    plan(page)
+    page.get_by_role("button", name="Keep to compare").click()
+    # An obstacle where the second point is: there is no plan, and the verdict names it.
+    open_tab(page, "scene")
+    page.get_by_role("button", name="Add a sphere").click()
+    for axis, value in zip("xyz", positions(page)[1], strict=True):
+        page.get_by_role("spinbutton", name=f"Position {axis}").fill(str(value))
+        page.keyboard.press("Tab")
+    page.click("#plan")
+    expect(page.locator("#result .verdict")).to_contain_text("sphere")
+    # It is dragged away, and there is a plan again.
+    drag_handle(page, 40, -260)
+    expect(page.locator("#stale")).to_be_visible()
+    plan(page)
+    expect(page.locator("#stale")).to_be_hidden()
+    expect(page.locator(".compare table")).to_contain_text("Arm from obstacles")
+    made = ikplan.Plan.load(saved(page, "JSON"))
+    assert saved(page, "urscript").encode() == encode(made, "urscript")
+    page.get_by_role("button", name="Play").click()
+    page.wait_for_function(
+        "end => Number(document.getElementById('clock').dataset.value) >= end",
+        arg=float(made.time[-1]),
+    )
+    np.testing.assert_array_equal(joints(page), made.q[-1])
+    page.get_by_role("button", name="End the comparison").click()

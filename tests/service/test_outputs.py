@@ -13,7 +13,7 @@ import pytest
 import ikplan
 from ikplan.documents.plan_request import PlanRequest
 from ikplan.errors import InvalidRequest
-from ikplan.pipeline.series import plan_series
+from ikplan.pipeline.measures.series import plan_series
 from ikplan.plans.export import FORMATS
 from ikplan.plans.export.formats import Arm
 from ikplan.robots import catalogue_robot

@@ -9,7 +9,7 @@ from fastapi import APIRouter, Request, Response
 
 from ikplan import errors
 from ikplan.documents.plan_request import PlanRequest
-from ikplan.documents.plan_series import PlanSeries
+from ikplan.documents.trajectory import PlanSeries
 from ikplan.plans.export import FORMATS
 from ikplan.plans.export.formats import Arm
 from ikplan.robots import catalogue_robot, is_upload_id

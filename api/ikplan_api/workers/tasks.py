@@ -16,12 +16,12 @@ from ikplan.ik.registry import solvers
 from ikplan.pipeline import warm_up as kernels
 from ikplan.pipeline.forward_kinematics import fk_request
 from ikplan.pipeline.identity import UNKNOWN, KnownRequest, plan_id
+from ikplan.pipeline.measures.series import plan_series
 from ikplan.pipeline.plan import make_plan as planned
 from ikplan.pipeline.pose_batch.request import solve_ik_batch_request
 from ikplan.pipeline.poses import solve_ik_request
 from ikplan.pipeline.resolve import resolve_robot
 from ikplan.pipeline.retime import make_timing as timed
-from ikplan.pipeline.series import plan_series
 from ikplan.planning import Progress
 from ikplan.plans.export import FORMATS
 from ikplan.plans.export.formats import Format

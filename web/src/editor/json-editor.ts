@@ -74,7 +74,7 @@ export class JsonEditor {
           highlightActiveLine(), json(), syntaxHighlighting(COLOURS), LOOK, lintGutter(),
           autocompletion({ override: [completer(() => this.schema, () => document, robots)] }),
           linter((view) => this.lint(view), { delay: 250 }),
-          EditorView.contentAttributes.of({ "aria-label": "Document (JSON, metres and radians)" }),
+          EditorView.contentAttributes.of({ tabindex: "0", "aria-label": "Document (JSON, metres and radians)" }),
           EditorView.updateListener.of((update) => {
             if (update.docChanged && !this.taking) store.write(update.state.doc.toString(), "editor", "typing");
           }),

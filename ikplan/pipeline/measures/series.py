@@ -10,7 +10,7 @@ from ikplan.certificate.deviation import Tool, match_legs, timed_legs
 from ikplan.certificate.limits import joint_torques
 from ikplan.certificate.requested import read_motion
 from ikplan.documents.plan_request import PlanRequest, Scene
-from ikplan.documents.plan_series import PlanSeries
+from ikplan.documents.trajectory import PlanSeries
 from ikplan.ik.arguments import check_start
 from ikplan.limits.motion_limits import MotionLimits
 from ikplan.pipeline.collisions import requested_model, with_meshes

@@ -20,7 +20,7 @@ PYTHON = "3.13"
 """As in the Dockerfile."""
 FAMILIES = ("x86_64",)
 """Processor families of the image; toppra has no wheel for others."""
-EXTRAS = ("otel",)
+EXTRAS = ("otel", "postgres")
 _TAGS = ("manylinux_2_41", "manylinux_2_34", "manylinux_2_28", "manylinux_2_17", "manylinux2014")
 _HEAD = """\
 # What the container installs{what}, file by file: made by `make lock` from pyproject.toml and

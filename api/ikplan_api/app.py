@@ -12,10 +12,11 @@ from typing import Any
 from fastapi import FastAPI, Request, Response
 
 import ikplan
-from ikplan.errors import InvalidRequest, InvalidRobot, ServiceUnavailable
+from ikplan.errors import InvalidRequest, InvalidRobot
 from ikplan.robots import robot_names
 from ikplan.robots.folders import PATH_VARIABLE
 from ikplan_api.connections.registry import ConnectionLimits, Connections, most_open
+from ikplan_api.handlers.store_faults import unavailable
 from ikplan_api.http import openapi, problems
 from ikplan_api.jobs.job_service import JobService
 from ikplan_api.jobs.plan_jobs import PlanJobs
@@ -120,14 +121,7 @@ async def _on_store_fault(request: Request, error: Exception) -> Response:
     """Answer a read or a deletion that the store does not allow now."""
     assert isinstance(error, StoreFault)
     _log.error("the store failed: %s", error)
-    return problems.error_response(
-        request,
-        ServiceUnavailable(
-            "the store of the service fails now; try again later",
-            status_code=ServiceUnavailable.status,
-            retry_after_s=error.retry_after_s,
-        ),
-    )
+    return problems.error_response(request, unavailable(error))
 
 
 def _check_robot_folders() -> None:

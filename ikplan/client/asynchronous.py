@@ -16,12 +16,10 @@ from ikplan.client.jobs import AsyncPlanJob
 from ikplan.client.retrying import Patience
 from ikplan.client.streams import BATCH, batch_body, read_event, read_line
 from ikplan.client.wire import EVENTS, PROBLEM, Call, client_headers, read, unreachable
-from ikplan.documents.audit import AuditEntry
-from ikplan.documents.plan_list import Outcome, PlanSummary
 from ikplan.documents.plan_request import FkRequest, IkBatchRequest, IkRequest, PlanRequest
 from ikplan.documents.pose_results import FkResult, IkBatchSolution, IkSolution
 from ikplan.documents.scene import Scene
-from ikplan.documents.status import PlanStatus
+from ikplan.documents.status import AuditEntry, Outcome, PlanStatus, PlanSummary
 from ikplan.documents.timing_request import TimingRequest
 from ikplan.errors import IkplanError
 from ikplan.plans.plan import Plan

@@ -12,11 +12,9 @@ from urllib.parse import quote, urlencode
 from pydantic import BaseModel
 
 from ikplan.client.wire import Call, encode
-from ikplan.documents.audit import Audit
-from ikplan.documents.plan_list import PlanList
 from ikplan.documents.plan_request import FkRequest, IkBatchRequest, IkRequest, PlanRequest
 from ikplan.documents.pose_results import FkResult, IkBatchSolution, IkSolution
-from ikplan.documents.status import PlanStatus
+from ikplan.documents.status import Audit, PlanList, PlanStatus
 from ikplan.documents.timing_request import TimingRequest
 from ikplan.errors import InvalidRobot, ServiceUnavailable
 from ikplan.plans.plan import Plan

@@ -27,7 +27,7 @@ def default(name: str, field: FieldInfo) -> str:
         unit, size = ("GiB", 2**30) if value >= 2**30 else ("MiB", 2**20)
         assert value % size == 0
         return f"{value // size} {unit}"
-    if value == ():
+    if value in ((), ""):
         return "none"
     if isinstance(value, str):
         return f"`{value}`"

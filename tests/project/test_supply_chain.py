@@ -14,7 +14,10 @@ from packaging.utils import canonicalize_name
 from .test_licences import DEPENDENCIES, INSTALLED
 
 ROOT = Path(__file__).parents[2]
-FILES = [ROOT / "docker" / "requirements.txt", ROOT / "docker" / "requirements-otel.txt"]
+FILES = [
+    ROOT / "docker" / "requirements.txt",
+    *(ROOT / "docker" / f"requirements-{extra}.txt" for extra in ("otel", "postgres")),
+]
 SBOM = runpy.run_path(str(ROOT / "docker" / "sbom.py"))
 CONSTRAINTS = dict(
     line.split("==")

@@ -75,7 +75,7 @@ def test_every_right_is_taken_away():
 
 def test_what_is_written_to_is_a_volume():
     mounted = {mount["mountPath"]: mount["name"] for mount in CONTAINER["volumeMounts"]}
-    assert set(mounted) == {str(Path(from_image(r"IKPLAN_STORE_PATH=(\S+)")).parent), "/tmp"}
+    assert set(mounted) == {"/tmp"}  # plans and jobs are in the database
     assert set(mounted.values()) == {volume["name"] for volume in POD["volumes"]}
 
 
@@ -84,6 +84,7 @@ def test_settings_are_those_of_the_service_and_no_key_is_written_here():
     env = {entry["name"]: entry for entry in CONTAINER["env"]}
     assert set(env) <= known
     assert "secretKeyRef" in env["IKPLAN_API_KEYS"]["valueFrom"]
+    assert "secretKeyRef" in env["IKPLAN_STORE_URL"]["valueFrom"]
     assert env["IKPLAN_WORKERS"]["valueFrom"]["resourceFieldRef"]["resource"] == "limits.cpu"
 
 
@@ -127,3 +128,25 @@ def test_the_autoscaler_scales_the_deployment_alone():
 
 def test_the_image_is_this_version():
     assert CONTAINER["image"] == f"ikplan:{ikplan.__version__}"
+
+
+def test_any_pod_answers_any_request():
+    assert "sessionAffinity" not in BY_KIND["Service"]["spec"]
+
+
+def test_pods_are_as_many_as_the_queue_of_jobs_asks_for():
+    from ikplan_api.app import create_app
+
+    (metric,) = [
+        entry["external"]["metric"]["name"]
+        for entry in BY_KIND["HorizontalPodAutoscaler"]["spec"]["metrics"]
+        if entry["type"] == "External"
+    ]
+    text = create_app(Settings(store_path=":memory:")).state.metrics.text().decode()
+    assert f"# TYPE {metric} gauge" in text
+
+
+def test_the_database_can_be_reached_and_nothing_else():
+    (names, database) = BY_KIND["NetworkPolicy"]["spec"]["egress"]
+    assert {port["port"] for port in names["ports"]} == {53}
+    assert [port["port"] for port in database["ports"]] == [5432]

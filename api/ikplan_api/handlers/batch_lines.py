@@ -13,12 +13,14 @@ from fastapi import Request
 
 from ikplan.documents.json_text import json_ready
 from ikplan.errors import IkplanError, InvalidRequest
+from ikplan_api.handlers.store_faults import unavailable
 from ikplan_api.http.body import too_long
 from ikplan_api.http.owner import owner_of
 from ikplan_api.http.problems import Refusal, http_problem, request_id_of
 from ikplan_api.jobs.job_service import JobService
 from ikplan_api.robots.uploads import named_robot
 from ikplan_api.scenes.uploads import with_stored_scene
+from ikplan_api.store.plan_store import StoreFault
 
 __all__ = ["NDJSON", "plan_lines", "split_lines"]
 
@@ -111,6 +113,9 @@ async def _plan_line(request: Request, index: int, line: bytes) -> bytes:
     except Refusal as refusal:
         problem = {**refusal.error.to_problem(), "status": refusal.status}
         return _failed(request, index, json_ready(problem))
+    except StoreFault as fault:
+        _log.error("the store failed: %s", fault)
+        return _failed(request, index, json_ready(unavailable(fault).to_problem()))
     except Exception:
         _log.exception("line %d of a batch failed", index)
         return _failed(request, index, http_problem(500, "unexpected error in the service"))

@@ -8,7 +8,7 @@ from typing import Annotated
 from fastapi import APIRouter, Query, Request
 
 from ikplan import errors
-from ikplan.documents.audit import Audit, AuditEntry
+from ikplan.documents.status import Audit, AuditEntry
 from ikplan_api.http.openapi import problems
 from ikplan_api.store.plan_store import OpenStore
 

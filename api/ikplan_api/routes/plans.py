@@ -10,8 +10,8 @@ from fastapi import APIRouter, Depends, Query, Request, Response
 from fastapi.sse import EventSourceResponse, ServerSentEvent
 
 from ikplan import errors
-from ikplan.documents.plan_list import Outcome, PlanList
 from ikplan.documents.plan_request import PlanRequest
+from ikplan.documents.status import Outcome, PlanList
 from ikplan.plans.plan import Plan
 from ikplan_api.handlers.plan_events import Watched, find_watched
 from ikplan_api.handlers.plan_responses import (

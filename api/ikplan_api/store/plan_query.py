@@ -7,7 +7,7 @@ import binascii
 import datetime
 from typing import NamedTuple
 
-from ikplan.documents.plan_list import Outcome, PlanList, PlanSummary
+from ikplan.documents.status import Outcome, PlanList, PlanSummary
 from ikplan.errors import InvalidRequest
 
 __all__ = ["ListedPlan", "PlanQuery", "page_of", "read_cursor"]

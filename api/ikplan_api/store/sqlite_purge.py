@@ -71,6 +71,7 @@ class SqlitePurge:
         self.sizes: dict[str, int] = {}
         self._bytes = 0
         self._needed = asyncio.Event()
+        self._trimming = asyncio.Lock()
         self._purging: asyncio.Task[None] | None = None
 
     async def start(self) -> None:
@@ -102,13 +103,14 @@ class SqlitePurge:
         Raises:
             StoreFault: The write fails.
         """
-        over, over_bytes = len(self.sizes) - self._max_plans, self._bytes - self._max_bytes
-        if over <= 0 and over_bytes <= 0:
-            return False
-        values = (_SLICE, max(0, over_bytes), over)
-        deleted = await self._file.change(_SURPLUS, values)
-        for (key,) in deleted:
-            self.removed(key)
+        async with self._trimming:  # two at once would each delete what is too much
+            over, over_bytes = len(self.sizes) - self._max_plans, self._bytes - self._max_bytes
+            if over <= 0 and over_bytes <= 0:
+                return False
+            values = (_SLICE, max(0, over_bytes), over)
+            deleted = await self._file.change(_SURPLUS, values)
+            for (key,) in deleted:
+                self.removed(key)
         left = len(self.sizes) > self._max_plans or self._bytes > self._max_bytes
         if left:
             self._needed.set()

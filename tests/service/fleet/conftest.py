@@ -7,7 +7,7 @@ from collections.abc import Iterator
 
 import pytest
 
-from .postgres import WHY_NOT, Postgres, binaries, postgres
+from benchmarks.fleet.postgres import WHY_NOT, Postgres, binaries, postgres
 
 
 @pytest.fixture(scope="session")

@@ -42,7 +42,8 @@ FROM jobs WHERE state <> 'failed'
 """
 _ACCEPT = f"""
 WITH added AS (
-    INSERT INTO jobs AS old (owner, id, kind, document, robot, robot_name, budget_s, accepted, state)
+    INSERT INTO jobs AS old
+        (owner, id, kind, document, robot, robot_name, budget_s, accepted, state)
     VALUES ({_VALUES}, true, 'queued')
     ON CONFLICT (owner, id) DO UPDATE SET
         accepted = true, problem = NULL, budget_s = greatest(old.budget_s, excluded.budget_s),

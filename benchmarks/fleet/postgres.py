@@ -1,4 +1,4 @@
-"""A PostgreSQL of the test's own, on a loopback port, which can be restarted."""
+"""A PostgreSQL of our own, on a loopback port, which can be restarted."""
 
 from __future__ import annotations
 
@@ -56,6 +56,7 @@ class Postgres:
         self.url = self.url_of("postgres")
 
     def url_of(self, database: str) -> str:
+        """Return the address of a database."""
         return f"postgresql://ikplan@127.0.0.1:{self._port}/{database}"
 
     def _run(self, *command: str) -> None:
@@ -70,17 +71,20 @@ class Postgres:
         )
 
     def create(self) -> None:
+        """Make the folder of the server, and start it."""
         options = ("--auth", "trust", "--username", "ikplan", "--no-sync", "--encoding", "UTF8")
         self._run("initdb", "--pgdata", str(self._data), *options)
         self.start()
 
     def start(self) -> None:
+        """Start the server; return when it answers."""
         options = f"-p {self._port} -c listen_addresses=127.0.0.1 -c fsync=off "
         options += f"-c unix_socket_directories={self._folder}"
         log = str(self._folder / "log")
         self._run("pg_ctl", "-D", str(self._data), "-o", options, "-l", log, "-w", "start")
 
     def stop(self, how: str = "fast") -> None:
+        """Stop the server: ``"fast"``, or ``"immediate"`` as a crash would."""
         self._run("pg_ctl", "-D", str(self._data), "-m", how, "-w", "stop")
 
     def new_database(self) -> str:

@@ -110,6 +110,7 @@ function rangeOf({ limit, wide }: Look, low: number, high: number): [number, num
     least = Math.min(least, limit.lower ?? least);
     most = Math.max(most, limit.upper ?? most);
   }
-  const room = Math.max((most - least) * 0.07, 1e-9);
+  // Rounding of a joint that stands still is no motion.
+  const room = Math.max((most - least) * 0.07, 1e-4 * Math.max(Math.abs(least), Math.abs(most)), 1e-9);
   return [least - room, most + room];
 }

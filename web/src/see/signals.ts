@@ -75,8 +75,11 @@ function differences(time: number[], values: number[]): number[] {
 
 function jerkLimits(robot: RobotInfo, request: Request): Range[] {
   const asked = isObject(request["limits"]) ? request["limits"]["jerk"] : undefined;
+  const known = asked === false ? null : robot.controller?.jerk ?? null;
   return robot.joints.map((_, j) => {
-    const upper = typeof asked === "number" ? asked : isNumbers(asked) ? asked[j] ?? null : null;
+    const own = known?.[j] ?? null;
+    const wanted = typeof asked === "number" ? asked : isNumbers(asked) ? asked[j] ?? null : null;
+    const upper = own === null || wanted === null ? own ?? wanted : Math.min(own, wanted);
     return upper === null ? NONE : { lower: -upper, upper };
   });
 }
@@ -140,7 +143,7 @@ export function bindingOf(quantities: Quantity[], samples: number): Binding[] {
     for (const { title, signals } of rates) {
       for (const signal of signals) {
         const share = shareOf(signal, k) ?? 0;
-        if (share > best.share) best = { name: `${signal.name} ${title.toLowerCase()}`, share };
+        if (share > best.share) best = { name: title === "Tool" ? `tool ${signal.name.toLowerCase()}` : `${signal.name} ${title.toLowerCase()}`, share };
       }
     }
     return best.share < BINDS ? { name: "", share: best.share } : best;

@@ -2,6 +2,7 @@
 
 import uPlot from "uplot";
 
+import { h } from "../dom";
 import type { Range } from "../limits";
 
 export interface Look {
@@ -18,6 +19,7 @@ const MOVED_PX = 4;
 
 export class Chart {
   private readonly plot: uPlot;
+  private readonly line = h("div", { class: "now", "aria-hidden": "true" });
   private now = 0;
   private from = 0;
 
@@ -44,6 +46,7 @@ export class Chart {
       },
     }, [look.time, look.values] as uPlot.AlignedData, host);
     const { over } = this.plot;
+    over.append(this.line);
     over.addEventListener("pointerdown", (event) => { this.from = event.clientX; });
     over.addEventListener("click", (event) => {
       if (Math.abs(event.clientX - this.from) > MOVED_PX) return; // that was a zoom
@@ -63,7 +66,7 @@ export class Chart {
 
   setTime(time: number): void {
     this.now = time;
-    this.plot.redraw(false, false);
+    this.placeNow();
   }
 
   destroy(): void {
@@ -96,10 +99,17 @@ export class Chart {
       const x = plot.valToPos(mark, "x", true);
       line(x, top + height - 5 * devicePixelRatio, x, top + height);
     }
-    ctx.strokeStyle = colour("--text");
-    const x = plot.valToPos(this.now, "x", true);
-    line(x, top, x, top + height);
     ctx.restore();
+    this.placeNow();
+  }
+
+  /** Moves the line of the time shown, without drawing the plot anew. */
+  private placeNow(): void {
+    const { over } = this.plot ?? {};
+    if (over === undefined) return; // the plot draws itself once while it is made
+    const x = this.plot.valToPos(this.now, "x");
+    this.line.hidden = !(x >= 0 && x <= over.clientWidth);
+    this.line.style.transform = `translateX(${x}px)`;
   }
 }
 

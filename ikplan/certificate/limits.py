@@ -19,6 +19,7 @@ from ikplan.robots import Robot
 __all__ = [
     "RATIO_SLACK",
     "jerk_ratios",
+    "joint_torques",
     "measured_limits",
     "measured_positions",
     "tool_acceleration_ratios",
@@ -143,6 +144,26 @@ def torque_ratios(
     Returns:
         Shape (m, dof).
     """
+    tau = joint_torques(robot, q, dq, ddq, mass, centre)
+    return np.asarray(np.abs(tau) / limit)
+
+
+def joint_torques(
+    robot: Robot, q: Array, dq: Array, ddq: Array, mass: float, centre: Array
+) -> Array:
+    """Torques of the joints, gravity and payload included.
+
+    Args:
+        robot: The robot, with its tool.
+        q: Joint values, shape (m, dof) [rad or m].
+        dq: Joint velocities, shape (m, dof).
+        ddq: Joint accelerations, shape (m, dof).
+        mass: Mass of a payload, a point [kg].
+        centre: Where it is in the tool frame, shape (3,) [m].
+
+    Returns:
+        Shape (m, dof) [N m or N].
+    """
     model, coupling = robot.model.copy(), robot.coupling
     if mass > 0.0:
         tip = model.frames[robot.tip_frame_id]
@@ -151,8 +172,7 @@ def torque_ratios(
         model.inertias[tip.parentJoint] = model.inertias[tip.parentJoint] + body
     data = model.createData()
     motions = zip(robot.configurations(q), dq @ coupling.T, ddq @ coupling.T, strict=True)
-    tau = np.array([pin.rnea(model, data, *motion) for motion in motions]) @ coupling
-    return np.asarray(np.abs(tau) / limit)
+    return np.array([pin.rnea(model, data, *motion) for motion in motions]) @ coupling
 
 
 def tool_speed_ratios(robot: Robot, q: Array, dq: Array, limit: tuple[float, float]) -> Array:

@@ -1,4 +1,4 @@
-"""The documents of a trajectory: its samples, its waypoints and what it cost."""
+"""The documents of a trajectory: its samples, waypoints, measures over time, and what it cost."""
 
 from __future__ import annotations
 
@@ -14,6 +14,7 @@ __all__ = [
     "MoveReport",
     "ObjectiveReport",
     "OrderReport",
+    "PlanSeries",
     "Stats",
     "Trajectory",
     "WaypointResults",
@@ -107,6 +108,33 @@ class ObjectiveReport(Result):
     )
     least_motion_length: float = Field(description="Joint distance along that one [rad or m].")
     gain: float = Field(description="By which share of it the motion is faster; never below 0.")
+
+
+class PlanSeries(Result):
+    """Measures of a plan over time, by the certificate's own means."""
+
+    time: Vector = Field(description="Times of the samples, shape (m,) [s].")
+    torque: Matrix | None = Field(
+        description="Joint torques with gravity and payload, shape (m, dof) [N m or N]; null: the "
+        "robot's inertias have no source."
+    )
+    torque_limit: list[float | None] = Field(
+        description="Their limits [N m or N]; null: none is known."
+    )
+    deviation: list[float | None] = Field(
+        description="Distance of the tool from its path, or outside the box of freedom about it, "
+        "length m [m]; null: no tool path is followed there."
+    )
+    deviation_limit: float = Field(description="The position tolerance of the path [m].")
+    turn: list[float | None] = Field(
+        description="The same of its orientation, length m [rad]; null: none is asked for there."
+    )
+    turn_limit: float = Field(description="The orientation tolerance of the path [rad].")
+    clearance_time: Vector = Field(description="Times at which distances are measured [s].")
+    clearance: list[float | None] = Field(
+        description="Least distance between bodies then, 0 where they touch [m]; null: no pair."
+    )
+    clearance_limit: float = Field(description="The clearance asked for [m].")
 
 
 class Stats(Result):

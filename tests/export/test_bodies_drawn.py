@@ -12,7 +12,7 @@ from mpl_toolkits.mplot3d.art3d import Poly3DCollection  # type: ignore[import-u
 import ikplan
 from ikplan import load_robot
 from ikplan.documents.scene import Scene
-from ikplan.plans.figures.bodies import clearance_over_time
+from ikplan.plans.clearance_samples import clearance_over_time
 from ikplan.plans.figures.plan import draw_plan
 from ikplan.scene.model import collision_model
 from tests.service.test_scenes import request, tool_at

@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 
 import httpx
 import pytest
 from anyio.from_thread import start_blocking_portal
+from playwright.sync_api import Browser, Page
 
 from ikplan_api.app import create_app
 from ikplan_api.settings import Settings
 from ikplan_api.store.document_store import MemoryDocumentStore
 from tests.service.conftest import ADDRESS, PortalTransport
+
+from .browser import Visit, chromium, served
 
 
 @pytest.fixture(scope="session")
@@ -23,3 +26,38 @@ def http() -> Iterator[httpx.Client]:
         )
         with httpx.Client(base_url=ADDRESS, transport=transport) as client:
             yield client
+
+
+@pytest.fixture(scope="session")
+def address() -> Iterator[str]:
+    """The service that the tests of the page share."""
+    with served(Settings(workers=1)) as running:
+        yield running
+
+
+@pytest.fixture(scope="session")
+def browser() -> Iterator[Browser]:
+    """The browser that they share."""
+    with chromium() as running:
+        yield running
+
+
+@pytest.fixture(scope="module")
+def visit(address: str, browser: Browser) -> Iterator[Callable[..., Page]]:
+    """Opens the page with an example, in a window of its own."""
+    visits: list[Visit] = []
+
+    def start(
+        name: str = "",
+        *,
+        width: int = 760,
+        height: int = 560,
+        dark: bool = False,
+        meshes: bool = False,
+    ) -> Page:
+        visits.append(Visit(browser, address, width=width, height=height, dark=dark))
+        return visits[-1].open(name, meshes=meshes)
+
+    yield start
+    for each in visits:
+        each.close()

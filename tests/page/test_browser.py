@@ -9,7 +9,7 @@ import math
 import re
 import time
 import urllib.parse
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from pathlib import Path
 
 import httpx
@@ -26,7 +26,19 @@ from ikplan.plans.export import encode
 from ikplan.robots import Robot, catalogue_robot
 from ikplan_api.settings import Settings
 
-from .browser import NoPlanner, Visit, chromium, served
+from .actions import (
+    EXAMPLES,
+    document,
+    example,
+    open_tab,
+    plan,
+    saved,
+    seek,
+    tool,
+    type_text,
+    write,
+)
+from .browser import NoPlanner, Visit, served
 
 # A worker may have to compile what a request uses.
 expect.set_options(timeout=120_000)
@@ -34,46 +46,8 @@ RED = (0xC6, 0x2A, 0x1F)
 """Of what failed, in light surroundings."""
 DARK = (0x17, 0x1B, 0x1F)
 """Behind the scene, in dark ones."""
-EXAMPLES = Path(__file__).parents[2] / "examples"
 VECTORS = Path(__file__).parents[1] / "vectors" / "planning"
 Open = Callable[..., Page]
-
-
-def example(name: str) -> dict:
-    return json.loads((EXAMPLES / f"{name}.json").read_text())
-
-
-@pytest.fixture(scope="module")
-def address() -> Iterator[str]:
-    with served(Settings(workers=1)) as running:
-        yield running
-
-
-@pytest.fixture(scope="module")
-def browser() -> Iterator[Browser]:
-    with chromium() as running:
-        yield running
-
-
-@pytest.fixture(scope="module")
-def visit(address: str, browser: Browser) -> Iterator[Open]:
-    """Opens the page with an example, in a window of its own."""
-    visits: list[Visit] = []
-
-    def start(
-        name: str = "",
-        *,
-        width: int = 760,
-        height: int = 560,
-        dark: bool = False,
-        meshes: bool = False,
-    ) -> Page:
-        visits.append(Visit(browser, address, width=width, height=height, dark=dark))
-        return visits[-1].open(name, meshes=meshes)
-
-    yield start
-    for each in visits:
-        each.close()
 
 
 @pytest.fixture(scope="module")
@@ -90,17 +64,6 @@ def made() -> ikplan.Plan:
     return ikplan.plan(example("helix_iiwa14"))
 
 
-def plan(page: Page) -> None:
-    page.click("#plan")
-    page.wait_for_selector("#result .certificate")
-
-
-def seek(page: Page, index: int) -> None:
-    page.locator("#time").evaluate(
-        "(slider, i) => { slider.value = i; slider.dispatchEvent(new Event('input')); }", index
-    )
-
-
 def shown(page: Page, kind: str) -> NDArray[np.float64]:
     """Joint values as the page has them, shape (dof,)."""
     cells = page.locator(f"output[data-kind={kind}]")
@@ -109,12 +72,6 @@ def shown(page: Page, kind: str) -> NDArray[np.float64]:
 
 def clock(page: Page) -> float:
     return float(page.locator("#clock").get_attribute("data-value") or "nan")
-
-
-def tool(page: Page) -> NDArray[np.float64]:
-    """The tool's position as the page's scene has it, shape (3,) [m]."""
-    cells = page.locator("#tool dd")
-    return np.array(cells.evaluate_all("cells => cells.map(c => Number(c.dataset.value))"))
 
 
 def picture(page: Page) -> NDArray[np.int64]:
@@ -179,7 +136,7 @@ def test_the_tool_of_the_request_is_the_one_that_is_shown(visit: Open) -> None:
 
 
 def test_between_samples_the_motion_is_the_librarys(helix: Page, made: ikplan.Plan) -> None:
-    chart = helix.locator(".chart svg").first
+    chart = helix.locator(".chart .u-over").first
     box = chart.bounding_box()
     assert box is not None
     chart.click(position={"x": box["width"] * 0.377, "y": 10})
@@ -216,14 +173,9 @@ def test_angles_are_shown_in_the_unit_chosen(helix: Page, made: ikplan.Plan) -> 
 
 
 def test_downloads_hold_the_plan(helix: Page, made: ikplan.Plan) -> None:
-    def saved(label: str) -> str:
-        with helix.expect_download() as caught:
-            helix.get_by_role("button", name=label, exact=True).click()
-        return Path(caught.value.path()).read_text()
-
-    assert encode(ikplan.Plan.load(saved("JSON")), "npz") == encode(made, "npz")
+    assert encode(ikplan.Plan.load(saved(helix, "JSON")), "npz") == encode(made, "npz")
     ours = list(csv.reader(io.StringIO(encode(made, "csv").decode())))
-    theirs = list(csv.reader(io.StringIO(saved("CSV"))))
+    theirs = list(csv.reader(io.StringIO(saved(helix, "CSV"))))
     assert theirs[0] == ours[0]
     np.testing.assert_array_equal(np.array(theirs[1:], float), np.array(ours[1:], float))
 
@@ -268,7 +220,7 @@ def test_every_robot_stands_in_the_scene_as_pinocchio_has_it(visit: Open) -> Non
             )
         except Exception as error:
             raise AssertionError(f"{name}: {tool(page)}") from error
-        assert json.loads(page.input_value("#editor"))["robot"] == name
+        assert document(page)["robot"] == name
 
 
 def test_meshes_come_from_the_service_and_are_drawn(visit: Open) -> None:
@@ -303,15 +255,10 @@ def test_a_refusal_is_told_drawn_and_repaired(visit: Open) -> None:
     assert drawn(lambda: near_colour(page, RED) > before + 100)
     card.get_by_role("button", name="Apply and plan").first.click()
     page.wait_for_selector("#result .certificate")
-    repaired = json.loads(page.input_value("#editor"))
+    repaired = document(page)
     change = error.repairs[0]["change"]["path"]
     assert {key: repaired["path"][key] for key in change} == change
     assert repaired["path"]["waypoints"] == request["path"]["waypoints"]
-
-
-def write(page: Page, request: dict) -> None:
-    page.fill("#editor", json.dumps(request))
-    expect(page.locator("#fault")).to_have_text("")
 
 
 DOWN = [1.0, 0.0, 0.0, 0.0]
@@ -431,9 +378,9 @@ def test_two_waypoints_without_a_way_between_them_are_drawn(visit: Open) -> None
 
 def test_a_wrong_field_and_a_wrong_document_are_told(visit: Open) -> None:
     page = visit("helix_iiwa14")
-    page.fill("#editor", '{"robot": "iiwa14"')
+    type_text(page, '{"robot": "iiwa14"')
     expect(page.locator("#fault")).to_contain_text("Not JSON")
-    page.fill("#editor", '{"robot": "iiwa14", "speed": 1, "path": {"waypoints": []}}')
+    type_text(page, '{"robot": "iiwa14", "speed": 1, "path": {"waypoints": []}}')
     expect(page.locator("#fault")).to_have_text("")
     page.click("#plan")
     expect(page.locator("#result .verdict")).to_contain_text("speed")
@@ -450,8 +397,8 @@ def test_a_file_of_points_is_read_planned_and_asked_about(visit: Open, tmp_path:
     expect(page.locator("#points-notes")).to_contain_text("lengths read as millimetres")
     expect(page.locator("#points-notes")).to_contain_text("KUKA")
     page.select_option("#points-interpolation", "line")
-    expect(page.locator("#editor")).to_have_value(re.compile('"interpolation": "line"'))
-    request = json.loads(page.locator("#editor").input_value())
+    expect(page.get_by_role("combobox", name="Type of point 0")).to_have_value("line")
+    request = document(page)
     assert request["robot"] == "ur5"
     assert request["path"]["waypoints"] == ikplan.read_waypoints(points)
     plan(page)
@@ -465,7 +412,7 @@ def test_a_file_of_points_is_read_planned_and_asked_about(visit: Open, tmp_path:
     expect(page.locator("#points-notes .fault")).to_contain_text("metres or millimetres")
     page.select_option("#points-units", "cm")
     expect(page.locator("#points-notes")).to_contain_text("unit quaternion")
-    read = json.loads(page.locator("#editor").input_value())["path"]["waypoints"]
+    read = document(page)["path"]["waypoints"]
     assert read == [{"position": [0.04, 0, 0.03], "quaternion_xyzw": [0, 0, 0, 1]}]
     # Joints have the names of the robot that is chosen.
     ur5 = catalogue_robot("ur5")
@@ -475,18 +422,19 @@ def test_a_file_of_points_is_read_planned_and_asked_about(visit: Open, tmp_path:
     expect(page.locator("#points-notes .fault")).to_contain_text("x, y, z is missing")
     page.select_option("#robot", "ur5")
     expect(page.locator("#points-notes")).to_contain_text("read as joint values")
-    segments = json.loads(page.locator("#editor").input_value())["path"]["segments"]
+    segments = document(page)["path"]["segments"]
     assert [segment["q"] for segment in segments] == [[0.5, 0.4, 0.3, 0.2, 0.1, 0]]
     page.set_input_files("#file", EXAMPLES / "helix_iiwa14.json")
     expect(page.locator("#points")).to_be_hidden()
-    assert json.loads(page.locator("#editor").input_value()) == example("helix_iiwa14")
+    assert document(page) == example("helix_iiwa14")
 
 
 def test_by_keyboard_alone_in_the_dark(visit: Open) -> None:
     page = visit("helix_iiwa14", dark=True)
     background = page.evaluate("() => getComputedStyle(document.body).backgroundColor")
     assert background == "rgb(17, 20, 23)"
-    page.focus("#editor")
+    open_tab(page, "document")
+    page.locator("#editor .cm-content").focus()
     page.keyboard.press("Control+Enter")
     page.wait_for_selector("#result .certificate")
     assert drawn(lambda: near_colour(page, DARK) > 1000)

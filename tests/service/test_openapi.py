@@ -29,6 +29,8 @@ OPERATIONS = {
     "get_robot": ("get", "/v1/robots/{name}"),
     "delete_robot": ("delete", "/v1/robots/{name}"),
     "get_robot_visual": ("get", "/v1/robots/{name}/visual"),
+    "list_formats": ("get", "/v1/robots/{name}/formats"),
+    "measure_plan": ("post", "/v1/series"),
     "upload_scene": ("post", "/v1/scenes"),
     "get_scene": ("get", "/v1/scenes/{scene_id}"),
     "delete_scene": ("delete", "/v1/scenes/{scene_id}"),

@@ -19,6 +19,8 @@ export interface RobotInfo {
   coupling: { serial: string[]; matrix: number[][]; offset: number[] } | null;
   tool_position: number[];
   tool_quaternion_xyzw: number[];
+  /** What its controller asks for; null: none is known. */
+  controller: { jerk: number[] | null } | null;
 }
 
 export interface Place {

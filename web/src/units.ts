@@ -3,7 +3,24 @@
 export type AngleUnit = "deg" | "rad";
 export type JointUnit = "rad" | "m";
 
+export type LengthUnit = "m" | "mm";
+
 let angle: AngleUnit = "deg";
+let length: LengthUnit = "m";
+
+export const lengthUnit = (): LengthUnit => length;
+
+export function setLengthUnit(unit: LengthUnit): void {
+  length = unit;
+}
+
+/** How many of the unit shown are one of the document's. */
+export const scaleOf = (kind: "length" | "angle"): number =>
+  kind === "length" ? (length === "mm" ? 1000 : 1) : angle === "deg" ? 180 / Math.PI : 1;
+
+/** A length in the unit shown, to a tenth of a millimetre. */
+export const metresText = (metres: number): string =>
+  length === "mm" ? fixed(metres * 1000, 1) : fixed(metres, 4);
 
 export const angleUnit = (): AngleUnit => angle;
 

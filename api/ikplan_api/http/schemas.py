@@ -16,6 +16,8 @@ from ikplan.robots import RobotInfo
 __all__ = [
     "PROBLEMS",
     "BatchLine",
+    "FormatInfo",
+    "FormatList",
     "PointsRead",
     "Problem",
     "RobotList",
@@ -30,6 +32,21 @@ class RobotList(BaseModel):
     """Every robot: the catalogue and uploads."""
 
     robots: list[RobotInfo]
+
+
+class FormatInfo(BaseModel):
+    """A format that plans are available in."""
+
+    name: str = Field(description="Short name.")
+    title: str = Field(description="What it is, in one line.")
+    suffix: str = Field(description="Ending of a file's name, with the dot.")
+    media_type: str = Field(description="For the header `Accept` of a request for a plan.")
+
+
+class FormatList(BaseModel):
+    """The formats that the plans of one robot are available in."""
+
+    formats: list[FormatInfo]
 
 
 class SolverList(BaseModel):

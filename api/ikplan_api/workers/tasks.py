@@ -16,6 +16,7 @@ from ikplan.ik.registry import solvers
 from ikplan.pipeline import warm_up as kernels
 from ikplan.pipeline.forward_kinematics import fk_request
 from ikplan.pipeline.identity import UNKNOWN, KnownRequest, plan_id
+from ikplan.pipeline.measures.series import plan_series
 from ikplan.pipeline.plan import make_plan as planned
 from ikplan.pipeline.pose_batch.request import solve_ik_batch_request
 from ikplan.pipeline.poses import solve_ik_request
@@ -225,6 +226,15 @@ def _export(form: Format, task: TaskInput) -> TaskResult:
     return TaskResult(form.encode(Plan.load(task.document)))
 
 
+def _measure(task: TaskInput) -> TaskResult:
+    """Measure a plan over time; the head of the document is its request."""
+    task.begin("series")
+    head, plan = split_head(task.document)
+    request = parse_json(PlanRequest, head.encode())
+    measured = plan_series(request, Plan.load(plan), robot=task.robot_named(request.robot))
+    return TaskResult(write_json(measured))
+
+
 def _read_points(task: TaskInput) -> TaskResult:
     """Read a file of points, with the options of its request as its head."""
     task.begin("reading")
@@ -269,6 +279,7 @@ TASKS: dict[str, Callable[[TaskInput], TaskResult]] = {
     "fk": answer_fk,
     "identify-plan": functools.partial(_identify, "plan"),
     "identify-time": functools.partial(_identify, "time"),
+    "series": _measure,
     "read-points": _read_points,
     "read-scene": _read_scene,
     "check-upload": _check_upload,

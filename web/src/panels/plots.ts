@@ -1,130 +1,196 @@
-/** Position, velocity and acceleration of each joint over time, against their limits. */
+/** Every quantity of a plan over time, against its limits, with the cursor and the zoom in step. */
 
-import { h, s } from "../dom";
-import type { Plan } from "../documents";
-import type { Range } from "../limits";
+import { h } from "../dom";
+import type { Planned } from "../results";
+import { Chart } from "../see/chart";
+import { LINES } from "../see/colours";
+import type { Binding, Quantity, Signal, Unit } from "../see/signals";
 import type { Moment } from "../playback";
-import { jointText, shown, unitName, type JointUnit } from "../units";
+import { angleUnit, fixed, jointText, lengthUnit, scaleOf, shareText, unitName } from "../units";
 
-const WIDTH = 600;
-const HEIGHT = 100;
-const KINDS = ["Position", "Velocity", "Acceleration"] as const;
-type Order = 0 | 1 | 2;
-const ORDERS: Order[] = [0, 1, 2];
 const RATES = ["q", "dq", "ddq"] as const;
 
 export class Plots {
-  private cursors: SVGLineElement[] = [];
-  private values: HTMLElement[][] = [];
-  private units: JointUnit[] = [];
-  private duration = 1;
+  private charts: Chart[] = [];
+  private readonly cells = new Map<string, HTMLElement>();
+  private nowBinding: HTMLElement | null = null;
+  private planned: Planned | null = null;
+  private quantities: Quantity[] = [];
+  private binding: Binding[] = [];
+  private shown = "q";
+  private zooming = false;
 
-  constructor(private readonly host: HTMLElement, private readonly seek: (time: number) => void) {}
+  constructor(private readonly host: HTMLElement, private readonly seek: (time: number) => void) {
+    new ResizeObserver(() => this.charts.forEach((chart) => chart.resize())).observe(host);
+  }
 
   clear(): void {
+    for (const chart of this.charts) chart.destroy();
+    this.charts = [];
+    this.cells.clear();
+    this.nowBinding = null;
+    this.planned = null;
     this.host.replaceChildren();
-    this.cursors = [];
-    this.values = [];
   }
 
-  show(plan: Plan, limits: Range[][]): void {
+  show(planned: Planned, quantities: Quantity[], binding: Binding[]): void {
+    const focused = (document.activeElement as HTMLElement | null)?.dataset["quantity"];
     this.clear();
-    this.units = plan.joint_units;
-    this.duration = plan.trajectory.time.at(-1) || 1;
-    const head = h("div", { class: "plot-row plot-head", "aria-hidden": "true" }, h("span", {}, "Joint"),
-      ...ORDERS.map((order) => h("span", {}, `${KINDS[order]} [${this.names(order)}]`)));
-    const rows = plan.joint_names.map((name, j) => {
-      const outputs = ORDERS.map((order) => h("output", { "data-joint": name, "data-kind": RATES[order] }));
-      this.values.push(outputs);
-      return h("div", { class: "plot-row" },
-        h("h3", {}, name),
-        ...ORDERS.map((order) => h("div", { class: "plot" },
-          h("span", { class: "plot-label" }, KINDS[order]), outputs[order]!,
-          this.chart(plan, j, order, limits[j]![order]!))));
-    });
-    this.host.append(h("h2", {}, "Joints"), head, ...rows);
+    this.planned = planned;
+    this.quantities = quantities;
+    this.binding = binding;
+    this.draw();
+    if (focused !== undefined) this.host.querySelector<HTMLElement>(`[data-quantity="${focused}"]`)?.focus();
   }
+
+  private draw(): void {
+    const planned = this.planned!;
+    for (const chart of this.charts) chart.destroy();
+    this.charts = [];
+    const quantity = this.quantities.find(({ key }) => key === this.shown) ?? this.quantities[0]!;
+    const { time } = planned.plan.trajectory;
+    const duration = time.at(-1) ?? 0;
+    const hosts = quantity.signals.map(() => h("div", { class: "chart" }));
+    this.cells.clear();
+    const rows = quantity.signals.map((signal, i) => this.row(quantity, signal, hosts[i]!));
+    this.host.replaceChildren(
+      h("div", { class: "plot-top" }, h("h2", {}, "Over time"),
+        h("div", { class: "actions tight", role: "group", "aria-label": "Quantity" },
+          ...this.quantities.map(({ key, title }) => h("button", {
+            type: "button", "data-quantity": key, "aria-pressed": String(key === quantity.key),
+            onclick: () => { this.choose(key); },
+          }, title))),
+        h("button", { type: "button", onclick: () => this.zoom(0, duration) }, "Whole motion")),
+      this.band(duration), ...this.states(planned), ...rows);
+    const wide = quantity.key !== "q";
+    const marks = planned.plan.waypoints.time;
+    this.charts = quantity.signals.map((signal, i) => new Chart(hosts[i]!, {
+      time, wide, marks,
+      values: signal.values.map((value) => (value === null ? null : value * scale(signal.unit))),
+      limit: {
+        lower: signal.limit.lower === null ? null : signal.limit.lower * scale(signal.unit),
+        upper: signal.limit.upper === null ? null : signal.limit.upper * scale(signal.unit),
+      },
+    }, { seek: this.seek, zoom: (from, to) => this.zoom(from, to) }));
+  }
+
+  private choose(key: string): void {
+    this.shown = key;
+    this.draw();
+    this.host.querySelector<HTMLElement>(`[data-quantity="${key}"]`)?.focus();
+    this.seek(this.at);
+  }
+
+  private at = 0;
 
   /** Moves the cursor. */
   update(time: number, moment: Moment): void {
-    const x = String((time / this.duration) * WIDTH);
-    for (const cursor of this.cursors) {
-      cursor.setAttribute("x1", x);
-      cursor.setAttribute("x2", x);
-    }
-    for (const [j, outputs] of this.values.entries()) {
-      for (const order of ORDERS) {
-        const value = moment[RATES[order]][j]!;
-        outputs[order]!.textContent = jointText(value, this.units[j]!, order);
-        outputs[order]!.dataset["value"] = String(value);
+    if (this.planned === null) return;
+    this.at = time;
+    for (const chart of this.charts) chart.setTime(time);
+    const { joint_names: names, joint_units: units } = this.planned.plan;
+    for (const [j, name] of names.entries()) {
+      for (const [order, rate] of RATES.entries()) {
+        const cell = this.cells.get(`${rate}-${name}`);
+        if (cell === undefined) continue;
+        cell.textContent = jointText(moment[rate][j]!, units[j]!, order as 0 | 1 | 2);
+        cell.dataset["value"] = String(moment[rate][j]!);
       }
     }
-  }
-
-  private names(order: Order): string {
-    return [...new Set(this.units)].map((unit) => unitName(unit, order)).join(", ");
-  }
-
-  private chart(plan: Plan, j: number, order: Order, limit: Range): HTMLElement {
-    const { time } = plan.trajectory;
-    const values = plan.trajectory[RATES[order]].map((row) => row[j]!);
-    let low = Math.min(...values);
-    let high = Math.max(...values);
-    const peak = Math.abs(low) > Math.abs(high) ? low : high;
-    low = Math.min(low, limit.lower ?? low);
-    high = Math.max(high, limit.upper ?? high);
-    const room = Math.max((high - low) * 0.06, 1e-9);
-    const y = (v: number): number => HEIGHT * (1 - (v - low + room) / (high - low + 2 * room));
-    const x = (t: number): number => (t / this.duration) * WIDTH;
-    const cursor = s("line", { class: "cursor", x1: 0, x2: 0, y1: 0, y2: HEIGHT });
-    this.cursors.push(cursor);
-    const bounds = [limit.lower, limit.upper].filter((v) => v !== null);
-    const unit = this.units[j]!;
-    const svg: SVGSVGElement = s("svg", {
-      viewBox: `0 0 ${WIDTH} ${HEIGHT}`, preserveAspectRatio: "none", role: "img",
-      "aria-label": `${KINDS[order]} of ${plan.joint_names[j]}: at most ${jointText(peak, unit, order)} `
-        + `${unitName(unit, order)}`
-        + (limit.upper === null ? "" : `, limit ${jointText(limit.upper, unit, order)}`),
-      onpointerdown: (event) => this.point(event as PointerEvent, svg),
-      onpointermove: (event) => {
-        if ((event as PointerEvent).buttons > 0) this.point(event as PointerEvent, svg);
-      },
-    });
-    if (low < 0 && high > 0) svg.append(s("line", { class: "zero", x1: 0, x2: WIDTH, y1: y(0), y2: y(0) }));
-    for (const bound of bounds) {
-      svg.append(s("line", { class: "limit", x1: 0, x2: WIDTH, y1: y(bound), y2: y(bound) }));
+    const k = this.planned.motion.index(time);
+    for (const { key, signals } of this.quantities) {
+      for (const signal of signals) {
+        const cell = this.cells.get(`${key}:${signal.name}`);
+        const value = signal.values[k];
+        if (cell !== undefined) cell.textContent = value == null ? "–" : text(value, signal.unit);
+      }
     }
-    const ticks = plan.waypoints.time.map((t) => `M${x(t).toFixed(1)} ${HEIGHT}V${HEIGHT - 7}`).join("");
-    svg.append(s("path", { class: "tick", d: ticks }),
-      s("path", { class: "curve", d: path(time, values, x, y) }), cursor);
-    const edge = (v: number | null, where: string): HTMLElement[] =>
-      v === null ? [] : [h("span", { class: `edge ${where}`, "aria-hidden": "true" },
-        short(shown(v, unit)))];
-    return h("div", { class: "chart" }, svg, ...edge(limit.upper, "upper"), ...edge(limit.lower, "lower"));
+    const now = this.binding[k];
+    if (this.nowBinding !== null && now !== undefined) {
+      this.nowBinding.textContent = now.name === "" ? `none (${shareText(now.share)} of a limit at most)`
+        : `${now.name}, ${shareText(now.share)}`;
+    }
   }
 
-  private point(event: PointerEvent, svg: SVGSVGElement): void {
-    const box = svg.getBoundingClientRect();
-    this.seek(((event.clientX - box.left) / box.width) * this.duration);
+  /** Joint values of the moment, for all quantities at once. */
+  private states(planned: Planned): HTMLElement[] {
+    const { joint_names: names, joint_units: units } = planned.plan;
+    const unit = (order: 0 | 1 | 2): string => [...new Set(units)].map((u) => unitName(u, order)).join(", ");
+    const cell = (name: string, rate: string): HTMLElement => {
+      const output = h("output", { "data-joint": name, "data-kind": rate });
+      this.cells.set(`${rate}-${name}`, output);
+      return h("td", {}, output);
+    };
+    return [h("details", { class: "states" }, h("summary", {}, "Values now"),
+      h("table", { class: "plot-head" },
+        h("thead", {}, h("tr", {}, h("th", { scope: "col" }, "Joint"),
+          ...(["Position", "Velocity", "Acceleration"] as const).map((title, i) =>
+            h("th", { scope: "col" }, `${title} [${unit(i as 0 | 1 | 2)}]`)))),
+        h("tbody", {}, ...names.map((name) => h("tr", {}, h("th", { scope: "row" }, name),
+          ...RATES.map((rate) => cell(name, rate)))))))];
+  }
+
+  private row(quantity: Quantity, signal: Signal, chart: HTMLElement): HTMLElement {
+    const value = h("output", {});
+    this.cells.set(`${quantity.key}:${signal.name}`, value);
+    const { lower, upper } = signal.limit;
+    const bounds = [lower, upper].filter((bound) => bound !== null).map((bound) => text(bound, signal.unit));
+    const peak = signal.values.reduce<number>((most, v) => (Math.abs(v ?? 0) > Math.abs(most) ? v! : most), 0);
+    chart.setAttribute("role", "img");
+    chart.setAttribute("aria-label", `${quantity.title} of ${signal.name}: at most ${text(peak, signal.unit)} `
+      + `${unitText(signal.unit)}${bounds.length === 0 ? "" : `, limits ${bounds.join(" to ")}`}`);
+    return h("div", { class: "plot-row", "data-signal": signal.name },
+      h("div", { class: "plot-name" }, h("h3", {}, signal.name), value, h("span", { class: "hint" }, unitText(signal.unit)),
+        bounds.length === 0 ? "" : h("span", { class: "hint" }, `limit ${bounds.join(" … ")}`)),
+      chart);
+  }
+
+  /** Which limit the motion is at, over time. */
+  private band(duration: number): HTMLElement {
+    const { time } = this.planned!.plan.trajectory;
+    const names = [...new Set(this.binding.map(({ name }) => name).filter((name) => name !== ""))];
+    const strip = h("div", { class: "band-strip", "aria-hidden": "true" });
+    let first = 0;
+    for (let k = 1; k <= time.length; k += 1) {
+      if (k < time.length && this.binding[k]!.name === this.binding[first]!.name) continue;
+      const { name } = this.binding[first]!;
+      const end = time[Math.min(k, time.length - 1)]!;
+      const part = h("span", { title: name === "" ? "no limit binds" : name });
+      part.style.width = `${((end - time[first]!) / Math.max(duration, 1e-9)) * 100}%`;
+      if (name !== "") part.style.background = LINES[names.indexOf(name) % LINES.length]!;
+      strip.append(part);
+      first = k;
+    }
+    strip.addEventListener("click", (event) => {
+      const box = strip.getBoundingClientRect();
+      this.seek(((event.clientX - box.left) / box.width) * duration);
+    });
+    this.nowBinding = h("output", {});
+    return h("div", { class: "band" }, h("span", { class: "hint" }, "Binding limit now: ", this.nowBinding), strip,
+      h("ul", { class: "band-names" }, ...names.map((name, i) => {
+        const dot = h("span", { class: "dot", "aria-hidden": "true" });
+        dot.style.background = LINES[i % LINES.length]!;
+        return h("li", {}, dot, name);
+      })));
+  }
+
+  private zoom(from: number, to: number): void {
+    if (this.zooming) return;
+    this.zooming = true;
+    for (const chart of this.charts) chart.setZoom(from, to);
+    this.host.dataset["zoom"] = `${from} ${to}`;
+    this.zooming = false;
   }
 }
 
-const short = (value: number): string =>
-  value.toLocaleString("en", { maximumSignificantDigits: 3, useGrouping: false }).replace("-", "−");
+const scale = ({ base }: Unit): number =>
+  (base === "rad" ? scaleOf("angle") : base === "m" ? scaleOf("length") : 1);
 
-/** A line through the samples; where they are many, through the extremes of each small stretch. */
-function path(time: number[], values: number[], x: (t: number) => number, y: (v: number) => number): string {
-  const stretch = Math.max(1, Math.ceil(time.length / WIDTH));
-  const kept: number[] = [];
-  for (let k = 0; k < time.length; k += stretch) {
-    let least = k;
-    let most = k;
-    for (let i = k; i < Math.min(k + stretch, time.length); i += 1) {
-      if (values[i]! < values[least]!) least = i;
-      if (values[i]! > values[most]!) most = i;
-    }
-    kept.push(...new Set([Math.min(least, most), Math.max(least, most)]));
-  }
-  if (kept.at(-1) !== time.length - 1) kept.push(time.length - 1);
-  return kept.map((k, i) => `${i ? "L" : "M"}${x(time[k]!).toFixed(2)} ${y(values[k]!).toFixed(2)}`).join("");
+const unitText = ({ base, order }: Unit): string =>
+  (base === "rad" ? angleUnit() : base === "m" ? lengthUnit() : base) + ["", "/s", "/s²", "/s³"][order];
+
+function text(value: number, unit: Unit): string {
+  const shown = value * scale(unit);
+  const size = Math.abs(shown);
+  return fixed(shown, size >= 1000 ? 0 : size >= 100 ? 1 : size >= 10 ? 2 : 3);
 }

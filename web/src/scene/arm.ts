@@ -1,12 +1,17 @@
 /** A robot in the scene: set its joints, and ask where its tool is. */
 
-import { Box3, Color, Group, Mesh, MeshPhongMaterial, Object3D, Quaternion, Vector3 } from "three";
+import { Box3, Color, Group, Mesh, MeshPhongMaterial, MeshStandardMaterial, Object3D, Quaternion, Vector3 } from "three";
 import URDFLoader, { type URDFJoint, type URDFRobot } from "urdf-loader";
 
 import type { RobotInfo } from "../documents";
 import type { Target } from "../targets";
+import { poseOfMatrix } from "../path/frames";
+import type { Pose } from "../path/items";
 import { loadMesh, plain } from "./meshes";
+import { palette } from "./palette";
 import { drawSkeleton } from "./skeleton";
+
+const BLACK = new Color(0);
 
 export class Arm {
   /** Has the robot's base at its origin. */
@@ -17,6 +22,8 @@ export class Arm {
   readonly tip = new Group();
   /** Ends when the meshes are there; says how many could not be had. */
   readonly complete: Promise<number>;
+  /** The joint values shown. */
+  joints: number[] = [];
   private readonly robot: URDFRobot;
   private readonly serial: URDFJoint[];
   private skeleton: Object3D[] = [];
@@ -47,6 +54,7 @@ export class Arm {
 
   /** Shows joint values, shape (dof,) [rad or m]. */
   setJoints(q: number[]): void {
+    this.joints = q;
     const coupling = this.info.coupling;
     for (const [i, joint] of this.serial.entries()) {
       const value = coupling === null
@@ -68,6 +76,25 @@ export class Arm {
   /** Where the tool is in the base, as the scene has it [m]. */
   toolPosition(): Vector3 {
     return this.tool.getWorldPosition(new Vector3());
+  }
+
+  /** The pose of the tool in the base. */
+  toolPose(): Pose {
+    this.tool.updateWorldMatrix(true, false);
+    return poseOfMatrix(this.tool.matrixWorld);
+  }
+
+  /** Makes the whole arm red, or as it was. */
+  setFault(fault: boolean): void {
+    this.root.traverse((part) => {
+      if (!(part instanceof Mesh)) return;
+      for (const material of [part.material].flat()) {
+        if (material instanceof MeshStandardMaterial || material instanceof MeshPhongMaterial) {
+          material.emissive.copy(fault ? palette().fault : BLACK);
+          material.emissiveIntensity = fault ? 0.65 : 1;
+        }
+      }
+    });
   }
 
   /** From corner to corner of all there is to see of the robot [m]. */

@@ -1,7 +1,7 @@
 /** What is drawn around the arm: the path of the tool, its waypoints, and where planning failed. */
 
 import {
-  ArrowHelper, Group, InstancedMesh, Material, Matrix4, Mesh, MeshBasicMaterial, SphereGeometry,
+  ArrowHelper, Group, InstancedMesh, Material, Matrix4, Mesh, MeshBasicMaterial, Raycaster, SphereGeometry,
   TorusGeometry, Vector3, type Object3D,
 } from "three";
 import { Line2 } from "three/examples/jsm/lines/Line2.js";
@@ -31,6 +31,8 @@ export function triad(length: number): Group {
 export class Marks {
   readonly group = new Group();
   private done: Line2 | null = null;
+  private balls: InstancedMesh | null = null;
+  private listed: number[] = [];
 
   clear(): void {
     this.group.traverse((part) => {
@@ -38,25 +40,45 @@ export class Marks {
     });
     this.group.clear();
     this.done = null;
+    this.balls = null;
   }
 
-  /** Marks waypoints with small balls. */
-  showWaypoints(positions: Vector3[], size: number): void {
-    if (positions.length === 0) return;
+  /** Marks waypoints with small balls; null: not known where. */
+  showWaypoints(positions: (Vector3 | null)[], size: number): void {
+    this.listed = positions.flatMap((p, i) => (p === null ? [] : [i]));
+    if (this.listed.length === 0) return;
     const material = new MeshBasicMaterial({ color: palette().waypoint });
-    const balls = new InstancedMesh(new SphereGeometry(size, 16, 12), material, positions.length);
-    for (const [i, p] of positions.entries()) balls.setMatrixAt(i, new Matrix4().setPosition(p));
-    this.group.add(balls);
+    this.balls = new InstancedMesh(new SphereGeometry(size, 16, 12), material, this.listed.length);
+    for (const [k, i] of this.listed.entries()) this.balls.setMatrixAt(k, new Matrix4().setPosition(positions[i]!));
+    this.group.add(this.balls);
   }
 
-  /** Draws the tool's way through the points. */
-  showTrace(points: Vector3[]): void {
+  /** The number of the waypoint that a ray hits; null: none. */
+  pick(ray: Raycaster): number | null {
+    const hit = this.balls === null ? undefined : ray.intersectObject(this.balls)[0];
+    return hit?.instanceId === undefined ? null : this.listed[hit.instanceId] ?? null;
+  }
+
+  /** Draws the tool's way through the points, in `colours` (three numbers a point) if there are any. */
+  showTrace(points: Vector3[], colours: number[] | null): void {
     if (points.length < 2) return;
     const geometry = (): LineGeometry => new LineGeometry().setPositions(points.flatMap((p) => p.toArray()));
     const { ahead, done } = palette();
+    if (colours !== null) {
+      const coloured = geometry().setColors(colours);
+      this.group.add(new Line2(coloured, new LineMaterial({ vertexColors: true, linewidth: 4 })));
+      return;
+    }
     this.group.add(new Line2(geometry(), new LineMaterial({ color: ahead, linewidth: 1.6 })));
     this.done = new Line2(geometry(), new LineMaterial({ color: done, linewidth: 3.2 }));
     this.group.add(this.done);
+  }
+
+  /** Draws the way of the tool of another plan. */
+  showOther(points: Vector3[]): void {
+    if (points.length < 2) return;
+    const geometry = new LineGeometry().setPositions(points.flatMap((p) => p.toArray()));
+    this.group.add(new Line2(geometry, new LineMaterial({ color: palette().other, linewidth: 1.6 })));
   }
 
   /** Says how many pieces of the trace have been passed. */

@@ -2,8 +2,8 @@
 
 import {
   Box3, DirectionalLight, GridHelper, Group, HemisphereLight, Mesh, Object3D, PCFShadowMap,
-  PerspectiveCamera, PlaneGeometry, Scene, ShadowMaterial, Sphere, SRGBColorSpace, Vector3,
-  WebGLRenderer,
+  PerspectiveCamera, PlaneGeometry, Raycaster, Scene, ShadowMaterial, Sphere, SRGBColorSpace, Vector2,
+  Vector3, WebGLRenderer,
 } from "three";
 import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
 
@@ -20,17 +20,19 @@ const DIRECTIONS: Record<View, Vector3> = {
 
 export class Stage {
   readonly scene = new Scene();
-  private readonly camera = new PerspectiveCamera(32, 1, 0.01, 100);
+  readonly camera = new PerspectiveCamera(32, 1, 0.01, 100);
   private readonly ground = new Group();
   private readonly sun = new DirectionalLight("#ffffff", 2.2);
   private readonly renderer: WebGLRenderer;
-  private readonly controls: OrbitControls;
+  readonly orbit: OrbitControls;
+  readonly canvas: HTMLCanvasElement;
   private readonly fine: boolean;
   private pending = false;
   private touched = false;
+  private readonly drawn: (() => void)[] = [];
 
   /** Throws if the browser cannot draw in 3D. */
-  constructor(private readonly host: HTMLElement) {
+  constructor(readonly host: HTMLElement) {
     this.fine = location.search === "?fine" || !drawsInSoftware();
     this.renderer = new WebGLRenderer({ antialias: this.fine });
     this.renderer.outputColorSpace = SRGBColorSpace;
@@ -40,11 +42,12 @@ export class Stage {
     canvas.setAttribute("role", "img");
     canvas.setAttribute("aria-label", "The arm and the path of its tool");
     host.prepend(canvas);
+    this.canvas = canvas;
 
     this.camera.up.set(0, 0, 1); // as robots have it
-    this.controls = new OrbitControls(this.camera, canvas);
-    this.controls.addEventListener("change", this.draw);
-    this.controls.addEventListener("start", () => { this.touched = true; });
+    this.orbit = new OrbitControls(this.camera, canvas);
+    this.orbit.addEventListener("change", this.draw);
+    this.orbit.addEventListener("start", () => { this.touched = true; });
     this.sun.castShadow = true;
     this.sun.shadow.mapSize.set(1024, 1024);
     this.sun.shadow.radius = 4;
@@ -64,8 +67,36 @@ export class Stage {
     requestAnimationFrame(() => {
       this.pending = false;
       this.renderer.render(this.scene, this.camera);
+      for (const listener of this.drawn) listener();
     });
   };
+
+  /** Hears of every picture. */
+  onDrawn(listener: () => void): void {
+    this.drawn.push(listener);
+  }
+
+  /** The view of now as a picture, PNG in a data address. */
+  picture(): string {
+    this.renderer.render(this.scene, this.camera);
+    return this.canvas.toDataURL("image/png");
+  }
+
+  /** Hears of a click on the picture that was no drag, as a ray into the scene. */
+  onClick(listener: (ray: Raycaster) => void): void {
+    let from: [number, number] | null = null;
+    this.canvas.addEventListener("pointerdown", (event) => { from = [event.clientX, event.clientY]; });
+    this.canvas.addEventListener("pointerup", (event) => {
+      if (from === null || Math.hypot(event.clientX - from[0], event.clientY - from[1]) > 3) return;
+      const box = this.canvas.getBoundingClientRect();
+      const ray = new Raycaster();
+      ray.setFromCamera(new Vector2(
+        ((event.clientX - box.left) / box.width) * 2 - 1,
+        1 - ((event.clientY - box.top) / box.height) * 2,
+      ), this.camera);
+      listener(ray);
+    });
+  }
 
   /** Looks at content that has changed, unless the user has chosen how to look. */
   follow(content: Object3D[]): void {
@@ -88,8 +119,8 @@ export class Stage {
     this.camera.near = distance / 100;
     this.camera.far = distance * 20;
     this.camera.updateProjectionMatrix();
-    this.controls.target.copy(sphere.center);
-    this.controls.update();
+    this.orbit.target.copy(sphere.center);
+    this.orbit.update();
     this.light(sphere);
     this.draw();
   }

@@ -1,6 +1,6 @@
 /** What is checked for contact besides the arm, and the nearest two points at their time. */
 
-import { Group, Object3D, Vector3 } from "three";
+import { Group, Object3D, Raycaster, Vector3 } from "three";
 import { Line2 } from "three/examples/jsm/lines/Line2.js";
 import { LineGeometry } from "three/examples/jsm/lines/LineGeometry.js";
 import { LineMaterial } from "three/examples/jsm/lines/LineMaterial.js";
@@ -28,6 +28,7 @@ export class Surroundings {
   private readonly lines = new Group();
   private nearest: { line: Line2; time: number }[] = [];
   private parts: Carried[] = [];
+  private readonly numbered = new Map<Object3D, number>();
   private clearance: Clearance | null = null;
 
   constructor() {
@@ -40,9 +41,11 @@ export class Surroundings {
     const colours = palette();
     const scene = isObject(request["scene"]) ? request["scene"] : {};
     const tool = isObject(request["tool"]) ? request["tool"] : {};
-    for (const document of listOf(scene["obstacles"])) {
+    for (const [k, document] of listOf(scene["obstacles"]).entries()) {
       const object = bodyOf(document, colours.obstacle);
-      if (object !== null) this.obstacles.add(object);
+      if (object === null) continue;
+      this.obstacles.add(object);
+      this.numbered.set(object, k);
     }
     for (const document of listOf(tool["geometry"])) {
       const object = bodyOf(document, colours.carried);
@@ -59,6 +62,12 @@ export class Surroundings {
         last: typeof last === "number" ? last : Infinity,
       });
     }
+  }
+
+  /** The number of the obstacle that a ray hits first; null: none. */
+  pick(ray: Raycaster): number | null {
+    const hit = ray.intersectObjects([...this.numbered.keys()], false)[0];
+    return hit === undefined ? null : this.numbered.get(hit.object) ?? null;
   }
 
   /** Draws lines between the nearest bodies of a plan, each at its time. */
@@ -94,6 +103,7 @@ export class Surroundings {
     this.lines.clear();
     this.nearest = [];
     this.parts = [];
+    this.numbered.clear();
     this.clearance = null;
     for (const group of [this.obstacles, this.held, this.carried]) dispose(group);
     this.obstacles.add(this.lines);

@@ -6,12 +6,12 @@ from benchmarks.papers.document import Document
 from benchmarks.papers.e1_claims import claims, misses
 from benchmarks.papers.e1_figures import draw_boxes, draw_paths
 from benchmarks.papers.e1_series import (
-    CALIBRATED,
-    CLOUD,
     CONTROLS,
     GREEDY,
     OWN,
     PAPER,
+    REFERENCES,
+    UNIFORM,
     WHOLE,
     WRIST,
 )
@@ -28,13 +28,12 @@ CLOSELY = ("E1a", "E1b", "E1c")
 def studies(_thin: int) -> list[Study]:
     """Return the five cases."""
     built = helix_cases()
-    decoupled = [*PAPER, *CONTROLS, WRIST]
     return [
         Study(built["E1a"], [*PAPER, *CONTROLS, *OWN]),
-        Study(built["E1b"], [*decoupled, *OWN]),
-        Study(built["E1c"], [*decoupled, *OWN]),
-        Study(built["E1d"], [*decoupled, WHOLE, GREEDY]),
-        Study(built["E1b-bent"], [*PAPER, CALIBRATED, CLOUD, *OWN]),
+        Study(built["E1b"], [*PAPER, *CONTROLS, WRIST, *OWN]),
+        Study(built["E1c"], [*PAPER, *CONTROLS, *OWN]),
+        Study(built["E1d"], [*PAPER, *REFERENCES, UNIFORM, WHOLE, GREEDY]),
+        Study(built["E1b-bent"], [*PAPER, *REFERENCES, UNIFORM, *OWN]),
     ]
 
 

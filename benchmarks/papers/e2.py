@@ -16,12 +16,15 @@ __all__ = ["EXPERIMENT"]
 SIZES = (12, 15, 20, 30)
 T = 1000
 METHODS: dict[str, tuple[str, dict[str, object]]] = {
-    "IK-BA": ("ik-ba", {}),
-    "IK-BA, eps 0.15": ("ik-ba", {"eps_scale": 0.15}),
+    "IK-BA": ("ik-ba", {"preset": "bat-code"}),
+    "IK-BA, uniform noise": ("ik-ba", {"preset": "slim"}),
     "BA": ("ba", {}),
     "DE": ("de-rand-1", {"preset": "slim"}),
-    "PSO": ("pso", {"preset": "slim"}),
+    "PSO": ("pso", {"preset": "slim-permuted"}),
+    "PSO, as printed": ("pso", {"preset": "slim"}),
     "ABC": ("abc", {}),
+    "CMA-ES": ("cma-es", {}),
+    "L-SHADE": ("l-shade", {}),
 }
 OWN = Series("ikplan", PLANNER, params={"elongation": "independent"}, paper=False)
 

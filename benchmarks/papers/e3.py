@@ -11,7 +11,7 @@ from benchmarks.papers.claims import against
 from benchmarks.papers.document import Document
 from benchmarks.papers.experiment import Experiment, Results, Study
 from benchmarks.papers.plots import curves, legend_below, new_figure
-from benchmarks.papers.series import OPTIMUM, PLANNER, Series
+from benchmarks.papers.series import OPTIMUM, PLANNER, Series, references
 from ikplan.kinematics.arm import arm_of
 from ikplan.robots import load_robot
 
@@ -22,13 +22,14 @@ Array = NDArray[np.float64]
 N, T = 50, 1000
 OPTIMAL = Series("closed form", OPTIMUM, paper=False)
 SERIES = [
-    Series("IK-BA", "ik-ba", N, T),
-    Series("IK-BA, eps 0.15", "ik-ba", N, T, {"eps_scale": 0.15}, paper=False),
-    Series("IK-BA, loudness", "ik-ba", N, T, {"accept": "loudness"}, paper=False),
+    Series("IK-BA", "ik-ba", N, T, {"preset": "bat-code"}),
+    Series("IK-BA, uniform noise", "ik-ba", N, T, {"preset": "slim"}, paper=False),
+    Series("IK-BA, loudness", "ik-ba", N, T, {"preset": "bat-code", "accept": "loudness"}, False),
     Series("BA", "ba", N, T),
     Series("DE", "de-rand-1", N, T, {"preset": "slim"}),
-    Series("PSO", "pso", N, T, {"preset": "slim"}),
+    Series("PSO", "pso", N, T, {"preset": "slim-permuted"}),
     Series("ABC", "abc", N, T),
+    *references(N, T),
     Series("ikplan", PLANNER, params={"elongation": "global"}, paper=False),
     OPTIMAL,
 ]

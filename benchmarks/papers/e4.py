@@ -13,11 +13,11 @@ from benchmarks.papers.claims import against, short
 from benchmarks.papers.document import Document, slashed
 from benchmarks.papers.experiment import Experiment, Results, Study
 from benchmarks.papers.plots import boxes, new_figure, paths_3d
-from benchmarks.papers.series import OPTIMUM, PLANNER, Series
+from benchmarks.papers.series import OPTIMUM, PLANNER, Series, references
 from benchmarks.papers.trajectories import TRAJECTORIES, tracking_case
 from ikplan.kinematics.forward import forward_batch
 
-__all__ = ["CONTROLS", "EXPERIMENT", "PAPER", "warm"]
+__all__ = ["CONTROLS", "EXPERIMENT", "PAPER", "REFERENCES", "warm"]
 
 Array = NDArray[np.float64]
 
@@ -28,13 +28,21 @@ PAPER = [
     Series("PSO", "pso", N, T, {"preset": "kanagaraj"}),
     Series("WOA", "woa", N, T),
 ]
+SHARED = {"reading": "shared", "A_low": 1.0, "A_high": 1.0, "r0_low": 1.0, "r0_high": 1.0}
+"""Circulating bat code, with the paper's frequencies, omega and gamma."""
 CONTROLS = [
+    Series("BAT, eps a vector", "bat", N, T, {"noise": "component"}, paper=False),
     Series("BAT, decay/iteration", "bat", N, T, {"decay": "iteration"}, paper=False),
+    Series("BAT, shared", "bat", N, T, SHARED, paper=False),
+    Series("GSA, drawn anew", "gsa", N, T, {"bounds": "resample"}, paper=False),
     Series("GSA, alpha 20", "gsa", N, T, {"alpha": 20.0}, paper=False),
-    Series("PSO, scalar draws", "pso", N, T, {"preset": "kanagaraj", "draws": "particle"}, False),
+    Series("GSA, alpha 20, drawn anew", "gsa", N, T, {"alpha": 20.0, "bounds": "resample"}, False),
+    Series("PSO, vector draws", "pso", N, T, {"preset": "kanagaraj", "draws": "component"}, False),
+    Series("PSO, no v_max", "pso", N, T, {"preset": "kanagaraj", "v_max": 0.0}, paper=False),
     Series("WOA, b 1", "woa", N, T, {"b": 1.0}, paper=False),
     Series("WOA, literal", "woa", N, T, {"literal": True}, paper=False),
 ]
+REFERENCES = references(N, T)
 NAMES = [s.name for s in PAPER]
 CLOUD = Series("BAT, cloud", "bat", N, T, {"warm": "cloud"}, paper=False)
 GREEDY = Series("ikplan, greedy", PLANNER, params={"elongation": "tracking"}, paper=False)
@@ -49,7 +57,7 @@ def warm(series: Series, how: str) -> Series:
 
 def studies(_thin: int) -> list[Study]:
     """Return each trajectory warm (E4a), cold (E4b), and warm with the URDF's limits (E4u)."""
-    every = [*PAPER, *CONTROLS]
+    every = [*PAPER, *CONTROLS, *REFERENCES]
     made = []
     for name in TRAJECTORIES:
         hot = [*(warm(s, "individual") for s in every), CLOUD, WHOLE, GREEDY, LEAST]
@@ -58,7 +66,7 @@ def studies(_thin: int) -> list[Study]:
         cold = [warm(s, "cold") for s in every]
         made.append(Study(tracking_case(name, "E4b"), [*cold, WHOLE, LEAST]))
     for name in TRAJECTORIES:
-        hot = [*(warm(s, "individual") for s in PAPER), WHOLE, LEAST]
+        hot = [*(warm(s, "individual") for s in [*PAPER, *REFERENCES]), WHOLE, LEAST]
         made.append(Study(tracking_case(name, "E4u", urdf_limits=True), hot))
     return made
 

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from benchmarks.papers import published
 from benchmarks.papers.document import Document, slashed
-from benchmarks.papers.e4 import CONTROLS, PAPER
+from benchmarks.papers.e4 import CONTROLS, PAPER, REFERENCES
 from benchmarks.papers.experiment import Experiment, Results, Study
 from benchmarks.papers.plots import curves, legend_below, new_figure
 from benchmarks.papers.series import PLANNER, Series
@@ -22,7 +22,7 @@ Array = NDArray[np.float64]
 
 T = 1000
 THRESHOLDS = (1e-5, 1e-4, 1e-3)
-SERIES = [replace(s, iterations=T) for s in [*PAPER, *CONTROLS]]
+SERIES = [replace(s, iterations=T) for s in [*PAPER, *CONTROLS, *REFERENCES]]
 OWN = Series("ikplan", PLANNER, params={"elongation": "independent"}, paper=False)
 
 

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 
 from benchmarks.papers import published
@@ -22,7 +20,7 @@ from benchmarks.papers.li_series import (
 )
 from benchmarks.papers.li_tables import comparison, pose_tables, solved
 from benchmarks.papers.plots import new_figure
-from benchmarks.papers.series import Series
+from benchmarks.papers.series import Series, references
 
 __all__ = ["EXPERIMENT"]
 
@@ -31,7 +29,8 @@ PAPER = li_series(N, T)
 NEWTON = newton_series()
 WEIGHTS = (0.001, 0.01, OMEGA_R, 0.1, 1.0, 10.0, 70.7, 100.0)
 SIZES = (30, 50, 80, 100)
-WEIGHT_SERIES = [replace(s, max_runs=10) for s in PAPER if s.name in ("BODE-CS", "DE/rand/1", "CS")]
+REFERENCES = references(N, T)
+WEIGHT_SERIES = [s for s in PAPER if s.name in ("BODE-CS", "DE/rand/1", "CS")] + REFERENCES[:1]
 ROBOT = "eod_arm"
 
 
@@ -43,9 +42,11 @@ def studies(thin: int) -> list[Study]:
     """Return E7a and b, c, d, e and f."""
     main = pose_case("E7a", ROBOT, "omega_R = 0.0384167", OMEGA_R)
     made = [
-        Study(main, [*PAPER, *controls(N, T), *NEWTON, OWN, LEAST]),
-        Study(pose_case("E7c", ROBOT, "position only", 0.0), [*PAPER, OWN, LEAST]),
-        Study(pose_case("E7f", ROBOT, "omega_R = 70.7 mm", 70.7), [*PAPER, OWN, LEAST]),
+        Study(main, [*PAPER, *REFERENCES, *controls(N, T), *NEWTON, OWN, LEAST]),
+        Study(pose_case("E7c", ROBOT, "position only", 0.0), [*PAPER, *REFERENCES, OWN, LEAST]),
+        Study(
+            pose_case("E7f", ROBOT, "omega_R = 70.7 mm", 70.7), [*PAPER, *REFERENCES, OWN, LEAST]
+        ),
     ]
     for omega_R in WEIGHTS:
         case = pose_case(_weight_name(omega_R), ROBOT, f"omega_R = {omega_R:g}", omega_R)

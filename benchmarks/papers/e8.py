@@ -9,11 +9,13 @@ from benchmarks.papers.li_claims import convergence, pose_claims
 from benchmarks.papers.li_poses import OMEGA_R, pose_case
 from benchmarks.papers.li_series import OWN, li_series
 from benchmarks.papers.li_tables import comparison, pose_tables
+from benchmarks.papers.series import references
 
 __all__ = ["EXPERIMENT"]
 
 N, T = 70, 200
 PAPER = li_series(N, T)
+REFERENCES = references(N, T)
 COMPUTED = 0.016560
 ROBOT = "baxter_table7"
 
@@ -24,7 +26,7 @@ def studies(thin: int) -> list[Study]:
         pose_case("E8a", ROBOT, "omega_R = 0.0384167, of the EOD arm", OMEGA_R),
         pose_case("E8b", ROBOT, "omega_R = 0.016560, computed for this arm", COMPUTED),
     )
-    return [Study(thinned(case, thin), [*PAPER, OWN]) for case in cases]
+    return [Study(thinned(case, thin), [*PAPER, *REFERENCES, OWN]) for case in cases]
 
 
 def report(studies: list[Study], results: Results, document: Document) -> None:

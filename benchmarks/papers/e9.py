@@ -15,7 +15,7 @@ from benchmarks.papers.li_paths import path_case
 from benchmarks.papers.li_series import LEAST, li_series
 from benchmarks.papers.li_tables import SPREAD, comparison, pose_tables, solved, spread
 from benchmarks.papers.plots import boxes, curves, legend_below, new_figure, paths_3d
-from benchmarks.papers.series import PLANNER, Series
+from benchmarks.papers.series import PLANNER, Series, references
 from ikplan.kinematics.forward import forward_batch
 
 __all__ = ["EXPERIMENT"]
@@ -23,6 +23,7 @@ __all__ = ["EXPERIMENT"]
 N, T = 60, 100
 NAMES = ("1", "2", "3", "4")
 PAPER = li_series(N, T)
+REFERENCES = references(N, T)
 WARM = [
     replace(
         s,
@@ -30,17 +31,16 @@ WARM = [
         params={**s.params, "warm": "individual"},
         tracks=True,
         paper=False,
-        max_runs=5,
     )
     for s in PAPER
 ]
 OWN = Series("ikplan, greedy", PLANNER, params={"elongation": "tracking"}, paper=False, max_runs=1)
-SIDE = [replace(s, max_runs=5) for s in PAPER if s.name in ("BODE-CS", "DE/best/1", "CS")]
+SIDE = [s for s in PAPER if s.name in ("BODE-CS", "DE/best/1", "CS")]
 
 
 def studies(thin: int) -> list[Study]:
     """Return the four trajectories, the impossible one, and two with the printed matrix."""
-    made = [Study(path_case(name), [*PAPER, *WARM, OWN, LEAST]) for name in NAMES]
+    made = [Study(path_case(name), [*PAPER, *REFERENCES, *WARM, OWN, LEAST]) for name in NAMES]
     made.append(Study(path_case("3+"), [*SIDE, OWN]))
     made += [Study(path_case(name, printed=True), [*SIDE, OWN]) for name in NAMES]
     return [Study(thinned(study.case, thin), study.series) for study in made]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ast
 import functools
 import hashlib
 import importlib
@@ -13,7 +14,7 @@ from pathlib import Path
 
 import numpy as np
 
-import ikplan.ik.metaheuristics
+import ikplan
 from benchmarks.papers.experiment import Experiment, Results, Study
 from benchmarks.papers.rows import read_rows, write_rows
 from benchmarks.papers.series import OPTIMUM, PLANNER, Series
@@ -45,20 +46,38 @@ def _warmed(name: str, thin: int, study: int, series: int) -> None:
     warm_up(chosen.case, chosen.series[series])
 
 
+SEARCHES = ("ik/metaheuristics", "ik/baselines")
+PLANNING = ("ik", "kinematics", "planning", "robots")
+"""Folders of the library that the rows of searches, and those of the planner, are made by."""
+
+
+def _without_words(source: str) -> str:
+    """Return the syntax tree of a module without its docstrings: what rows depend on."""
+    tree = ast.parse(source)
+    for node in ast.walk(tree):
+        body = getattr(node, "body", None)
+        first = body[0] if isinstance(body, list) and body else None
+        if isinstance(first, ast.Expr) and isinstance(first.value, ast.Constant):
+            first.value.value = ""
+    return ast.dump(tree)
+
+
 @functools.cache
-def _code(folder: Path) -> str:
+def _code(folders: tuple[str, ...]) -> str:
     """Return a digest of the sources: rows of other code are not taken for those of this."""
     digest = hashlib.sha256()
-    for source in sorted(folder.rglob("*.py")):
-        digest.update(source.read_bytes())
+    library = Path(ikplan.__file__).parent
+    for folder in folders:
+        for source in sorted((library / folder).rglob("*.py")):
+            # Descriptions and defaults: a series' own digest has its parameters.
+            if "catalogue" not in source.parts:
+                digest.update(_without_words(source.read_text()).encode())
     return digest.hexdigest()[:8]
 
 
 def _folder(out: Path, study: Study, series: Series) -> Path:
     label = "".join(c if c.isalnum() else "-" for c in series.name)
-    searches = Path(ikplan.ik.metaheuristics.__file__).parent
-    library = searches.parents[1]
-    code = _code(library if series.method in (PLANNER, OPTIMUM) else searches)
+    code = _code(PLANNING if series.method in (PLANNER, OPTIMUM) else SEARCHES)
     return out / study.case.name / f"{label}-{study.case.digest()}{series.digest()}{code}"
 
 
@@ -66,12 +85,12 @@ def _runs(series: Series, runs: int) -> int:
     return 1 if series.method == OPTIMUM else min(runs, series.max_runs)
 
 
-def _do(name: str, thin: int, unit: Unit, path: Path) -> None:
+def _do(name: str, thin: int, unit: Unit, path: Path, seed: int) -> None:
     """Run one unit and write its file; in a worker."""
     study, series, run = unit
     _warmed(name, thin, study, series)
     chosen = studies_of(name, thin)[study]
-    rows, curve = run_series(chosen.case, chosen.series[series], run)
+    rows, curve = run_series(chosen.case, chosen.series[series], run, seed)
     path.parent.mkdir(parents=True, exist_ok=True)
     if curve.size:
         np.save(path.with_suffix(".npy"), curve.astype(np.float32))
@@ -109,7 +128,7 @@ class _Progress:
             print(line, file=sys.stderr, flush=True)
 
 
-def run_experiment(name: str, runs: int, jobs: int, thin: int, out: Path) -> Results:
+def run_experiment(name: str, runs: int, jobs: int, thin: int, out: Path, seed: int = 0) -> Results:
     """Make every run that is missing, and return all results.
 
     Args:
@@ -119,17 +138,20 @@ def run_experiment(name: str, runs: int, jobs: int, thin: int, out: Path) -> Res
         thin: Every how many-th target is used, where an experiment has many.
         out: Folder of the rows, by case, which experiments share; what is there already is not
             made again.
+        seed: Seed of the random numbers; rows of other seeds than 0 have a folder of their own.
     """
+    if seed:
+        out = out / f"seed-{seed}"
     studies = studies_of(name, thin)
     missing = [(u, p) for u, p in _units(studies, runs, out) if not p.exists()]
     progress = _Progress(name, max(len(missing), 1))
     if jobs == 1:
         for unit, path in missing:
-            _do(name, thin, unit, path)
+            _do(name, thin, unit, path, seed)
             progress.step()
     elif missing:
         with ProcessPoolExecutor(max_workers=jobs) as pool:
-            pending = [pool.submit(_do, name, thin, unit, path) for unit, path in missing]
+            pending = [pool.submit(_do, name, thin, unit, path, seed) for unit, path in missing]
             for future in as_completed(pending):
                 future.result()
                 progress.step()

@@ -52,7 +52,7 @@ def main() -> None:
         if options.rows:
             print(f"{name} done in {time.perf_counter() - begin:.0f} s", file=sys.stderr)
             continue
-        sections.write(find_experiment(name), results, options.runs, options.thin)
+        sections.write(find_experiment(name), results, options.runs, options.thin, options.seed)
         print(f"{name} done in {time.perf_counter() - begin:.0f} s", file=sys.stderr)
     if options.rows:
         return

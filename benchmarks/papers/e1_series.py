@@ -12,6 +12,7 @@ from benchmarks.papers.series import OPTIMUM, PLANNER, Series, references
 
 __all__ = [
     "AROUND",
+    "CLOUD",
     "CONTROLS",
     "GREEDY",
     "IK_BA",
@@ -53,6 +54,8 @@ def around(series: Series) -> Series:
     return replace(series, name=f"{series.name}, cloud", params=params, paper=False)
 
 
+CLOUD = around(IK_BA)
+"""IK-BA with the first population around the start."""
 AROUND = [around(s) for s in [*PAPER, *REFERENCES]]
 """All with the first population drawn around the start: [S] does not say how it is drawn."""
 CONTROLS = [
@@ -82,7 +85,3 @@ def per_run(table: Table, column: str, factor: float = 1.0) -> Array:
     """Return the mean over the path of each run."""
     values: Array = factor * table.grid(column).mean(axis=1)
     return values
-
-
-CALIBRATED = UNIFORM
-CLOUD = AROUND[0]

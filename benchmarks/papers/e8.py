@@ -41,9 +41,11 @@ def report(studies: list[Study], results: Results, document: Document) -> None:
     for study, given in zip(studies, (published.LI_TABLE_8, None), strict=True):
         document.heading(f"{study.case.name}: {study.case.title}", 3)
         pose_tables(study.case.name, study.series, results, document, given)
-        comparison(study.case.name, PAPER, results, document)
-        convergence(study.case.name, PAPER, OWN, results, document)
-    pose_claims("E8a", "E8, Baxter", published.LI_TABLE_8, PAPER, OWN, results, document)
+        comparison(study.case.name, [*PAPER, *REFERENCES], results, document)
+        convergence(study.case.name, [*PAPER, *REFERENCES], OWN, results, document)
+    pose_claims(
+        "E8a", "E8a, Baxter", published.LI_TABLE_8, PAPER, REFERENCES, OWN, results, document
+    )
 
 
 EXPERIMENT = Experiment("E8", "100 poses, Baxter [L, Table 8]", studies, report)

@@ -20,7 +20,7 @@ from benchmarks.papers.rows import read_rows, write_rows
 from benchmarks.papers.series import OPTIMUM, PLANNER, Series
 from benchmarks.papers.solving import run_series, warm_up
 
-__all__ = ["find_experiment", "run_experiment", "studies_of"]
+__all__ = ["find_experiment", "rows_of", "run_experiment", "studies_of"]
 
 Unit = tuple[int, int, int]
 """Study, series, run."""
@@ -104,6 +104,14 @@ def _units(studies: list[Study], runs: int, out: Path) -> Iterator[tuple[Unit, P
             for j, series in enumerate(study.series):
                 if run < _runs(series, runs):
                     yield (i, j, run), _folder(out, study, series) / f"{run:03d}.csv"
+
+
+def rows_of(name: str, out: Path) -> Iterator[tuple[str, list[Path]]]:
+    """Yield every series of an experiment as "case/series" with the files of its runs, in order."""
+    for study in studies_of(name, 1):
+        for series in study.series:
+            folder = _folder(out, study, series)
+            yield f"{study.case.name}/{series.name}", sorted(folder.glob("*.csv"))
 
 
 class _Progress:

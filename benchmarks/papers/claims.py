@@ -12,7 +12,10 @@ from collections.abc import Sequence
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 
-from benchmarks.papers.statistics import Comparison, Estimate
+import numpy as np
+from numpy.typing import NDArray
+
+from benchmarks.papers.statistics import LEVEL, Comparison, Estimate
 
 __all__ = [
     "UNDECIDED",
@@ -20,6 +23,7 @@ __all__ = [
     "Claim",
     "against",
     "held_to",
+    "one_of_ours",
     "read_claims",
     "short",
     "smallest",
@@ -72,6 +76,29 @@ def against(published: float, ours: Estimate) -> str:
     if low >= 1.0 / NEAR and high <= NEAR:
         return REPRODUCED
     return UNDECIDED
+
+
+def one_of_ours(runs: NDArray[np.float64], published: float) -> tuple[str, float, float]:
+    """Return the verdict on a figure published of one run, by its rank among ours.
+
+    One more run like ours is as small as the published one with a probability of at most (k + 1) /
+    (n + 1), where k of n are as small, and as large in the same manner: beyond one in twenty of
+    either the published run is none of ours.
+
+    Args:
+        runs: The figure of each of our runs, shape (runs,).
+        published: The published figure.
+
+    Returns:
+        The verdict, and both probabilities.
+    """
+    n, k = len(runs), int((runs <= published).sum())
+    small, large = (k + 1) / (n + 1), (n - k + 1) / (n + 1)
+    if small <= LEVEL:
+        return LARGER, small, large
+    if large <= LEVEL:
+        return SMALLER, small, large
+    return (UNDECIDED if k in (0, n) else REPRODUCED), small, large
 
 
 def smallest(comparisons: Sequence[Comparison]) -> str:

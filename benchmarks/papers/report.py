@@ -33,15 +33,18 @@ FEW = (
 )
 ORDER = ("E1", "E2", "E3", "E4", "E5", "E6", "E7", "E8", "E9", "D", "S1", "S2")
 HOW = (
-    "How a verdict is reached. A **figure** is `reproduced` where the whole 95 % interval of its "
-    "ratio to the published one is within a factor of 1.5, `larger` or `smaller` where it is "
-    "wholly outside, `undecided` in between; the interval is a bootstrap over runs and targets. "
-    "A **maximum** that was published of one run `holds` where more than 5 % of our runs are as "
-    "small (Wilson's interval of the share). An **order** `holds`, or `does not hold`, by a test "
-    "at 0.05: Mann-Whitney over the runs, with A12, or Wilcoxon over the medians of each target; "
-    "runs of two series are never paired. All tests of one line, or of one claim over three "
-    "readings, are one family of Holm's. An effect is the probability that the first named has "
-    "the smaller value, 1/2 without a difference, with its 95 % interval."
+    "How a verdict is reached. A **figure** is `reproduced` where the whole 95 % interval of "
+    "its ratio to the published one is within a factor of 1.5, `larger` or `smaller` where it "
+    "is wholly outside, `undecided` in between; the interval is a bootstrap over runs and "
+    "targets. A **maximum** that was published of one run is held to the rank of that run among "
+    "ours: `larger` or `smaller` where one more run of ours would be on the published side with "
+    "a probability of at most 0.05, `reproduced` where runs of ours are on both sides. An "
+    "**order** `holds`, or `does not hold`, by a test at 0.05: Mann-Whitney over the runs, with "
+    "A12, or Wilcoxon over the medians of each target; runs of two series are never paired. All "
+    "tests of one line, or of one claim over three readings, are one family of Holm's. An "
+    "effect is the probability that the first named has the smaller value, 1/2 without a "
+    "difference, with its 95 % interval. What n and tests cannot decide is `undecided`, and so "
+    "is a verdict that another seed turns."
 )
 TEXT = Path(__file__).parent / "text"
 """What people have to say about the full run."""

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from scipy import stats
 
 __all__ = [
+    "LEVEL",
     "Anova",
     "Comparison",
     "Estimate",

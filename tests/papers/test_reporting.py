@@ -17,6 +17,7 @@ from benchmarks.papers.claims import (
     Claim,
     against,
     held_to,
+    one_of_ours,
     read_claims,
     smallest,
     write_claims,
@@ -53,6 +54,16 @@ def test_a_figure_is_decided_by_its_whole_interval(
 def test_a_figure_without_a_ratio_has_no_verdict(ours: float) -> None:
     with pytest.raises(ValueError, match="no ratio"):
         against(1.0, Estimate(ours, ours, ours, ""))
+
+
+def test_a_published_run_is_held_to_its_rank_among_ours() -> None:
+    runs = np.arange(1.0, 21.0)
+    assert one_of_ours(runs, 0.5) == ("larger", 1 / 21, 1.0)
+    assert one_of_ours(runs, 30.0) == ("smaller", 1.0, 1 / 21)
+    assert one_of_ours(runs, 7.5)[0] == "reproduced"
+    # A maximum over all runs would be far above; one run in twenty is as small.
+    assert one_of_ours(runs, 1.0)[0] == "reproduced"
+    assert one_of_ours(runs[:5], 0.5)[0] == "undecided"
 
 
 def comparison_of(p: float, effect: float) -> Comparison:

@@ -155,6 +155,7 @@ def _claims(results: Results, document: Document) -> None:
             document,
         )
     beats("E7c, position only", "E7c", "eps_p", "error", PAPER, REFERENCES, results, document)
+    thinned_out = results.tables["E7e", f"BODE-CS, N = {SIZES[0]}"].grid("f").shape[1] < 100
     for n in SIZES:
         largest = results.tables["E7e", f"BODE-CS, N = {n}"].grid("f").max(axis=1)
         below = share(largest, 0.15)
@@ -166,7 +167,11 @@ def _claims(results: Results, document: Document) -> None:
             f"largest {short(float(largest.max()))}",
             below.n,
             f"rank of one run among ours: p = {small:.2g}",
-            FAILS if small <= LEVEL else HOLDS if below.value > 0.0 else UNDECIDED,
+            UNDECIDED
+            if thinned_out or (below.value == 0.0 and small > LEVEL)
+            else FAILS
+            if small <= LEVEL
+            else HOLDS,
         )
     met = {s.name: solved_share(results.tables["E7f", s.name]) for s in [*PAPER, *REFERENCES]}
     best = max(met, key=lambda name: met[name].value)

@@ -131,6 +131,7 @@ def _claims(main: list[Study], results: Results, document: Document) -> None:
             given[0],
             table,
             document,
+            200,
         )
         inside = table.where(case.reachable)
         met = solved_share(inside)

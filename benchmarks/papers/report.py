@@ -31,6 +31,10 @@ FEW = (
     "**Fewer runs than the 20 asked for: {}.** The commands above with `--runs 20` make what is "
     "missing and keep what is there."
 )
+ABSENT = (
+    "**Not made yet, so without a section here: {}.** `python -m benchmarks.papers --runs 20 "
+    "--report benchmarks/papers/REPORT.md` makes them."
+)
 ORDER = ("E1", "E2", "E3", "E4", "E5", "E6", "E7", "E8", "E9", "D", "S1", "S2")
 HOW = (
     "How a verdict is reached. A **figure** is `reproduced` where the whole 95 % interval of "
@@ -116,6 +120,7 @@ class Sections:
             for options, found in by_options.items()
         ]
         made = ", ".join(commands)
+        absent = [name for name in ORDER if name not in names]
         document.say(
             f"Tables and figures made by {made}; `make papers` makes a reduced one in "
             "`out/papers`. One solve is one row, with its joint values, in `out/papers` after a "
@@ -123,6 +128,7 @@ class Sections:
             "rows of every series, times left out, and `python -m benchmarks.papers.archive "
             "verify` holds rows made anew to it.",
             *([FEW.format(", ".join(few))] if few else []),
+            *([ABSENT.format(", ".join(absent))] if absent else []),
             READING,
             f"Times: {_processor()}, Python {platform.python_version()}, numba "
             f"{numba.__version__}, NumPy {np.__version__}, Pinocchio {pin.__version__}; processor "

@@ -60,7 +60,7 @@ serve: $(STAMP)  ## start the service on 127.0.0.1:8000
 bench: $(STAMP)  ## print the speed ratios
 	$(BIN)/python -m benchmarks.speed
 
-papers: $(STAMP) ## run a reduced version of the papers' experiments into out/papers
+papers: $(STAMP) ## run a reduced version of the papers' experiments into out/papers; about 5 minutes
 	$(BIN)/python -m benchmarks.papers --runs 3 --thin 10 --jobs 2
 
 mutants: $(STAMP) ## plant faults and print those that no test finds; up to 30 minutes

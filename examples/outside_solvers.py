@@ -116,8 +116,8 @@ def one_plus_one(objective: Any, rng: np.random.Generator) -> None:
 
 ADAPTERS: dict[str, tuple[Callable[..., None], str | None]] = {
     "random-descent": (random_descent, None),
-    "cma-es": (cma_es, "cma"),
-    "l-shade": (l_shade, "mealpy"),
+    "pycma": (cma_es, "cma"),
+    "mealpy-l-shade": (l_shade, "mealpy"),
     "gwo": (grey_wolf, "mealpy"),
     "pattern-search": (pattern_search, "pymoo"),
     "one-plus-one": (one_plus_one, "nevergrad"),
@@ -140,7 +140,7 @@ def register() -> list[str]:
 def main() -> None:
     """Compare them with five of the project's solvers, and write the figure."""
     outside = register()
-    own = ["ik-ba", "bode-cs", "de-best-1", "pso", "cs"]
+    own = ["ik-ba", "bode-cs", "de-best-1", "pso", "cma-es"]
     robot = ikplan.load_robot("iiwa14")
     found = ikplan.compare([*own, *outside], robot, targets=20, seeds=5, budget=5000)
     sys.stdout.write(found.table())

@@ -8,14 +8,20 @@ import sys
 import time
 from pathlib import Path
 
-NAMES = [f"E{i}" for i in range(1, 10)]
+NAMES = ["E1", "E2", "E3", "E4", "E5", "E6", "E7", "E8", "E9", "D", "S1", "S2"]
 
 
 def main() -> None:
     """Run what is asked for."""
     parser = argparse.ArgumentParser(prog="python -m benchmarks.papers", description=__doc__)
-    parser.add_argument("experiments", nargs="*", metavar="E1..E9", help="default: all")
+    parser.add_argument(
+        "experiments", nargs="*", metavar="NAME", help=f"of {', '.join(NAMES)}; default: all"
+    )
     parser.add_argument("--runs", type=int, default=20, help="runs of every series (default 20)")
+    parser.add_argument(
+        "--seed", type=int, default=0, help="seed of all random numbers (default 0)"
+    )
+    parser.add_argument("--rows", action="store_true", help="make the rows only, no report")
     parser.add_argument("--jobs", type=int, default=1, help="workers (default 1)")
     parser.add_argument("--on", help="local, ray or ray=ADDRESS; absent: local processes")
     parser.add_argument(
@@ -42,10 +48,15 @@ def main() -> None:
     for name in names:
         begin = time.perf_counter()
         results = run_experiment(
-            name, options.runs, options.jobs, options.thin, options.out, options.on
+            name, options.runs, options.jobs, options.thin, options.out, options.on, options.seed
         )
-        sections.write(find_experiment(name), results, options.runs, options.thin)
+        if options.rows:
+            print(f"{name} done in {time.perf_counter() - begin:.0f} s", file=sys.stderr)
+            continue
+        sections.write(find_experiment(name), results, options.runs, options.thin, options.seed)
         print(f"{name} done in {time.perf_counter() - begin:.0f} s", file=sys.stderr)
+    if options.rows:
+        return
     sections.join(1.0 if options.thin == 1 else 0.2)
     print(sections.report)
 

@@ -34,6 +34,7 @@ class Case:
         p: Positions wanted, shape (n, 3) [m].
         oriented: Whether the rotation is a part of the target at all.
         q_start: Where the arm starts, shape (dof,) [rad].
+        starts: Where it starts for each target, shape (n, dof) [rad]; None: see ``tracks``.
         kind: Kind of the objective.
         weight_position: omega_P per metre.
         weight_orientation: omega_R.
@@ -54,6 +55,7 @@ class Case:
     p: Array
     oriented: bool
     q_start: Array
+    starts: Array | None = None
     kind: int = POSITION
     weight_position: float = 1.0
     weight_orientation: float = 0.0
@@ -77,6 +79,10 @@ class Case:
             return self.searched
         return self.arm.dof - 3 if self.decouple else self.arm.dof
 
+    def start(self, k: int) -> Array:
+        """Return where the arm starts for target k, unless it starts from the solution before."""
+        return self.q_start if self.starts is None else self.starts[k]
+
     def digest(self) -> str:
         """Return a digest of what results depend on."""
         h = hashlib.sha256(repr((self.name, self.kind, self.weight_position)).encode())
@@ -84,6 +90,8 @@ class Case:
         h.update(repr((self.tracks, self.stop_value, self.robot.fingerprint)).encode())
         for array in (self.R, self.p, self.q_start, self.arm.lower, self.arm.upper):
             h.update(np.ascontiguousarray(array).tobytes())
+        if self.starts is not None:
+            h.update(np.ascontiguousarray(self.starts).tobytes())
         return h.hexdigest()[:8]
 
     def objective(self, k: int, q_s: Array, penalise: bool = False) -> Objective:

@@ -14,7 +14,8 @@ mpl.use("Agg")
 import matplotlib.pyplot as plt
 from matplotlib.figure import Figure
 
-from benchmarks.papers.claims import Claim
+from benchmarks.papers.claims import VERDICTS, Claim, against, short, told
+from benchmarks.papers.statistics import Estimate
 
 __all__ = ["Document", "number", "slashed"]
 
@@ -56,9 +57,28 @@ class Document:
         self.lines: list[str] = []
         self.claims: list[Claim] = []
 
-    def claim(self, subject: str, published: str, ours: str, verdict: str) -> None:
+    def claim(
+        self, subject: str, published: str, ours: str, n: str, test: str, verdict: str
+    ) -> None:
         """Add a line to the summary of the whole report."""
-        self.claims.append(Claim(subject, published, ours, verdict))
+        if verdict not in VERDICTS:
+            raise ValueError(f"verdict {verdict!r} is none of {', '.join(VERDICTS)}")
+        self.claims.append(Claim(subject, published, ours, n, test, verdict))
+
+    def figure_claim(
+        self, subject: str, published: float, ours: Estimate, unit: str, more: str = ""
+    ) -> None:
+        """Add a line on one figure, decided by the interval of its ratio to the published one."""
+        ratio = f"{short(ours.value / published)} times as large"
+        ratio += f" ({short(ours.low / published)} to {short(ours.high / published)})"
+        self.claim(
+            subject,
+            f"{published:g} {unit}".strip(),
+            told(ours, unit) + (f"; {more}" if more else ""),
+            ours.n,
+            f"bootstrap: {ratio}",
+            against(published, ours),
+        )
 
     @contextmanager
     def details(self, summary: str) -> Iterator[None]:

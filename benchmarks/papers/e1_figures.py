@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from benchmarks.papers.document import Document
-from benchmarks.papers.e1_series import CALIBRATED, CLOUD, IK_BA, PAPER, WHOLE, per_run
+from benchmarks.papers.e1_series import CLOUD, IK_BA, PAPER, REFERENCES, UNIFORM, WHOLE, per_run
 from benchmarks.papers.experiment import Results, Study
 from benchmarks.papers.plots import boxes, curves, legend_below, new_figure, paths_3d
 from ikplan.kinematics.forward import forward_batch
@@ -16,7 +16,10 @@ __all__ = ["draw_boxes", "draw_paths"]
 def draw_boxes(study: Study, results: Results, document: Document) -> None:
     """Draw box plots of error, motion and time, and both by point."""
     case = study.case
-    tables = {s.name: results.tables[case.name, s.name] for s in [*PAPER, CALIBRATED, CLOUD, WHOLE]}
+    tables = {
+        s.name: results.tables[case.name, s.name]
+        for s in [*PAPER, *REFERENCES, UNIFORM, CLOUD, WHOLE]
+    }
     searched = {name: table for name, table in tables.items() if name != WHOLE.name}
     figure, axes = new_figure(12.0, 3.8, 3)
     errors = {n: per_run(t, "eps_p", 100.0) for n, t in searched.items()}

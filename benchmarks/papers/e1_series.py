@@ -8,12 +8,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchmarks.papers.rows import Table
-from benchmarks.papers.series import OPTIMUM, PLANNER, Series
+from benchmarks.papers.series import OPTIMUM, PLANNER, Series, references
 
 __all__ = [
-    "CALIBRATED",
+    "AROUND",
     "CLOUD",
-    "CLOUDS",
     "CONTROLS",
     "GREEDY",
     "IK_BA",
@@ -21,8 +20,11 @@ __all__ = [
     "MISS",
     "OWN",
     "PAPER",
+    "REFERENCES",
+    "UNIFORM",
     "WHOLE",
     "WRIST",
+    "around",
     "per_run",
 ]
 
@@ -31,39 +33,48 @@ Array = NDArray[np.float64]
 N, T = 50, 200
 MISS = 0.05
 """Error that counts as a miss [cm]: several times what the noise of IK-BA explains."""
-IK_BA = Series("IK-BA", "ik-ba", N, T)
-CALIBRATED = Series("IK-BA, eps 0.15", "ik-ba", N, T, {"eps_scale": 0.15}, paper=False)
+IK_BA = Series("IK-BA", "ik-ba", N, T, {"preset": "bat-code"})
+"""With the noise of circulating bat code, 0.1 N(0, 1)."""
+UNIFORM = Series("IK-BA, uniform noise", "ik-ba", N, T, {"preset": "slim"}, paper=False)
+PRINTED_PSO = Series("PSO, as printed", "pso", N, T, {"preset": "slim"}, paper=False)
 RIVALS = [
     Series("BA", "ba", N, T),
     Series("DE", "de-rand-1", N, T, {"preset": "slim"}),
-    Series("PSO", "pso", N, T, {"preset": "slim"}),
+    Series("PSO", "pso", N, T, {"preset": "slim-permuted"}),
     Series("ABC", "abc", N, T),
     Series("MO-PSO", "mo-pso", N, T),
 ]
 PAPER = [IK_BA, *RIVALS]
-CLOUD = Series(
-    "IK-BA, eps 0.15, cloud", "ik-ba", N, T, {"eps_scale": 0.15, "warm": "cloud"}, paper=False
-)
-"""The first population drawn around the start: [S] does not say how it is drawn."""
-CLOUDS = [
-    CLOUD,
-    *(
-        replace(s, name=f"{s.name}, cloud", params={**s.params, "warm": "cloud"}, paper=False)
-        for s in PAPER
-    ),
-]
+REFERENCES = references(N, T)
+
+
+def around(series: Series) -> Series:
+    """Return the series with a first population around the start."""
+    params = {**series.params, "warm": "cloud"}
+    return replace(series, name=f"{series.name}, cloud", params=params, paper=False)
+
+
+CLOUD = around(IK_BA)
+"""IK-BA with the first population around the start."""
+AROUND = [around(s) for s in [*PAPER, *REFERENCES]]
+"""All with the first population drawn around the start: [S] does not say how it is drawn."""
 CONTROLS = [
-    CALIBRATED,
-    Series("IK-BA, loudness", "ik-ba", N, T, {"accept": "loudness"}, paper=False),
+    *REFERENCES,
+    UNIFORM,
+    PRINTED_PSO,
     Series("BA, tuned", "ba", N, T, {"alpha": 0.97, "gamma": 0.1}, paper=False),
     Series("MO-PSO, knee", "mo-pso", N, T, {"choice": "knee"}, paper=False),
-    *(
-        replace(s, name=f"{s.name}, warm", params={**s.params, "warm": "individual"}, paper=False)
-        for s in RIVALS
-    ),
-    *CLOUDS,
+    *AROUND,
+    around(UNIFORM),
 ]
-WRIST = Series("IK-BA, wrist limits", "ik-ba", N, T, {"wrist_limits": "penalise"}, paper=False)
+WRIST = Series(
+    "IK-BA, wrist limits",
+    "ik-ba",
+    N,
+    T,
+    {"preset": "bat-code", "wrist_limits": "penalise"},
+    paper=False,
+)
 WHOLE = Series("ikplan", PLANNER, params={"elongation": "global"}, paper=False)
 GREEDY = Series("ikplan, greedy", PLANNER, params={"elongation": "tracking"}, paper=False)
 LEAST = Series("least motion", OPTIMUM, paper=False)

@@ -6,9 +6,10 @@ import numpy as np
 
 from benchmarks.papers import published
 from benchmarks.papers.document import Document, slashed
-from benchmarks.papers.e1_series import CALIBRATED, CLOUD, IK_BA, LEAST, MISS, PAPER, per_run
+from benchmarks.papers.e1_series import CLOUD, IK_BA, LEAST, MISS, PAPER, UNIFORM, per_run
 from benchmarks.papers.experiment import Results, Study
-from benchmarks.papers.statistics import anova, friedman, holm, paired, summary
+from benchmarks.papers.series import OPTIMUM, PLANNER
+from benchmarks.papers.statistics import adjusted, anova, over_runs, summary
 
 __all__ = ["analysis", "beside_published", "overview", "ranking", "split"]
 
@@ -69,7 +70,7 @@ def beside_published(study: Study, results: Results, document: Document) -> None
     ):
         document.say(f"{title}: mean / median / std (ddof 1) / max / min.")
         rows = []
-        for series in [*PAPER, CALIBRATED, CLOUD]:
+        for series in [*PAPER, UNIFORM, CLOUD]:
             table = results.tables[case.name, series.name]
             runs = summary(per_run(table, column, factor))
             points = summary(factor * table.grid(column).mean(axis=0))
@@ -88,22 +89,22 @@ def ranking(study: Study, results: Results, document: Document) -> None:
         values = {n: per_run(results.tables[study.case.name, n], column, factor) for n in names}
         ours = sorted(names, key=lambda name: float(values[name].mean()))
         pairs = [(a, b) for i, a in enumerate(ours) for b in ours[i + 1 :]]
-        tests = {pair: paired(values[pair[0]], values[pair[1]]) for pair in pairs}
-        adjusted = dict(zip(pairs, holm([tests[pair][0] for pair in pairs]), strict=True))
+        tests = [over_runs(values[a], values[b]) for a, b in pairs]
+        compared = dict(zip(pairs, adjusted(tests), strict=True))
         rows: list[list[object]] = []
         for i, name in enumerate(ours):
             row: list[object] = [str(i + 1), theirs[i], name, float(values[name].mean())]
             if i + 1 < len(ours):
-                pair = (name, ours[i + 1])
-                row += [adjusted[pair], tests[pair][1]]
+                test = compared[name, ours[i + 1]]
+                row += [test.p, f"{test.effect:.2f} ({test.low:.2f} to {test.high:.2f})"]
             else:
                 row += [None, None]
             rows.append(row)
         document.say(
-            f"Order by mean {title}, with the test of each against the next (Wilcoxon over the "
-            f"runs, Holm over all 15 pairs); Friedman over all six: p = {friedman(values):.2g}."
+            f"Order by mean {title}, with the test of each against the next (Mann-Whitney over the "
+            "runs, Holm over all 15 pairs, A12 with its interval)."
         )
-        document.table(["rank", "published", "ours", "mean", "p against the next", "effect"], rows)
+        document.table(["rank", "published", "ours", "mean", "p against the next", "A12"], rows)
 
 
 def analysis(study: Study, results: Results, document: Document) -> None:
@@ -124,23 +125,24 @@ def analysis(study: Study, results: Results, document: Document) -> None:
         "MATLAB, and only ratios compare."
     )
     document.say(
-        "IK-BA against each, paired by run; effect: matched-pairs rank-biserial, -1 where IK-BA is "
-        "smaller in every run; p by Wilcoxon, adjusted by Holm within the column."
+        "IK-BA against each: Mann-Whitney over the runs, adjusted by Holm within the column; A12, "
+        "the probability that a run of IK-BA has the smaller value, with its interval."
     )
-    adjusted, effects = {}, {}
-    others = [s for s in study.series if s.name not in (IK_BA.name, LEAST.name)]
+    others = [s for s in study.series if s.method not in (PLANNER, OPTIMUM) and s != IK_BA]
+    tests = {}
     for column, _, _ in COLUMNS:
         own = per_run(results.tables[case.name, IK_BA.name], column)
-        tests = [paired(own, per_run(results.tables[case.name, s.name], column)) for s in others]
-        adjusted[column] = holm([p for p, _ in tests])
-        effects[column] = [effect for _, effect in tests]
+        tests[column] = adjusted(
+            [over_runs(own, per_run(results.tables[case.name, s.name], column)) for s in others]
+        )
     pairs: list[list[object]] = []
     for i, series in enumerate(others):
         row: list[object] = [series.name]
         for column, _, _ in COLUMNS:
-            row += [adjusted[column][i], effects[column][i]]
+            test = tests[column][i]
+            row += [test.p, f"{test.effect:.2f} ({test.low:.2f} to {test.high:.2f})"]
         pairs.append(row)
-    document.table(["IK-BA against", "error p", "effect", "elongation p", "effect"], pairs)
+    document.table(["IK-BA against", "error p", "A12", "variation p", "A12"], pairs)
 
 
 def split(study: Study, results: Results, document: Document) -> None:

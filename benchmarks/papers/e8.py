@@ -9,11 +9,13 @@ from benchmarks.papers.li_claims import convergence, pose_claims
 from benchmarks.papers.li_poses import OMEGA_R, pose_case
 from benchmarks.papers.li_series import OWN, li_series
 from benchmarks.papers.li_tables import comparison, pose_tables
+from benchmarks.papers.series import references
 
 __all__ = ["EXPERIMENT"]
 
 N, T = 70, 200
 PAPER = li_series(N, T)
+REFERENCES = references(N, T)
 COMPUTED = 0.016560
 ROBOT = "baxter_table7"
 
@@ -24,7 +26,7 @@ def studies(thin: int) -> list[Study]:
         pose_case("E8a", ROBOT, "omega_R = 0.0384167, of the EOD arm", OMEGA_R),
         pose_case("E8b", ROBOT, "omega_R = 0.016560, computed for this arm", COMPUTED),
     )
-    return [Study(thinned(case, thin), [*PAPER, OWN]) for case in cases]
+    return [Study(thinned(case, thin), [*PAPER, *REFERENCES, OWN]) for case in cases]
 
 
 def report(studies: list[Study], results: Results, document: Document) -> None:
@@ -39,9 +41,11 @@ def report(studies: list[Study], results: Results, document: Document) -> None:
     for study, given in zip(studies, (published.LI_TABLE_8, None), strict=True):
         document.heading(f"{study.case.name}: {study.case.title}", 3)
         pose_tables(study.case.name, study.series, results, document, given)
-        comparison(study.case.name, PAPER, results, document)
-        convergence(study.case.name, PAPER, OWN, results, document)
-    pose_claims("E8a", "E8, Baxter", published.LI_TABLE_8, PAPER, OWN, results, document)
+        comparison(study.case.name, [*PAPER, *REFERENCES], results, document)
+        convergence(study.case.name, [*PAPER, *REFERENCES], OWN, results, document)
+    pose_claims(
+        "E8a", "E8a, Baxter", published.LI_TABLE_8, PAPER, REFERENCES, OWN, results, document
+    )
 
 
 EXPERIMENT = Experiment("E8", "100 poses, Baxter [L, Table 8]", studies, report)

@@ -46,7 +46,7 @@ class Experiment:
     """An experiment.
 
     Attributes:
-        name: E1 ... E9.
+        name: E1 ... E9, D, S1, S2.
         title: What it is.
         studies: Builds the studies; takes the thinning of the targets.
         report: Writes tables and figures of the results into a document.
@@ -67,4 +67,5 @@ def thinned(case: Case, step: int) -> Case:
         R=case.R[::step],
         p=case.p[::step],
         reachable=case.reachable[::step],
+        starts=None if case.starts is None else case.starts[::step],
     )

@@ -56,6 +56,20 @@ def controls(population: int, iterations: int) -> list[Series]:
             )
             for name, share in shares.items()
         ),
+        Series("SDE, F drawn", "sde", population, iterations, {"F_initial": "normal"}, False),
+        Series(
+            "BODE-CS, synchronous",
+            "bode-cs",
+            population,
+            iterations,
+            {"generation": "synchronous"},
+            paper=False,
+        ),
+        Series(
+            "BODE-CS, H of Eq. 29", "bode-cs", population, iterations, {"heaviside": True}, False
+        ),
+        Series("CS, N(0, 1)", "cs", population, iterations, {"normal_factor": True}, False),
+        Series("CS, H of Eq. 29", "cs", population, iterations, {"heaviside": True}, False),
         Series(
             "BODE-CS, F + Fmin",
             "bode-cs",

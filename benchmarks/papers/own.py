@@ -48,9 +48,9 @@ def _value(case: Case, k: int, q: Array, q_s: Array) -> float:
     return float(evaluate(case.objective(k, q_s), x))
 
 
-def _seed(case: Case, series: Series, run: int) -> int:
+def _seed(case: Case, series: Series, run: int, seed: int) -> int:
     name, run, _ = context_of(case.name, series, run, 0)
-    return (name + 7919 * run) % 2**31
+    return (name + 7919 * run + 104729 * seed) % 2**31
 
 
 def _found(case: Case, q: list[Array], spent: tuple[float, ...]) -> list[Found]:
@@ -59,13 +59,15 @@ def _found(case: Case, q: list[Array], spent: tuple[float, ...]) -> list[Found]:
     return [(q[k], _value(case, k, q[k], before[k]), share) for k in range(len(q))]
 
 
-def _plan(case: Case, series: Series, run: int, count: int | None = None) -> list[Found]:
+def _plan(
+    case: Case, series: Series, run: int, count: int | None = None, seed: int = 0
+) -> list[Found]:
     """Plan with IK-BA seeds and refinement: the whole path, or target by target."""
     # At least one that can be reached, where there is any.
     n = case.count if count is None else max(count, int(np.argmax(case.reachable)) + 1)
     solver = PoseSolver(
         case.arm,
-        seed=_seed(case, series, run),
+        seed=_seed(case, series, run, seed),
         tolerance_position=1e-9,
         tolerance_orientation=1e-9,
     )
@@ -73,7 +75,7 @@ def _plan(case: Case, series: Series, run: int, count: int | None = None) -> lis
     wall, cpu = time.perf_counter(), time.thread_time()
     mode = series.params["elongation"]
     if mode == "independent":
-        return [_nearest(case, solver, k, case.q_start) for k in range(n)]
+        return [_nearest(case, solver, k, case.start(k)) for k in range(n)]
     if mode == "tracking":
         found: list[Found] = []
         for k in range(n):
@@ -117,8 +119,11 @@ def _finished(case: Case, q: Array) -> Array:
     return q if case.finish is None else case.finish(q[: case.width])
 
 
-def _optimum(case: Case, _series: Series, _run: int, count: int | None = None) -> list[Found]:
+def _optimum(
+    case: Case, _series: Series, _run: int, count: int | None = None, seed: int = 0
+) -> list[Found]:
     """The closed form where there is one, else the least motion found by many restarts."""
+    del seed  # the same candidates for every seed: it is what others are held to
     n = case.count if count is None else count
     wall, cpu = time.perf_counter(), time.thread_time()
     exact = closed_form(case.robot.name)

@@ -9,7 +9,7 @@ import numba
 import numpy as np
 import pinocchio as pin
 
-from benchmarks.papers.claims import read_claims, write_claims
+from benchmarks.papers.claims import held_to, read_claims, write_claims
 from benchmarks.papers.cost import cost_section
 from benchmarks.papers.document import Document
 from benchmarks.papers.experiment import Experiment, Results
@@ -19,18 +19,37 @@ __all__ = ["Sections"]
 
 READING = (
     "[S] Slim et al., Robotics 2023, 12, 38 (IK-BA). [K] Kanagaraj et al., MENDEL 2022, 28(1), "
-    "41-54 (BAT, GSA, PSO, WOA). [L] Li, Luo, Qiao, Machines 2023, 11(6), 648 (BODE-CS). "
-    "Two rows of every comparison are in no paper: `ikplan`, the project's own planner (IK-BA "
-    "seeds, refinement, least joint motion), and the true optimum where it can be computed: the "
-    "least joint motion found by many restarts on the iiwa and the MH5, the closed form of the "
-    "Dobot and of the EOD arm."
+    "41-54 (BAT, GSA, PSO, WOA). [L] Li, Luo, Qiao, Machines 2023, 11(6), 648 (BODE-CS). Four "
+    "rows of every comparison are in no paper: CMA-ES (with restarts) and L-SHADE, at the same "
+    "budget of evaluations; `ikplan`, the project's own planner (IK-BA seeds, refinement, least "
+    "joint motion); and the true optimum where it can be computed: the least joint motion found "
+    "by many restarts on the iiwa and the MH5, the closed form of the Dobot and of the EOD arm."
 )
 RUNS = 20
 """Runs that the experiments ask for."""
 FEW = (
-    "**Fewer runs than the 20 asked for: {}.** With R runs no test paired by run gives a p below "
-    "2 / 2^R before Holm's correction; tests paired by target do not suffer. The commands above "
-    "with `--runs 20` make what is missing and keep what is there."
+    "**Fewer runs than the 20 asked for: {}.** The commands above with `--runs 20` make what is "
+    "missing and keep what is there."
+)
+ABSENT = (
+    "**Not made yet, so without a section here: {}.** `python -m benchmarks.papers --runs 20 "
+    "--report benchmarks/papers/REPORT.md` makes them."
+)
+ORDER = ("E1", "E2", "E3", "E4", "E5", "E6", "E7", "E8", "E9", "D", "S1", "S2")
+HOW = (
+    "How a verdict is reached. A **figure** is `reproduced` where the whole 95 % interval of "
+    "its ratio to the published one is within a factor of 1.5, `larger` or `smaller` where it "
+    "is wholly outside, `undecided` in between; the interval is a bootstrap over runs and "
+    "targets. A **maximum** that was published of one run is held to the rank of that run among "
+    "ours: `larger` or `smaller` where one more run of ours would be on the published side with "
+    "a probability of at most 0.05, `reproduced` where runs of ours are on both sides, "
+    "`undecided` over fewer targets than published. An "
+    "**order** `holds`, or `does not hold`, by a test at 0.05: Mann-Whitney over the runs, with "
+    "A12, or Wilcoxon over the medians of each target; runs of two series are never paired. All "
+    "tests of one line, or of one claim over three readings, are one family of Holm's. An "
+    "effect is the probability that the first named has the smaller value, 1/2 without a "
+    "difference, with its 95 % interval. What n and tests cannot decide is `undecided`, and so "
+    "is a verdict that another seed turns."
 )
 TEXT = Path(__file__).parent / "text"
 """What people have to say about the full run."""
@@ -48,18 +67,24 @@ class Sections:
         self.report = report
         self.folder = folder
 
-    def write(self, experiment: Experiment, results: Results, runs: int, thin: int) -> None:
-        """Write the section of an experiment."""
-        document = Document(self.report.parent / "figures", "figures")
+    def write(
+        self, experiment: Experiment, results: Results, runs: int, thin: int, seed: int = 0
+    ) -> None:
+        """Write the section of an experiment; of another seed than 0 only its claims."""
+        folder = self.folder / f"seed-{seed}" if seed else self.folder
+        document = Document(
+            folder / "figures" if seed else self.report.parent / "figures", "figures"
+        )
         document.heading(f"{experiment.name}: {experiment.title}")
         targets = f", every {thin}th target" if thin > 1 else ""
         document.say(f"Runs: {runs}{targets}.")
         experiment.report(studies_of(experiment.name, thin), results, document)
-        self.folder.mkdir(parents=True, exist_ok=True)
-        (self.folder / f"{experiment.name}.md").write_text(document.text())
-        write_claims(self.folder / f"{experiment.name}.json", document.claims)
+        folder.mkdir(parents=True, exist_ok=True)
+        write_claims(folder / f"{experiment.name}.json", document.claims)
         options = f"--runs {runs}" + (f" --thin {thin}" if thin > 1 else "")
-        (self.folder / f"{experiment.name}.options").write_text(options)
+        (folder / f"{experiment.name}.options").write_text(options)
+        if not seed:
+            (folder / f"{experiment.name}.md").write_text(document.text())
 
     def join(self, effort: float = 1.0) -> None:
         """Join all sections there are.
@@ -67,12 +92,12 @@ class Sections:
         Args:
             effort: Share of the repeats in the table of costs, in (0, 1].
         """
-        sections = sorted(self.folder.glob("E*.md"))
+        names = [name for name in ORDER if (self.folder / f"{name}.md").exists()]
         parts = [
-            self._head([p.stem for p in sections]),
-            self._summary(),
+            self._head(names),
+            self._summary(names),
             *((TEXT / f"{n}.md").read_text() for n in ("found", "contradictions", "defaults")),
-            *(p.read_text() for p in sections),
+            *((self.folder / f"{name}.md").read_text() for name in names),
             cost_section(effort),
         ]
         self.report.parent.mkdir(parents=True, exist_ok=True)
@@ -94,11 +119,16 @@ class Sections:
             "benchmarks/papers/REPORT.md`"
             for options, found in by_options.items()
         ]
+        made = ", ".join(commands)
+        absent = [name for name in ORDER if name not in names]
         document.say(
-            f"Made by {', '.join(commands)}; `make papers` makes a reduced one in `out/papers`. "
-            "One solve is one row, with its joint values, in `out/papers` after a run; every table "
-            "is made of these.",
+            f"Tables and figures made by {made}; `make papers` makes a reduced one in "
+            "`out/papers`. One solve is one row, with its joint values, in `out/papers` after a "
+            "run; every table is made of these. `archive/manifest.json` has the SHA-256 of the "
+            "rows of every series, times left out, and `python -m benchmarks.papers.archive "
+            "verify` holds rows made anew to it.",
             *([FEW.format(", ".join(few))] if few else []),
+            *([ABSENT.format(", ".join(absent))] if absent else []),
             READING,
             f"Times: {_processor()}, Python {platform.python_version()}, numba "
             f"{numba.__version__}, NumPy {np.__version__}, Pinocchio {pin.__version__}; processor "
@@ -107,17 +137,29 @@ class Sections:
         document.lines += [f"- {n}: {find_experiment(n).title}" for n in names]
         return document.text()
 
-    def _summary(self) -> str:
+    def _summary(self, names: list[str]) -> str:
         document = Document(self.report.parent, "figures")
         document.heading("Summary: claims, published and ours")
-        claims = [c for p in sorted(self.folder.glob("E*.json")) for c in read_claims(p)]
-        document.say(
-            "Reproduced: within a factor of 1.5 of the published figure, otherwise by what factor "
-            "it is off; for an order, the same order. The sections have the spread and the tests "
-            "behind each line."
-        )
-        rows = [[c.subject, c.published, c.ours, c.verdict] for c in claims]
-        document.table(["claim", "published", "ours", "verdict"], rows, words=True)
+        document.say(HOW)
+        seeds = sorted(self.folder.glob("seed-*"))
+        for name in names:
+            claims = read_claims(self.folder / f"{name}.json")
+            if not claims:
+                continue
+            others = [
+                read_claims(s / f"{name}.json") for s in seeds if (s / f"{name}.json").exists()
+            ]
+            checked = held_to(claims, others)
+            turned = sum(c.verdict != k.verdict for c, k in zip(claims, checked, strict=True))
+            document.heading(f"{name}: {find_experiment(name).title}", 3)
+            if others:
+                document.say(
+                    f"Made {len(others) + 1} times with other random numbers; {turned} of "
+                    f"{len(claims)} verdicts turned, and are undecided."
+                )
+            rows = [[c.subject, c.published, c.ours, c.n, c.test, c.verdict] for c in checked]
+            head = ["claim", "published", "ours", "n", "test", "verdict"]
+            document.table(head, rows, words=True)
         return document.text()
 
 

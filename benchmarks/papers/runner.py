@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ast
 import base64
 import contextlib
 import functools
@@ -18,7 +19,7 @@ from pathlib import Path
 
 import numpy as np
 
-import ikplan.ik.metaheuristics
+import ikplan
 from benchmarks.papers.experiment import Experiment, Results, Study
 from benchmarks.papers.rows import read_rows, write_rows
 from benchmarks.papers.series import OPTIMUM, PLANNER, Series
@@ -29,7 +30,7 @@ from ikplan.batch.executor import Answers
 from ikplan.batch.outcome import OK, Outcome, failed
 from ikplan.errors import IkplanError
 
-__all__ = ["find_experiment", "run_experiment", "studies_of"]
+__all__ = ["find_experiment", "rows_of", "run_experiment", "studies_of"]
 
 Unit = tuple[int, int, int]
 """Study, series, run."""
@@ -55,20 +56,38 @@ def _warmed(name: str, thin: int, study: int, series: int) -> None:
     warm_up(chosen.case, chosen.series[series])
 
 
+SEARCHES = ("ik/metaheuristics", "ik/baselines")
+PLANNING = ("ik", "kinematics", "planning", "robots")
+"""Folders of the library that the rows of searches, and those of the planner, are made by."""
+
+
+def _without_words(source: str) -> str:
+    """Return the syntax tree of a module without its docstrings: what rows depend on."""
+    tree = ast.parse(source)
+    for node in ast.walk(tree):
+        body = getattr(node, "body", None)
+        first = body[0] if isinstance(body, list) and body else None
+        if isinstance(first, ast.Expr) and isinstance(first.value, ast.Constant):
+            first.value.value = ""
+    return ast.dump(tree)
+
+
 @functools.cache
-def _code(folder: Path) -> str:
+def _code(folders: tuple[str, ...]) -> str:
     """Return a digest of the sources: rows of other code are not taken for those of this."""
     digest = hashlib.sha256()
-    for source in sorted(folder.rglob("*.py")):
-        digest.update(source.read_bytes())
+    library = Path(ikplan.__file__).parent
+    for folder in folders:
+        for source in sorted((library / folder).rglob("*.py")):
+            # Descriptions and defaults: a series' own digest has its parameters.
+            if "catalogue" not in source.parts:
+                digest.update(_without_words(source.read_text()).encode())
     return digest.hexdigest()[:8]
 
 
 def _folder(out: Path, study: Study, series: Series) -> Path:
     label = "".join(c if c.isalnum() else "-" for c in series.name)
-    searches = Path(ikplan.ik.metaheuristics.__file__).parent
-    library = searches.parents[1]
-    code = _code(library if series.method in (PLANNER, OPTIMUM) else searches)
+    code = _code(PLANNING if series.method in (PLANNER, OPTIMUM) else SEARCHES)
     return out / study.case.name / f"{label}-{study.case.digest()}{series.digest()}{code}"
 
 
@@ -76,12 +95,12 @@ def _runs(series: Series, runs: int) -> int:
     return 1 if series.method == OPTIMUM else min(runs, series.max_runs)
 
 
-def _do(name: str, thin: int, unit: Unit, path: Path) -> None:
-    """Run one unit and write its file."""
+def _do(name: str, thin: int, unit: Unit, path: Path, seed: int) -> None:
+    """Run one unit and write its file; in a worker."""
     study, series, run = unit
     _warmed(name, thin, study, series)
     chosen = studies_of(name, thin)[study]
-    rows, curve = run_series(chosen.case, chosen.series[series], run)
+    rows, curve = run_series(chosen.case, chosen.series[series], run, seed)
     path.parent.mkdir(parents=True, exist_ok=True)
     if curve.size:
         np.save(path.with_suffix(".npy"), curve.astype(np.float32))
@@ -95,10 +114,12 @@ class UnitWork:
     Attributes:
         name: E1 ... E9.
         thin: Every how many-th target is used.
+        seed: Seed of the random numbers.
     """
 
     name: str
     thin: int
+    seed: int
 
     @property
     def preload(self) -> str:
@@ -114,7 +135,7 @@ class UnitWork:
             try:
                 with tempfile.TemporaryDirectory() as folder:
                     path = Path(folder) / "rows.csv"
-                    _do(self.name, self.thin, (study, series, run), path)
+                    _do(self.name, self.thin, (study, series, run), path, self.seed)
                     made = {
                         file.suffix: base64.b64encode(file.read_bytes()).decode()
                         for file in sorted(Path(folder).iterdir())
@@ -151,6 +172,14 @@ def _units(studies: list[Study], runs: int, out: Path) -> Iterator[tuple[Unit, P
                     yield (i, j, run), _folder(out, study, series) / f"{run:03d}.csv"
 
 
+def rows_of(name: str, out: Path) -> Iterator[tuple[str, list[Path]]]:
+    """Yield every series of an experiment as "case/series" with the files of its runs, in order."""
+    for study in studies_of(name, 1):
+        for series in study.series:
+            folder = _folder(out, study, series)
+            yield f"{study.case.name}/{series.name}", sorted(folder.glob("*.csv"))
+
+
 class _Progress:
     """One line on stderr; on something else than a terminal, one line a tenth."""
 
@@ -174,7 +203,13 @@ class _Progress:
 
 
 def run_experiment(
-    name: str, runs: int, jobs: int, thin: int, out: Path, on: str | None = None
+    name: str,
+    runs: int,
+    jobs: int,
+    thin: int,
+    out: Path,
+    on: str | None = None,
+    seed: int = 0,
 ) -> Results:
     """Make every run that is missing, and return all results.
 
@@ -187,17 +222,20 @@ def run_experiment(
             made again.
         on: Where they are made: "local", "ray" or "ray=ADDRESS", as for batches; None: here if
             there is one worker, else "local". Rows are the same, but for the seconds they took.
+        seed: Seed of the random numbers; rows of other seeds than 0 have a folder of their own.
     """
+    if seed:
+        out = out / f"seed-{seed}"
     studies = studies_of(name, thin)
     missing = [(u, p) for u, p in _units(studies, runs, out) if not p.exists()]
     progress = _Progress(name, max(len(missing), 1))
     if on is None and jobs == 1:
         for unit, path in missing:
-            _do(name, thin, unit, path)
+            _do(name, thin, unit, path, seed)
             progress.step()
     elif missing:
         lines = (Line(k, json.dumps(unit).encode(), 0) for k, (unit, _) in enumerate(missing))
-        executor = executor_for(on or "local", UnitWork(name, thin), jobs)
+        executor = executor_for(on or "local", UnitWork(name, thin, seed), jobs)
         with contextlib.closing(executor):
             for done in executor.run(chunks_of(lines, Pace(1))):
                 for line, outcome in zip(done.chunk.lines, done.outcomes, strict=True):

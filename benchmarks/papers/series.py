@@ -8,7 +8,9 @@ import zlib
 from dataclasses import dataclass, field
 from typing import Any
 
-__all__ = ["OPTIMUM", "PLANNER", "Series", "context_of"]
+from ikplan.ik.registry import find_solver
+
+__all__ = ["OPTIMUM", "PLANNER", "Series", "context_of", "references"]
 
 PLANNER = "planner"
 """Method of the series of the project's own planner."""
@@ -42,8 +44,19 @@ class Series:
 
     def digest(self) -> str:
         """Return a digest of what its results depend on."""
-        data = [self.method, self.population, self.iterations, self.params, self.tracks]
+        params = self.params
+        if self.method not in (PLANNER, OPTIMUM):
+            params = find_solver(self.method).check(params)  # with the defaults of the day
+        data = [self.method, self.population, self.iterations, params, self.tracks]
         return hashlib.sha256(json.dumps(data, sort_keys=True).encode()).hexdigest()[:8]
+
+
+def references(population: int, iterations: int) -> list[Series]:
+    """Return the two searches of no paper that every comparison has, at the same budget."""
+    return [
+        Series("CMA-ES", "cma-es", population, iterations, paper=False),
+        Series("L-SHADE", "l-shade", population, iterations, paper=False),
+    ]
 
 
 def context_of(case: str, series: Series, run: int, target: int) -> tuple[int, int, int]:

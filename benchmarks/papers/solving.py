@@ -85,8 +85,16 @@ def row_of(
     ]
 
 
-def run_series(case: Case, series: Series, run: int) -> tuple[list[list[float]], Array]:
+def run_series(
+    case: Case, series: Series, run: int, seed: int = 0
+) -> tuple[list[list[float]], Array]:
     """Run a series once.
+
+    Args:
+        case: The case.
+        series: The series.
+        run: Run, from 0.
+        seed: Seed of the whole report; each draws other random numbers in every solve.
 
     Returns:
         A row a target, and the convergence over the targets: geometric mean, median and mean of
@@ -94,10 +102,12 @@ def run_series(case: Case, series: Series, run: int) -> tuple[list[list[float]],
         where there are none), shape (6, T + 1).
     """
     if series.method in OWN:
-        found = OWN[series.method](case, series, run)
-        q_before = case.q_start
+        found = OWN[series.method](case, series, run, seed=seed)
+        q_before = case.start(0)
         rows = []
         for k in range(case.count):
+            if case.starts is not None:
+                q_before = case.start(k)
             q, f, spent = found[k]
             rows.append(row_of(case, k, run, q, q_before, f, spent))
             q_before = q
@@ -106,9 +116,11 @@ def run_series(case: Case, series: Series, run: int) -> tuple[list[list[float]],
     values = solver.check(series.params)
     tracks = case.tracks if series.tracks is None else series.tracks
     rows, histories = [], np.empty((case.count, series.iterations + 1))
-    q_s = q_before = case.q_start
+    q_s = q_before = case.start(0)
     for k in range(case.count):
-        rng = generator(0, *context_of(case.name, series, run, k))
+        if case.starts is not None:
+            q_s = q_before = case.start(k)
+        rng = generator(seed, *context_of(case.name, series, run, k))
         wall, cpu = time.perf_counter(), time.thread_time()
         outcome = _search(case, series, solver, values, k, q_s, rng)
         q = case.complete(outcome.x, k, q_s)

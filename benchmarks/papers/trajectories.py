@@ -13,7 +13,7 @@ from benchmarks.papers.case import Case
 from ikplan.kinematics.arm import Arm, arm_of
 from ikplan.robots import Robot, load_robot
 
-__all__ = ["TRAJECTORIES", "convergence_case", "tracking_case"]
+__all__ = ["TRAJECTORIES", "convergence_case", "random_positions", "tracking_case"]
 
 Array = NDArray[np.float64]
 
@@ -61,6 +61,22 @@ def tracking_case(trajectory: str, name: str, *, urdf_limits: bool = False) -> C
         False,
         np.zeros(6),
         reachable=np.ones(len(p), dtype=np.bool_),
+    )
+
+
+def random_positions(name: str, count: int) -> Case:
+    """Return positions of uniformly random configurations, from q = 0 each."""
+    case = tracking_case("linear", name)
+    rng = np.random.Generator(np.random.PCG64(np.random.SeedSequence([4])))
+    poses = [case.robot.fk(case.robot.random_configuration(rng)) for _ in range(count)]
+    return replace(
+        case,
+        name=name,
+        title="MH5",
+        R=np.tile(np.eye(3), (count, 1, 1)),
+        p=np.array([pose.translation for pose in poses]),
+        tracks=False,
+        reachable=np.ones(count, dtype=np.bool_),
     )
 
 

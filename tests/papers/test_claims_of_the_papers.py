@@ -8,7 +8,7 @@ import pytest
 from benchmarks.papers import published
 from benchmarks.papers.closed_forms import eod_solutions
 from benchmarks.papers.e1_claims import far_from_the_edge
-from benchmarks.papers.e1_series import CALIBRATED, CLOUD, GREEDY, IK_BA, LEAST, PAPER, WHOLE
+from benchmarks.papers.e1_series import CLOUD, GREEDY, IK_BA, LEAST, PAPER, UNIFORM, WHOLE
 from benchmarks.papers.e3 import SERIES as DOBOT_SERIES
 from benchmarks.papers.e5 import iterations_to
 from benchmarks.papers.e7 import PAPER as LI
@@ -26,7 +26,7 @@ from benchmarks.papers.trajectories import TRAJECTORIES, points, tracking_case
 from ikplan import solve_ik
 
 REQUIRED_CM = 0.0025
-"""Mean error that the calibrated IK-BA is asked to reach; published is 0.0019."""
+"""Mean error that IK-BA with the noise of bat code is asked to reach; published is 0.0019."""
 
 
 def made(case: str, series: Series, runs: int = 3) -> Table:
@@ -37,10 +37,10 @@ def made(case: str, series: Series, runs: int = 3) -> Table:
 
 @pytest.mark.parametrize(
     ("case", "series"),
-    [("E1a", CALIBRATED), ("E1a", CLOUD), ("E1c", CLOUD)],
+    [("E1a", IK_BA), ("E1a", CLOUD), ("E1c", CLOUD)],
     ids=["E1a", "E1a around the start", "E1c around the start"],
 )
-def test_calibrated_noise_reaches_the_published_error(case: str, series: Series) -> None:
+def test_the_noise_of_bat_code_reaches_the_published_error(case: str, series: Series) -> None:
     error = 100.0 * made(case, series)["eps_p"]
     assert error.mean() <= REQUIRED_CM
 
@@ -50,13 +50,20 @@ def test_on_e1b_it_does_but_for_the_points_at_the_edge_of_the_reach() -> None:
     table = made("E1b", CLOUD)
     assert np.flatnonzero(~far_from_the_edge(case)).tolist() == [6, 15, 16]
     assert 100.0 * table.where(far_from_the_edge(case))["eps_p"].mean() <= REQUIRED_CM
-    assert 100.0 * np.median(made("E1b", CALIBRATED)["eps_p"]) <= REQUIRED_CM
+    assert 100.0 * np.median(made("E1b", IK_BA)["eps_p"]) <= REQUIRED_CM
 
 
-def test_noise_as_printed_is_several_times_off() -> None:
-    literal = np.median(made("E1a", IK_BA)["eps_p"])
-    calibrated = np.median(made("E1a", CALIBRATED)["eps_p"])
-    assert 4.0 < literal / calibrated < 9.0  # the factor of the noise is 1 / 0.15
+def test_uniform_noise_is_several_times_off() -> None:
+    uniform = np.median(made("E1a", UNIFORM)["eps_p"])
+    normal = np.median(made("E1a", IK_BA)["eps_p"])
+    assert 4.0 < uniform / normal < 9.0
+
+
+def test_permuted_constants_bring_the_particles_to_rest_and_the_printed_do_not() -> None:
+    printed = Series("PSO", "pso", 50, 200, {"preset": "slim"})
+    permuted = next(s for s in PAPER if s.name == "PSO")
+    assert 100.0 * made("E1a", printed, runs=1)["eps_p"].min() > 0.1
+    assert 100.0 * np.median(made("E1a", permuted, runs=1)["eps_p"]) < 1e-6
 
 
 @pytest.mark.parametrize("series", PAPER, ids=lambda s: s.name)
@@ -76,7 +83,7 @@ def test_the_planner_moves_less_than_ik_ba_and_next_to_nothing_more_than_the_opt
     least = motion(LEAST)
     assert least - 1e-6 <= motion(WHOLE) <= 1.01 * least
     assert motion(GREEDY) <= 1.05 * least
-    assert motion(IK_BA) > 2.0 * least
+    assert motion(IK_BA) > 1.5 * least
 
 
 def test_the_planner_follows_the_literal_helix_where_it_can() -> None:
@@ -88,7 +95,7 @@ def test_the_planner_follows_the_literal_helix_where_it_can() -> None:
     assert (error[~case.reachable] > 5e-3).all()
 
 
-@pytest.mark.parametrize("name", ["IK-BA", "IK-BA, eps 0.15"])
+@pytest.mark.parametrize("name", ["IK-BA", "IK-BA, uniform noise"])
 def test_every_angle_of_table_8(name: str) -> None:
     case = find_experiment("E3").studies(1)[0].case
     series = next(s for s in DOBOT_SERIES if s.name == name)

@@ -17,7 +17,19 @@ from benchmarks.papers.helix import helix_cases
 from benchmarks.papers.li_paths import EQ_47, PRINTED, path_case
 from benchmarks.papers.li_poses import configurations
 from benchmarks.papers.series import Series, context_of
-from benchmarks.papers.statistics import anova, average_ranks, holm, paired, summary
+from benchmarks.papers.statistics import (
+    adjusted,
+    anova,
+    average_ranks,
+    estimate,
+    holm,
+    over_runs,
+    over_targets,
+    paired,
+    share,
+    summary,
+    welch,
+)
 from ikplan import solve_ik
 from ikplan.errors import Unreachable
 from ikplan.robots import load_robot
@@ -160,3 +172,67 @@ def test_summary_names_its_deviation() -> None:
     values = np.array([1.0, 2.0, 4.0])
     assert summary(values) == pytest.approx([7 / 3, 2.0, math.sqrt(7 / 3), 4.0, 1.0])
     assert summary(values, ddof=0)[2] == pytest.approx(math.sqrt(14 / 9))
+
+
+def test_a12_is_the_share_of_pairs_in_which_the_first_is_smaller() -> None:
+    a, b = np.array([1.0, 2.0, 3.0]), np.array([2.0, 4.0])
+    test = over_runs(a, b)
+    by_hand = np.mean([[1.0 if x < y else 0.5 if x == y else 0.0 for y in b] for x in a])
+    assert test.effect == pytest.approx(by_hand)
+    assert test.p == pytest.approx(stats.mannwhitneyu(a, b).pvalue)
+    assert over_runs(a, a).effect == 0.5
+    assert over_runs(np.ones(5), np.ones(5)).p == 1.0
+
+
+@settings(max_examples=30, deadline=None)
+@given(seed=st.integers(0, 10_000))
+def test_a_comparison_does_not_depend_on_the_order_of_the_runs(seed: int) -> None:
+    """Runs of two series share nothing, so that no pairing of them may matter."""
+    rng = np.random.default_rng(seed)
+    a, b = rng.random(20), rng.random(20) + 0.2
+    first, again = over_runs(a, b), over_runs(rng.permutation(a), b)
+    assert first.p == pytest.approx(again.p)
+    assert first.effect == pytest.approx(again.effect)
+
+
+def test_an_effect_is_one_where_the_first_is_smaller_throughout() -> None:
+    small = np.arange(1.0, 21.0)
+    for compare in (over_runs, over_targets):
+        test = compare(small, small + 30.0)
+        assert (test.effect, test.low, test.high) == (1.0, 1.0, 1.0)
+        assert test.first_is_smaller
+        assert compare(small + 30.0, small).second_is_smaller
+
+
+def test_the_interval_of_a_mean_covers_it_as_often_as_it_says() -> None:
+    rng = np.random.default_rng(1)
+    hits = 0
+    for _ in range(100):
+        e = estimate(rng.normal(3.0, 1.0, (20, 20)))
+        hits += e.low <= 3.0 <= e.high
+    assert hits >= 90
+    assert e.n == "20 runs x 20 targets"
+
+
+def test_a_share_has_wilsons_interval() -> None:
+    below = share(np.array([1.0, 2.0, 3.0, 4.0]), 1.5)
+    assert below.value == 0.25
+    # (p + z^2/2n -+ z sqrt(p q/n + z^2/4n^2)) / (1 + z^2/n), by hand for n = 4, p = 1/4.
+    z = 1.959963984540054
+    middle, half = 0.25 + z**2 / 8.0, z * math.sqrt(0.1875 / 4.0 + z**2 / 64.0)
+    assert below.low == pytest.approx((middle - half) / (1.0 + z**2 / 4.0))
+    assert below.high == pytest.approx((middle + half) / (1.0 + z**2 / 4.0))
+
+
+def test_one_claim_is_one_family() -> None:
+    small = np.arange(1.0, 21.0)
+    raw = [over_runs(small, small + shift) for shift in (1.0, 4.0, 9.0)]
+    assert [c.p for c in adjusted(raw)] == holm([c.p for c in raw])
+    assert [c.effect for c in adjusted(raw)] == [c.effect for c in raw]
+
+
+def test_welch_against_a_printed_mean() -> None:
+    values = np.array([1.0, 2.0, 3.0, 4.0])
+    other = np.array([2.0, 2.5, 3.5, 6.0, 7.0])
+    printed = welch(values, float(other.mean()), float(other.std(ddof=1)), len(other))
+    assert printed == pytest.approx(stats.ttest_ind(values, other, equal_var=False).pvalue)

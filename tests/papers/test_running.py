@@ -75,7 +75,7 @@ def test_a_run_can_be_made_again_bit_for_bit(folder: Path) -> None:
 def test_other_parameters_are_other_rows() -> None:
     series = Series("IK-BA", "ik-ba", 50, 200)
     assert series.digest() != dataclasses.replace(series, iterations=100).digest()
-    assert series.digest() != dataclasses.replace(series, params={"eps_scale": 0.15}).digest()
+    assert series.digest() != dataclasses.replace(series, params={"preset": "bat-code"}).digest()
     case = find_experiment("E7").studies(50)[0].case
     assert case.digest() != dataclasses.replace(case, weight_orientation=1.0).digest()
 

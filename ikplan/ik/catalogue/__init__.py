@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from ikplan.ik.catalogue.baselines import BASELINES
 from ikplan.ik.catalogue.bats import BATS
 from ikplan.ik.catalogue.differential import DIFFERENTIAL
 from ikplan.ik.catalogue.evolution import EVOLUTION
@@ -10,4 +11,4 @@ from ikplan.ik.catalogue.swarms import SWARMS
 
 __all__ = ["CATALOGUE"]
 
-CATALOGUE = [*BATS, *DIFFERENTIAL, *SWARMS, *EVOLUTION, *REFINEMENT]
+CATALOGUE = [*BATS, *DIFFERENTIAL, *SWARMS, *EVOLUTION, *BASELINES, *REFINEMENT]

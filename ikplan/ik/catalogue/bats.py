@@ -3,48 +3,61 @@
 from __future__ import annotations
 
 from ikplan.ik.catalogue.sources import KANAGARAJ, SLIM, choice, fraction, number
-from ikplan.ik.solver import Parameter, Solver, common_parameters
+from ikplan.ik.solver import Parameter, Preset, Solver, common_parameters
 
 __all__ = ["BATS"]
+
+_IK_BA_PRESETS = {
+    "slim": Preset(source=f"{SLIM}, Table 1", values={}, population=50, iterations=200),
+    "bat-code": Preset(
+        source=f"{SLIM}, Table 1, with the noise of bat code in circulation that, like Eqs. 9 and "
+        "10, has one loudness for all bats: x* + 0.1 randn A. Who wrote that code first is not "
+        "known to us; with it the published errors come out, and no constant is fitted",
+        values={"noise": "normal", "eps_scale": 0.1},
+        population=50,
+        iterations=200,
+    ),
+}
 
 _IK_BA = Solver(
     name="ik-ba",
     title="Bat algorithm for inverse kinematics (IK-BA)",
     source=f"{SLIM}, section 4.2, Algorithm 2, Table 1",
     family="metaheuristic",
-    notes="The paper's constant behind the noise of Eq. 14 is not stated: eps_scale 1 is the "
-    "literal reading, 0.15 is calibrated by us to the published errors.",
+    notes="eps of Eq. 14 is, in words, a number in [-1, 1] from a normal distribution, which "
+    "contradicts itself. The default, also of the planner, is uniform in [-1, 1): six times the "
+    "published errors, which the refinement takes away. The preset bat-code reaches the published.",
     population=50,
     iterations=200,
     planner_population=12,
     planner_iterations=25,
-    evaluations="N + N T (variant local), N + 2 N T (both)",
+    evaluations="N + N T (variant local), N + 2 N T (the others)",
+    presets=_IK_BA_PRESETS,
     module="ikplan.ik.metaheuristics.ik_ba",
     kernel="ik_ba",
     params_type="IkBaParams",
     parameters=[
+        choice("preset", list(_IK_BA_PRESETS), "Which noise Eq. 14 has; all else is Table 1."),
         number("fmin", 0.0, "Smallest frequency, Eq. 5.", minimum=None),
         number("fmax", 2.0, "Largest frequency, Eq. 5.", minimum=None),
         fraction("alpha", 0.97, "Loudness factor, Eq. 9."),
         number("gamma", 0.1, "Rise of the pulse rate, Eq. 10."),
         number("A0", 1.0, "Initial loudness."),
         fraction("r0", 1.0, "Limit of the pulse rate."),
-        number(
-            "eps_scale",
-            1.0,
-            "Factor of the noise of Eq. 14: 1 literal, 0.15 calibrated.",
-            unit="rad or m",
-        ),
+        number("eps_scale", 1.0, "Factor of the noise of Eq. 14.", unit="rad or m"),
         choice(
             "noise",
-            ["uniform", "normal"],
-            "Distribution of eps in Eq. 14: uniform in [-1, 1), or standard normal.",
+            ["uniform", "normal", "truncated"],
+            "Distribution of eps in Eq. 14: uniform in [-1, 1), standard normal, or standard "
+            "normal within [-1, 1].",
         ),
         choice(
             "variant",
-            ["local", "both", "both_attract"],
-            "Which candidates are evaluated: Eq. 14 only; Eqs. 7 and 13 as well; the same with "
-            "the sign of Eq. 13 turned.",
+            ["local", "both", "both_attract", "overwritten"],
+            "Which candidates are evaluated: those of Eq. 14 only; also bats that fly by Eqs. 7 "
+            "and 13, from where they are; the same with the sign of Eq. 13 turned; from where Eq. "
+            "14 puts them, as Algorithm 2 overwrites them. The last three evaluate two candidates "
+            "a bat, Algorithm 2 one.",
         ),
         choice(
             "accept",
@@ -52,6 +65,16 @@ _IK_BA = Solver(
             "Keep every better candidate, or only with the probability of the loudness.",
         ),
         number("first_t", 1, "The t of the first iteration.", maximum=1),
+        choice(
+            "beta",
+            ["component", "bat"],
+            "Eq. 5 draws a vector, as printed, or one number a bat; local does not use it.",
+        ),
+        choice(
+            "draws",
+            ["component", "bat"],
+            "eps of Eq. 14 is drawn for every joint, or once a bat.",
+        ),
         *common_parameters("individual"),
     ],
 )
@@ -64,7 +87,9 @@ def _bat_parameters(
     loudness: tuple[float, float],
     rate: tuple[float, float],
     warm: str,
+    literal: tuple[str, str, str],
 ) -> list[Parameter]:
+    beta, noise, first_rate = literal
     return [
         number("fmin", frequency[0], "Smallest frequency, Eq. 5.", minimum=None),
         number("fmax", frequency[1], "Largest frequency, Eq. 5.", minimum=None),
@@ -89,6 +114,42 @@ def _bat_parameters(
             ["accept", "iteration"],
             "Loudness and pulse rate of a bat change when it moves, or of all in each iteration.",
         ),
+        Parameter(
+            name="beta",
+            default=beta,
+            choices=["bat", "component"],
+            description="Eq. 5 draws one number a bat, or a vector, as Slim et al. print.",
+        ),
+        choice(
+            "loudness",
+            ["mean", "own"],
+            "A^t of Eq. 8: the mean over the bats, as Kanagaraj et al. say, or the bat's own.",
+        ),
+        Parameter(
+            name="noise",
+            default=noise,
+            choices=["component", "bat"],
+            description="eps of Eq. 8 is drawn for every component, or once a bat, as Kanagaraj "
+            "et al. print.",
+        ),
+        choice(
+            "record",
+            ["always", "accepted"],
+            "The best position is that of every candidate seen, or of those that pass the test of "
+            "the loudness, as Algorithm 1 is printed.",
+        ),
+        Parameter(
+            name="rate",
+            default=first_rate,
+            choices=["zero", "limit"],
+            description="Pulse rate until a bat moves: 0, as Eq. 10 gives it, or its limit.",
+        ),
+        choice(
+            "reading",
+            ["printed", "shared"],
+            "As printed, or as circulating bat code has it: one loudness and pulse rate for all, "
+            "the walk x* + 0.1 N(0, 1) A where U < r, moves kept where U > A.",
+        ),
         *common_parameters(warm),
     ]
 
@@ -108,7 +169,15 @@ _BA = Solver(
     module="ikplan.ik.metaheuristics.bat",
     kernel="bat",
     params_type="BatParams",
-    parameters=_bat_parameters((0.0, 2.0), 0.5, 0.5, (0.0, 1.0), (0.001, 0.001), "cold"),
+    parameters=_bat_parameters(
+        (0.0, 2.0),
+        0.5,
+        0.5,
+        (0.0, 1.0),
+        (0.001, 0.001),
+        "cold",
+        ("component", "component", "limit"),
+    ),
 )
 
 _BAT = Solver(
@@ -125,7 +194,9 @@ _BAT = Solver(
     module="ikplan.ik.metaheuristics.bat",
     kernel="bat",
     params_type="BatParams",
-    parameters=_bat_parameters((-0.05, 0.05), 0.97, 0.1, (1.0, 2.0), (0.0, 1.0), "individual"),
+    parameters=_bat_parameters(
+        (-0.05, 0.05), 0.97, 0.1, (1.0, 2.0), (0.0, 1.0), "individual", ("bat", "bat", "zero")
+    ),
 )
 
 BATS = [_IK_BA, _BA, _BAT]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from ikplan.ik.catalogue.sources import LI, SLIM, choice, fraction, number
-from ikplan.ik.solver import Preset, Solver, common_parameters
+from ikplan.ik.solver import Parameter, Preset, Solver, common_parameters
 
 __all__ = ["DIFFERENTIAL"]
 
@@ -52,7 +52,8 @@ _SDE = Solver(
     source="Omran, Salman, Engelbrecht, Self-adaptive Differential Evolution, 2005; compared with "
     f"in {LI}",
     family="metaheuristic",
-    notes="Li et al. print F 0.9 and CR 0.5, which would make it DE/rand/1; here both adapt.",
+    notes="Li et al. print F 0.9 and CR 0.5; constant, they would make it DE/rand/1. Here 0.9 is "
+    "the first factor and 0.5 the mean crossover rate, and both adapt. F_initial normal: Omran's.",
     population=30,
     iterations=100,
     min_population=4,
@@ -63,7 +64,12 @@ _SDE = Solver(
     kernel="sde",
     params_type="SdeParams",
     parameters=[
-        choice("F_initial", ["normal", "fixed"], "First factors: drawn, or all equal to F."),
+        Parameter(
+            name="F_initial",
+            default="fixed",
+            choices=["normal", "fixed"],
+            description="First factors: drawn, as Omran et al. do, or all equal to F.",
+        ),
         number("F", 0.9, "First factor, where it is fixed.", maximum=2.0),
         number("F_mean", 0.5, "Mean of the first factors drawn.", maximum=2.0),
         number("F_deviation", 0.15, "Standard deviation of the first factors drawn.", maximum=2.0),

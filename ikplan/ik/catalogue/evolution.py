@@ -33,6 +33,12 @@ _CS = Solver(
             default=False,
             description="Keep the factor H(Pa - U) of Eq. 29 in the Levy step.",
         ),
+        Parameter(
+            name="normal_factor",
+            default=False,
+            description="Multiply the Levy step by a standard normal number, as Yang's and Deb's "
+            "code does and Eq. 29 does not.",
+        ),
         *common_parameters(),
     ],
 )
@@ -65,7 +71,7 @@ _GA = Solver(
 
 _BODE_CS = Solver(
     name="bode-cs",
-    title="Beta-opposition differential evolution and improved cuckoo search (BODE-CS)",
+    title="Bidirectional opposite differential evolution and cuckoo search (BODE-CS)",
     source=f"{LI}, section 3, Eqs. 18-42, Algorithm 2",
     family="metaheuristic",
     notes="Eq. 27 is read with fractions. F of Eq. 23 never lies within [Fmin, Fmax] as printed, "
@@ -87,10 +93,10 @@ _BODE_CS = Solver(
         fraction("Cmin", 0.5, "Crossover rate at the start."),
         number("alpha_l", 0.01, "Factor of the Levy step, Eq. 29."),
         _LEVY,
-        number("w_j", 0.7, "Weight of the nest, Eq. 38."),
-        number("w_gbest", 0.3, "Weight of the best nest, Eq. 38."),
+        number("w_j", 0.7, "Weight of the nest, Eq. 37."),
+        number("w_gbest", 0.3, "Weight of the best nest, Eq. 37."),
         fraction("Co", 0.2, "Probability of opposition at the start, Eq. 36."),
-        fraction("Cbi", 0.15, "Probability of the pull to the best, Eq. 37."),
+        fraction("Cbi", 0.15, "Probability of the pull to the best, Eq. 38."),
         fraction("Ccsor", 0.05, "Largest relative shift of an opposite, Eq. 26."),
         fraction("Pamax", 0.25, "Pa at the start, Eq. 41."),
         fraction("Pamin", 0.05, "Pa at the end."),
@@ -99,6 +105,17 @@ _BODE_CS = Solver(
             name="exclude_self",
             default=False,
             description="Whether r1, r2, r3 differ from j as well as from each other.",
+        ),
+        choice(
+            "generation",
+            ["in_place", "synchronous"],
+            "A better trial takes its place, and the best, at once, as the loops of Algorithm 2 "
+            "have it; or mutants are made of x(t), as Eqs. 17 and 28 are printed.",
+        ),
+        Parameter(
+            name="heaviside",
+            default=False,
+            description="Keep the factor H(Pa - U) of Eq. 29 in the Levy step.",
         ),
         *common_parameters(),
     ],

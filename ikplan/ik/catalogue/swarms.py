@@ -14,9 +14,16 @@ _PSO_PRESETS = {
         population=50,
         iterations=200,
     ),
+    "slim-permuted": Preset(
+        source=f"{SLIM}, Table 1, its three numbers in another order: as printed no particle comes "
+        "to rest, while Table 3 has a smallest error of 0.0000 cm",
+        values={"w": 0.53514, "w_end": 0.53514, "c1": 1.1312, "c2": 2.0149},
+        population=50,
+        iterations=200,
+    ),
     "kanagaraj": Preset(
-        source=f"{KANAGARAJ}, Table 2",
-        values={"w": 0.3033, "w_end": 0.3033, "c1": 2.4, "c2": 3.2},
+        source=f"{KANAGARAJ}, Table 2; one pair of random numbers a particle, as printed",
+        values={"draws": "particle", "w": 0.3033, "w_end": 0.3033, "c1": 2.4, "c2": 3.2},
         population=60,
         iterations=100,
     ),
@@ -33,8 +40,8 @@ _PSO = Solver(
     title="Particle swarm optimisation (PSO)",
     source=f"{SLIM}, Table 1; presets of {KANAGARAJ} and {LI}",
     family="metaheuristic",
-    notes="An inertia above 1, as Slim et al. give it, diverges without the limit on the velocity, "
-    "which no paper states.",
+    notes="Table 1 of Slim et al. is a misprint, most likely: with an inertia above 1 no particle "
+    "comes to rest; slim-permuted has nearly the printed results. v_max is ours: no paper has one.",
     population=50,
     iterations=200,
     planner_population=20,
@@ -54,7 +61,8 @@ _PSO = Solver(
         choice(
             "draws",
             ["component", "particle"],
-            "Fresh random numbers for every component, or one pair a particle.",
+            "Fresh random numbers for every component, or one pair a particle, as Kanagaraj et al. "
+            "print.",
         ),
         *common_parameters(),
     ],
@@ -128,7 +136,8 @@ _GSA = Solver(
     source=f"{KANAGARAJ}, Eqs. 10-18 (Eq. 11 corrected), Table 2",
     family="metaheuristic",
     notes="With alpha 1 gravity hardly falls; Rashedi et al. use 20. The published error level is "
-    "not reached with either.",
+    "not reached with either. What happens at the bounds is not printed: `bounds` clips, "
+    "`resample` draws anew.",
     population=60,
     iterations=100,
     min_population=2,
@@ -166,7 +175,7 @@ _WOA = Solver(
         Parameter(
             name="literal",
             default=False,
-            description="Eq. 20 as printed: no absolute value, always towards the best.",
+            description="Eqs. 19 and 20 as printed: no absolute value, always towards the best.",
         ),
         *common_parameters(),
     ],

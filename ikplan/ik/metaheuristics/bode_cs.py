@@ -1,4 +1,4 @@
-"""BODE-CS: beta-opposition differential evolution, or an improved cuckoo search, by turns.
+"""BODE-CS: bidirectional opposite differential evolution, or a cuckoo search, by turns.
 
 Source: [L] Li, Luo, Qiao, "Inverse Kinematics of Robot Manipulator Based on BODE-CS Algorithm",
 Machines 2023, 11(6), 648, section 3, Eqs. 18-42, Algorithm 2.
@@ -45,15 +45,18 @@ class BodeCsParams(NamedTuple):
         Cmin: Smallest crossover rate.
         alpha_l: Factor of the Levy step, Eq. 29.
         beta: Exponent of the Levy law.
-        w_j: Weight of the nest, Eq. 38.
-        w_gbest: Weight of the best nest, Eq. 38.
+        w_j: Weight of the nest, Eq. 37.
+        w_gbest: Weight of the best nest, Eq. 37.
         Co: Probability of opposition at the start, Eq. 36.
-        Cbi: Probability of the pull to the best, Eq. 37.
+        Cbi: Probability of the pull to the best, Eq. 38.
         Ccsor: Largest relative shift of an opposite, Eq. 26.
         Pamax: Pa at the start, Eq. 41.
         Pamin: Pa at the end.
         scaling: 0 "printed": F = (Fmax - Fmin)(2 - 2^s); 1 "plus_fmin": the same plus Fmin.
         exclude_self: Whether r1, r2, r3 differ from j as well as from each other.
+        generation: 0 "in_place": a better trial takes its place, and x*, at once, as the loops of
+            Algorithm 2 have it; 1 "synchronous": mutants are made of x(t), as Eqs. 17 and 28 have.
+        heaviside: Keep the factor H(Pa - U) of Eq. 29 in the Levy step.
     """
 
     lam: float
@@ -72,6 +75,8 @@ class BodeCsParams(NamedTuple):
     Pamin: float
     scaling: int
     exclude_self: bool
+    generation: int
+    heaviside: bool
 
 
 @kernel
@@ -148,7 +153,7 @@ def bode_mutant(
 def _bode(
     problem: Problem, p: BodeCsParams, out: Outcome, best: Best, s: float, rng: np.random.Generator
 ) -> None:
-    """One iteration of beta-opposition differential evolution."""
+    """One iteration of bidirectional opposite differential evolution."""
     X, F = out.X, out.F
     N, D = X.shape
     v, low, high = np.empty(D), np.empty(D), np.empty(D)
@@ -158,11 +163,14 @@ def _bode(
     if p.scaling == 1:
         scale += p.Fmin
     CR = p.Cmin + (p.Cmax - p.Cmin) * s  # (24)
+    parents, x_best = X, best.x
+    if p.generation == 1:
+        parents, x_best = X.copy(), best.x.copy()
     for j in range(N):
         distinct(N, j if p.exclude_self else -1, r, rng)
-        if not bode_mutant(X, j, r, best.x, scale, p.lam, s, rng.random(), v):
-            _opposite(X[j], low, high, p.Ccsor, rng.random(), v)
-        crossover(X[j], v, CR, rng)
+        if not bode_mutant(parents, j, r, x_best, scale, p.lam, s, rng.random(), v):
+            _opposite(parents[j], low, high, p.Ccsor, rng.random(), v)
+        crossover(parents[j], v, CR, rng)
         bound(v, problem.lower, problem.upper, problem.bounds, rng)
         replace_if_better(problem.objective, v, X, F, j, best)
 
@@ -177,14 +185,16 @@ def _improved_cs(
     N, D = X.shape
     y, low, high = np.empty(D), np.empty(D), np.empty(D)
     sigma_u = levy_deviation(p.beta)
+    Pa = p.Pamax - (p.Pamax - p.Pamin) * s  # (41)
     for j in range(N):
         a_s = 0.5 * (math.cos(2.0 * math.pi * rng.random()) + 1.0)  # (40)
         for k in range(D):
             step = a_s * levy_step(sigma_u, p.beta, rng)  # (39)
+            if p.heaviside and rng.random() > Pa:
+                step = 0.0
             y[k] = X[j, k] + p.alpha_l * step * (X[j, k] - best.x[k])  # (29)
         bound(y, lower, upper, problem.bounds, rng)
         replace_if_better(objective, y, X, F, j, best)
-    Pa = p.Pamax - (p.Pamax - p.Pamin) * s  # (41)
     abandon(problem, X, F, Pa, best, rng)
     box_into(X, low, high)
     f_min, f_max, f_ave = F.min(), F.max(), F.mean()
@@ -194,9 +204,9 @@ def _improved_cs(
             _opposite(X[j], low, high, p.Ccsor, rng.random(), y)
             bound(y, lower, upper, problem.bounds, rng)
             replace_if_better(objective, y, X, F, j, best)
-        if rng.random() < pull:  # (37)
+        if rng.random() < pull:  # (38)
             for k in range(D):
-                y[k] = p.w_j * X[j, k] + p.w_gbest * best.x[k]  # (38)
+                y[k] = p.w_j * X[j, k] + p.w_gbest * best.x[k]  # (37)
             bound(y, lower, upper, problem.bounds, rng)
             replace_if_better(objective, y, X, F, j, best)
 

@@ -36,12 +36,15 @@ class CsParams(NamedTuple):
         alpha_l: Factor of the Levy step, Eq. 29.
         beta: Exponent of the Levy law, Eq. 34.
         heaviside: Keep the factor H(Pa - U) of Eq. 29 in the Levy step.
+        normal_factor: Multiply the Levy step by a standard normal number, as Yang's and Deb's code
+            does and Eq. 29 does not.
     """
 
     Pa: float
     alpha_l: float
     beta: float
     heaviside: bool
+    normal_factor: bool
 
 
 @kernel
@@ -82,7 +85,9 @@ def cs(problem: Problem, params: CsParams, rng: np.random.Generator) -> Outcome:
         for i in range(N):
             for k in range(D):
                 step = levy_step(sigma_u, params.beta, rng)
-                step *= params.alpha_l * (X[i, k] - x_best[k]) * rng.standard_normal()  # (29)
+                step *= params.alpha_l * (X[i, k] - x_best[k])  # (29)
+                if params.normal_factor:
+                    step *= rng.standard_normal()
                 if params.heaviside and rng.random() > params.Pa:
                     step = 0.0
                 y[k] = X[i, k] + step

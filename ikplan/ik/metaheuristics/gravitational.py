@@ -92,11 +92,11 @@ def gsa(problem: Problem, params: GsaParams, rng: np.random.Generator) -> Outcom
                 square = 0.0
                 for d in range(D):
                     square += (here[k, d] - here[i, d]) ** 2
-                pull = G * M[k] / (math.sqrt(square) + EPS)  # (13); M_i cancels in (16)
+                pull = G * M[k] / (math.sqrt(square) + EPS)  # (13); M_i cancels in (18)
                 for d in range(D):
                     a[d] += rng.random() * pull * (here[k, d] - here[i, d])  # (14)
             for d in range(D):
-                V[i, d] = rng.random() * V[i, d] + a[d]  # (17)
-                X[i, d] += V[i, d]  # (18)
+                V[i, d] = rng.random() * V[i, d] + a[d]  # (17), a of (18)
+                X[i, d] += V[i, d]  # (16)
             bound_flight(X[i], V[i], problem.lower, problem.upper, problem.bounds, rng)
     return out

@@ -69,7 +69,7 @@ def woa(problem: Problem, params: WoaParams, rng: np.random.Generator) -> Outcom
                     distance = C * reference[k] - X[i, k]
                     if not params.literal:
                         distance = abs(distance)
-                    X[i, k] = reference[k] - A * distance  # (20)
+                    X[i, k] = reference[k] - A * distance  # (19), the distance of (20)
             else:
                 spiral = math.exp(params.b * l) * math.cos(2.0 * math.pi * l)
                 for k in range(D):

@@ -102,9 +102,12 @@ def de(rng: np.random.Generator, X: Any, F: Any, strategy: str, s: float, lam: f
     return after
 
 
-def sde(rng: np.random.Generator, X: Any, F: Any) -> Any:
+def sde(rng: np.random.Generator, X: Any, F: Any, fixed: float | None = None) -> Any:
+    """Omran's SDE; ``fixed``: the first factors, in place of those drawn."""
     n = len(X)
-    scales = np.array([0.5 + 0.15 * rng.standard_normal() for _ in range(n)])
+    scales = np.full(n, fixed)
+    if fixed is None:
+        scales = np.array([0.5 + 0.15 * rng.standard_normal() for _ in range(n)])
     after = X.copy()
     for j in range(n):
         r1, r2, r3 = others(rng, n, j, 3)
@@ -131,13 +134,21 @@ def ode(rng: np.random.Generator, X: Any, jumps: bool) -> Any:
     return X
 
 
-def pso(rng: np.random.Generator, P: Any, F: Any, w: float, c1: float, c2: float) -> Any:
+def pso(
+    rng: np.random.Generator,
+    P: Any,
+    F: Any,
+    w: float,
+    c1: float,
+    c2: float,
+    scalar: bool = False,
+) -> Any:
     """The particles' best positions; the first step starts at rest, at the best positions."""
     n, d = P.shape
     best, f_best = P[F.argmin()].copy(), F.min()
     after = P.copy()
     for i in range(n):
-        draws = rng.random((d, 2))
+        draws = np.tile(rng.random(2), (d, 1)) if scalar else rng.random((d, 2))
         V = w * 0.0 + c1 * draws[:, 0] * 0.0 + c2 * draws[:, 1] * (best - P[i])
         limit = 0.5 * (HIGH - LOW)
         x = clip(P[i] + np.clip(V, -limit, limit))
@@ -234,14 +245,15 @@ def walk(rng: np.random.Generator, X: Any, Pa: float) -> Any:
     return after
 
 
-def cs(rng: np.random.Generator, X: Any, F: Any) -> Any:
+def cs(rng: np.random.Generator, X: Any, F: Any, normal_factor: bool = False) -> Any:
     n, d = X.shape
     best = X[F.argmin()]
     after = X.copy()
     for i in range(n):
         y = X[i].copy()
         for k in range(d):
-            y[k] += mantegna(rng) * 0.01 * (X[i, k] - best[k]) * rng.standard_normal()
+            step = mantegna(rng) * 0.01 * (X[i, k] - best[k])
+            y[k] += step * (rng.standard_normal() if normal_factor else 1.0)
         y = clip(y)
         if f(y) < F[i]:
             after[i] = y

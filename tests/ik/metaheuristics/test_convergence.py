@@ -16,8 +16,11 @@ LIMITS = {
     # search, with an option: (sphere, Rosenbrock)
     "abc": (1e-27, 0.1),
     "ba": (1e-5, 0.1),
+    "cma-es": (1e-15, 1e-13),
+    "l-shade": (1e-20, 1e-8),
     "bat": (0.08, 10.0),
-    "bat decay=iteration": (1e-6, 0.5),
+    "bat decay=iteration": (0.03, 20.0),
+    "bat decay=iteration noise=component": (1e-6, 0.5),
     "bode-cs": (1e-60, 1e-20),
     "cs": (1e-8, 0.1),
     "de-best-1": (1e-21, 1e-3),
@@ -33,11 +36,14 @@ LIMITS = {
     "ode": (1e-26, 0.01),
     "pso preset=kanagaraj": (0.01, 6.0),
     "pso preset=li": (1e-35, 0.1),
-    "sde": (1e-28, 0.6),
+    "sde": (1e-14, 0.6),
+    "sde F_initial=normal": (1e-28, 0.6),
     "woa": (1e-70, 0.05),
 }
 OPTIONS: dict[str, dict[str, object]] = {
     "bat decay=iteration": {"decay": "iteration"},
+    "bat decay=iteration noise=component": {"decay": "iteration", "noise": "component"},
+    "sde F_initial=normal": {"F_initial": "normal"},
     "gsa alpha=20": {"alpha": 20.0},
     "pso preset=kanagaraj": {"preset": "kanagaraj"},
     "pso preset=li": {"preset": "li"},

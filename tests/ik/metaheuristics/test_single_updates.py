@@ -50,7 +50,7 @@ def test_loudness_keeps_ik_ba_from_its_best_candidate() -> None:
 @pytest.mark.parametrize("seed", range(3))
 def test_ba_follows_equations_6_to_10(seed: int) -> None:
     rng, X, F = first(seed)
-    out = run("ba", problem(D, N, 1), seed)
+    out = run("ba", problem(D, N, 1), seed, beta="bat", rate="zero")
     np.testing.assert_allclose(out.X, ref.bat(rng, X, F), rtol=1e-12)
 
 
@@ -71,8 +71,11 @@ def test_presets_of_rand_1_are_the_papers() -> None:
 @pytest.mark.parametrize("seed", range(3))
 def test_sde_adapts_its_factors(seed: int) -> None:
     rng, X, F = first(seed)
-    out = run("sde", problem(D, N, 1), seed)
+    out = run("sde", problem(D, N, 1), seed, F_initial="normal")
     np.testing.assert_allclose(out.X, ref.sde(rng, X, F), rtol=1e-12)
+    rng, X, F = first(seed)
+    out = run("sde", problem(D, N, 1), seed)
+    np.testing.assert_allclose(out.X, ref.sde(rng, X, F, 0.9), rtol=1e-12)
 
 
 @pytest.mark.parametrize("Jr", [0.0, 1.0])
@@ -83,13 +86,20 @@ def test_ode_jumps_to_its_opposites(Jr: float) -> None:
 
 
 @pytest.mark.parametrize(
-    ("preset", "w", "c1", "c2"),
-    [("slim", 1.1312, 2.0149, 0.53514), ("kanagaraj", 0.3033, 2.4, 3.2), ("li", 0.9, 1.2, 1.2)],
+    ("preset", "w", "c1", "c2", "scalar"),
+    [
+        ("slim", 1.1312, 2.0149, 0.53514, False),
+        ("slim-permuted", 0.53514, 1.1312, 2.0149, False),
+        ("kanagaraj", 0.3033, 2.4, 3.2, True),
+        ("li", 0.9, 1.2, 1.2, False),
+    ],
 )
-def test_pso_with_each_papers_parameters(preset: str, w: float, c1: float, c2: float) -> None:
+def test_pso_with_each_papers_parameters(
+    preset: str, w: float, c1: float, c2: float, scalar: bool
+) -> None:
     rng, X, F = first(2)
     out = run("pso", problem(D, N, 1), 2, preset=preset)
-    np.testing.assert_allclose(out.X, ref.pso(rng, X, F, w, c1, c2), rtol=1e-12)
+    np.testing.assert_allclose(out.X, ref.pso(rng, X, F, w, c1, c2, scalar), rtol=1e-12)
 
 
 @pytest.mark.parametrize("seed", range(3))
@@ -130,9 +140,10 @@ def test_woa_encircles_explores_and_spirals(seed: int) -> None:
 
 @pytest.mark.parametrize("seed", range(3))
 def test_cs_levy_step_and_abandonment(seed: int) -> None:
-    rng, X, F = first(seed)
-    out = run("cs", problem(D, N, 1), seed)
-    np.testing.assert_allclose(out.X, ref.cs(rng, X, F), rtol=1e-12)
+    for factor in (False, True):
+        rng, X, F = first(seed)
+        out = run("cs", problem(D, N, 1), seed, normal_factor=factor)
+        np.testing.assert_allclose(out.X, ref.cs(rng, X, F, factor), rtol=1e-12)
 
 
 def test_blend_crossover_stays_within_its_reach() -> None:
@@ -197,7 +208,8 @@ def halton_start() -> tuple[np.ndarray, np.ndarray]:
     return X, np.array([ref.f(x) for x in X])
 
 
-def test_one_iteration_of_bode() -> None:
+@pytest.mark.parametrize("generation", ["in_place", "synchronous"])
+def test_one_iteration_of_bode(generation: str) -> None:
     """The first iteration of BODE-CS for a seed that chooses BODE."""
     n, seed = 6, 1
     rng = np.random.default_rng(seed)
@@ -205,6 +217,9 @@ def test_one_iteration_of_bode() -> None:
     assert rng.random() >= ((F.mean() - F.min()) / F.max()) ** 2
     low, high = X.min(axis=0), X.max(axis=0)
     best = X[F.argmin()].copy()
+    after, f_best = X, F.min()
+    if generation == "synchronous":
+        after = X.copy()
     for j in range(n):
         r1, r2, r3 = ref.others(rng, n, -1, 3)
         draw = rng.random()
@@ -220,15 +235,17 @@ def test_one_iteration_of_bode() -> None:
             v = X[r1] + 0.4 * (X[r2] - X[r3]) + 0.1 * (best - X[r1])
         u = ref.clip(ref.crossed(rng, X[j], v, 0.5))
         if ref.f(u) < F[j]:
-            X[j], F[j] = u, ref.f(u)
-        if ref.f(u) < ref.f(best):
-            best = u.copy()
-    out = run("bode-cs", problem(2, n, 1), seed)
+            after[j], F[j] = u, ref.f(u)
+        if ref.f(u) < f_best:
+            f_best = ref.f(u)
+            best = u.copy() if generation == "in_place" else best
+    out = run("bode-cs", problem(2, n, 1), seed, generation=generation)
     assert out.evaluations[0] == 3 * n
-    np.testing.assert_allclose(out.X, X, rtol=1e-12)
+    np.testing.assert_allclose(out.X, after, rtol=1e-12)
 
 
-def test_one_iteration_of_the_improved_cuckoo_search() -> None:
+@pytest.mark.parametrize("heaviside", [False, True])
+def test_one_iteration_of_the_improved_cuckoo_search(heaviside: bool) -> None:
     """The first iteration of BODE-CS for a seed that chooses the cuckoo search."""
     n = 6
     X, F = halton_start()
@@ -248,7 +265,11 @@ def test_one_iteration_of_the_improved_cuckoo_search() -> None:
 
     for j in range(n):
         a_s = 0.5 * (math.cos(2.0 * math.pi * rng.random()) + 1.0)
-        step = np.array([a_s * ref.mantegna(rng) for _ in range(2)])
+        step = np.empty(2)
+        for k in range(2):
+            step[k] = a_s * ref.mantegna(rng)
+            if heaviside and rng.random() > 0.25:
+                step[k] = 0.0
         offer(j, X[j] + 0.01 * step * (X[j] - best))
     X = ref.walk(rng, X, 0.25)
     F = np.array([ref.f(x) for x in X])
@@ -259,7 +280,7 @@ def test_one_iteration_of_the_improved_cuckoo_search() -> None:
             offer(j, high + low - (1.0 - 0.05 * rng.random()) * X[j])
         if rng.random() < 0.15 * (F.max() - F.mean()) / (F.max() - F.min()):
             offer(j, 0.7 * X[j] + 0.3 * best)
-    out = run("bode-cs", problem(2, n, 1), seed)
+    out = run("bode-cs", problem(2, n, 1), seed, heaviside=heaviside)
     assert 4 * n <= out.evaluations[0] <= 6 * n
     np.testing.assert_allclose(out.X, X, rtol=1e-12)
 

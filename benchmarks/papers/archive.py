@@ -1,0 +1,122 @@
+"""Archive the rows behind the report, and hold rows made anew to it.
+
+``python -m benchmarks.papers.archive write`` packs every row into ``OUT/rows.tar.xz`` and writes
+what is committed: ``archive/manifest.json``, the SHA-256 of the rows of every series, and
+``archive/medians.npz``, the median of each target and the mean and maximum of each run. ``verify``
+compares rows with the manifest: times are left out of the digests, all else must be equal.
+"""
+
+from __future__ import annotations
+
+import argparse
+import hashlib
+import json
+import sys
+import tarfile
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from benchmarks.papers.report import ORDER
+from benchmarks.papers.rows import COLUMNS, read_rows
+from benchmarks.papers.runner import rows_of
+
+__all__ = ["digest_of", "main", "manifest_of", "verify"]
+
+HERE = Path(__file__).parent / "archive"
+TIMES = [i for i, c in enumerate(COLUMNS) if c.endswith("seconds")]
+KEPT = ("eps_p", "theta_deg", "elongation_deg")
+
+
+def digest_of(paths: list[Path]) -> str:
+    """Return the SHA-256 of the rows of some runs, without the times they took."""
+    digest = hashlib.sha256()
+    for path in paths:
+        for line in path.read_text().splitlines():
+            fields = line.split(",")
+            digest.update(",".join(f for i, f in enumerate(fields) if i not in TIMES).encode())
+    return digest.hexdigest()
+
+
+def manifest_of(out: Path) -> dict[str, dict[str, object]]:
+    """Return runs and digest of every series that has rows, by "case/series"."""
+    made: dict[str, dict[str, object]] = {}
+    for name in ORDER:
+        for label, paths in rows_of(name, out):
+            if paths:
+                made[label] = {"runs": len(paths), "sha256": digest_of(paths)}
+    return made
+
+
+def verify(out: Path, manifest: dict[str, dict[str, object]]) -> list[str]:
+    """Return what differs from the manifest, one line a series; series not made are passed over."""
+    wrong = []
+    for name in ORDER:
+        for label, paths in rows_of(name, out):
+            if label not in manifest or not paths:
+                continue
+            runs = int(str(manifest[label]["runs"]))
+            if len(paths) < runs:
+                wrong.append(f"{label}: {len(paths)} of {runs} runs")
+            elif digest_of(paths[:runs]) != manifest[label]["sha256"]:
+                wrong.append(f"{label}: other rows")
+    return wrong
+
+
+def _medians(out: Path) -> dict[str, np.ndarray]:
+    arrays = {}
+    for name in ORDER:
+        for label, paths in rows_of(name, out):
+            if not paths or f"{label}/eps_p" in arrays:
+                continue
+            table = read_rows(paths)
+            for column in KEPT:
+                grid = table.grid(column)
+                if not np.isnan(grid).all():
+                    arrays[f"{label}/{column}"] = np.median(grid, axis=0).astype(np.float32)
+            grid = table.grid("eps_p")
+            runs = np.array([grid.mean(axis=1), grid.max(axis=1)])
+            arrays[f"{label}/runs"] = runs.astype(np.float32)
+    return arrays
+
+
+def _pack(out: Path, target: Path) -> str:
+    """Pack the rows, always in the same order, and return the SHA-256 of the archive."""
+    seen = set()
+    with tarfile.open(target, "w:xz", preset=3) as archive:
+        for name in ORDER:
+            for _, paths in rows_of(name, out):
+                for path in paths:
+                    if path not in seen:
+                        seen.add(path)
+                        archive.add(path, path.relative_to(out).as_posix())
+    return hashlib.sha256(target.read_bytes()).hexdigest()
+
+
+def main() -> None:
+    """Write or verify."""
+    parser = argparse.ArgumentParser(
+        prog="python -m benchmarks.papers.archive", description=__doc__
+    )
+    parser.add_argument("what", choices=["write", "verify"])
+    parser.add_argument("--out", type=Path, default=Path("out/papers"), help="folder of the rows")
+    options = parser.parse_args()
+    if options.what == "write":
+        HERE.mkdir(exist_ok=True)
+        packed = options.out / "rows.tar.xz"
+        head = {"archive": packed.name, "sha256": _pack(options.out, packed)}
+        document = {"rows": head, "series": manifest_of(options.out)}
+        (HERE / "manifest.json").write_text(json.dumps(document, indent=0, sort_keys=True) + "\n")
+        arrays: Any = _medians(options.out)
+        np.savez_compressed(HERE / "medians.npz", **arrays)
+        print(f"{packed}, {HERE / 'manifest.json'}, {HERE / 'medians.npz'}")
+        return
+    manifest = json.loads((HERE / "manifest.json").read_text())["series"]
+    wrong = verify(options.out, manifest)
+    print("\n".join(wrong) or "the rows are those of the report")
+    sys.exit(bool(wrong))
+
+
+if __name__ == "__main__":
+    main()

@@ -119,7 +119,7 @@ class UnitWork:
 
     name: str
     thin: int
-    seed: int
+    seed: int = 0
 
     @property
     def preload(self) -> str:

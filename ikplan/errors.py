@@ -75,6 +75,7 @@ class IkplanError(Exception):
         title: A short name for people, the same for every occurrence.
         status: HTTP status of the problem document.
         fields: Names of the attributes that make up the error's own data, JSON-ready.
+        added_fields: Those of them that documents of older services lack.
         detail: What happened this time, and what the user can do.
     """
 
@@ -82,6 +83,7 @@ class IkplanError(Exception):
     title: ClassVar[str] = "Planning error"
     status: ClassVar[int] = 500
     fields: ClassVar[tuple[str, ...]] = ()
+    added_fields: ClassVar[tuple[str, ...]] = ()
 
     def __init__(self, detail: str) -> None:
         super().__init__(detail)
@@ -398,6 +400,7 @@ class TimingFailed(NoPlan):
     title = "Timing failed"
     status = 422
     fields = ("position", "joint", "limit", "repairs", "nearest")
+    added_fields = ("nearest",)
 
     def __init__(
         self,
@@ -589,9 +592,10 @@ def error_from_problem(problem: Mapping[str, Any], *, url: str = "") -> IkplanEr
     """
     cls = _BY_TYPE.get(str(problem.get("type")))
     detail = str(problem.get("detail") or problem.get("title") or "unknown problem")
-    if cls is not None and all(name in problem for name in cls.fields):
+    needed = () if cls is None else set(cls.fields) - set(cls.added_fields)
+    if cls is not None and all(name in problem for name in needed):
         try:
-            return cls(detail, **{name: problem[name] for name in cls.fields})
+            return cls(detail, **{name: problem[name] for name in cls.fields if name in problem})
         except (TypeError, ValueError):
             # A document of that type with other data is none of ours either.
             detail = (

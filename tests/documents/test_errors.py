@@ -180,3 +180,13 @@ def test_a_robot_that_is_not_there_is_answered_with_the_ones_that_are() -> None:
     assert error.near == ["iiwa14"]
     assert "did you mean iiwa14?" in error.detail
     assert "iiwa14, ur5" in error.detail
+
+
+def test_problem_of_an_older_service_keeps_its_class() -> None:
+    problem = errors.TimingFailed("no timing", joint="elbow", limit="velocity").to_problem()
+    del problem["nearest"]
+    again = error_from_problem(problem)
+    assert isinstance(again, errors.TimingFailed)
+    assert (again.joint, again.nearest) == ("elbow", {})
+    del problem["joint"]
+    assert isinstance(error_from_problem(problem), ServiceUnavailable)

@@ -12,12 +12,15 @@ import numpy as np
 import pytest
 
 import ikplan._jit
+from ikplan.ik import registry
 from ikplan.ik.registry import solvers
 from ikplan.ik.solver import Solver, common_parameters
 from tests.ik.metaheuristics.runs import problem
 
 PAGE = (Path(__file__).parents[2] / "docs" / "solvers.md").read_text()
-RAW, COMPARE, KERNEL, ENTRY = re.findall(r"^```python\n(.*?)^```$", PAGE, re.MULTILINE | re.DOTALL)
+RAW, COMPARE, OWN, KERNEL, ENTRY = re.findall(
+    r"^```python\n(.*?)^```$", PAGE, re.MULTILINE | re.DOTALL
+)
 
 
 def row(solver: Solver) -> str:
@@ -51,14 +54,16 @@ def test_raw_and_refined() -> None:
     executed(RAW)
 
 
-def test_solvers_are_compared_at_about_equal_evaluations(
-    capsys: pytest.CaptureFixture[str],
-) -> None:
+def test_the_example_of_a_comparison_prints_its_table(capsys: pytest.CaptureFixture[str]) -> None:
     found = executed(COMPARE)
-    printed = [float(v) for v in capsys.readouterr().out.split()]
-    assert printed[:2] == [np.median(found.a), np.median(found.b)]
-    assert (np.array([found.a, found.b]) < 0.2).all()
-    assert 0.0 <= printed[2] <= 1.0
+    assert capsys.readouterr().out == found.found.table() + "\n"
+    assert set(found.found.tests.ranks) == {"ik-ba", "de-best-1"}
+
+
+def test_the_example_of_a_solver_from_outside_runs(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(registry, "_registered", {})
+    executed(OWN)
+    assert [s.name for s in solvers() if s.family == "outside"] == ["descent"]
 
 
 def test_the_example_search_keeps_the_laws(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -112,7 +112,7 @@ def test_a_body_is_not_read_before_the_key_is_known():
     assert statuses[0] == 401
 
 
-@pytest.mark.parametrize("key", [KEY, OTHER])
+@pytest.mark.parametrize("key", [KEY, OTHER], ids=["first", "second"])
 def test_every_known_key_opens_everything(key):
     app = app_with(api_keys=KEYS)
     for answer in ask(app, ("GET", "/v1/solvers", bearer(key)), ("GET", "/nowhere", bearer(key))):
@@ -245,6 +245,7 @@ def test_the_command_that_serves_refuses_too(monkeypatch, capsys):
         ("IKPLAN_CORS_ORIGINS", "https://a.example, b.example", "'b.example'"),
         ("IKPLAN_CORS_ORIGINS", "https://a.example/path", "is not an origin"),
     ],
+    ids=range(8),  # the keys are new ones in each process
 )
 def test_unsafe_settings_are_refused_by_name_without_repeating_secrets(
     variable, value, said, monkeypatch

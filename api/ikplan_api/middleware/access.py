@@ -21,8 +21,8 @@ from ikplan_api.settings.access import ApiKey, is_loopback
 
 __all__ = ["AccessMiddleware"]
 
-_PUBLIC = frozenset({"/", "/docs", "/openapi.json", "/livez", "/readyz", "/version"})
-_OPEN_FOLDER = "/page/"
+_PUBLIC = frozenset({"/", "/docs", "/openapi.json", "/problems", "/livez", "/readyz", "/version"})
+_OPEN_FOLDERS = ("/page/", "/docs/", "/problems/")
 """Public paths, for probes and browsers without a key: they reveal no plans and no robots."""
 
 
@@ -63,7 +63,7 @@ class AccessMiddleware:
             RateLimited: The key exceeded its rate limit.
         """
         path = str(scope["path"])
-        if path in _PUBLIC or path.startswith(_OPEN_FOLDER):
+        if path in _PUBLIC or path.startswith(_OPEN_FOLDERS):
             return
         if not self._keys:
             if _reached_from_outside(scope):

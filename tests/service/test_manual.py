@@ -18,6 +18,7 @@ from ikplan_api.http.schemas import PROBLEMS
 from ikplan_api.settings import Settings
 
 from .conftest import ADDRESS, PortalTransport
+from .test_access import Idle
 
 HTML = "text/html; charset=utf-8"
 
@@ -26,7 +27,7 @@ HTML = "text/html; charset=utf-8"
 def http() -> Iterator[httpx.Client]:
     """The service without its lifespan: what is asked for here needs no planner."""
     with start_blocking_portal() as portal:
-        transport = PortalTransport(create_app(Settings(store_path=":memory:")), portal)
+        transport = PortalTransport(create_app(Settings(), planner=Idle()), portal)
         with httpx.Client(base_url=ADDRESS, transport=transport) as client:
             yield client
 
@@ -172,9 +173,9 @@ def test_a_type_that_does_not_exist_has_no_page(http: httpx.Client) -> None:
 
 
 def test_a_problem_leads_to_its_page(http: httpx.Client) -> None:
-    answer = http.get("/v1/robots/ur55")
-    assert answer.json()["type"] == "urn:ikplan:robot-not-found"
+    answer = http.post("/v1/fk", content=b"{}", headers={"content-type": "text/x-none"})
+    assert (answer.status_code, answer.json()["type"]) == (415, "urn:ikplan:invalid-request")
     link = answer.links["help"]["url"]
-    assert link == "/problems/robot-not-found"
-    assert "Robot not found" in http.get(link).text
+    assert link == "/problems/invalid-request"
+    assert "Invalid request" in http.get(link).text
     assert "link" not in http.get("/nowhere").headers

@@ -52,6 +52,7 @@ def test_the_notebook_of_plans_runs(capsys: pytest.CaptureFixture[str]) -> None:
     assert isinstance(shown[-2], Figure)
     said = capsys.readouterr().out
     assert "m short" in said
+    assert said.splitlines()[0] == repr(plan)
 
 
 def test_the_notebook_of_solvers_runs(

@@ -15,7 +15,7 @@ def test_the_notebook_of_the_service_runs(
     names, shown = notebooks.run("service")
     plan, later = names["plan"], names["later"]
     np.testing.assert_allclose(plan.q[-1], [0.6, -1.3, 1.5, -1.8, -1.57, 0.4], atol=1e-9)
-    assert later.duration == pytest.approx(plan.duration, abs=1e-9)
+    assert later.duration == pytest.approx(plan.duration, abs=0.01)
     assert later.time[1] == pytest.approx(1 / 500)
     assert any(isinstance(value, dict) and "version" in value for value in shown)
     assert "'ur5'" in capsys.readouterr().out

@@ -18,7 +18,7 @@ from ikplan_api.http.schemas import PROBLEMS
 from ikplan_api.settings import Settings
 
 from .conftest import ADDRESS, PortalTransport
-from .test_access import Idle
+from .stand_in import StandIn
 
 HTML = "text/html; charset=utf-8"
 
@@ -27,7 +27,7 @@ HTML = "text/html; charset=utf-8"
 def http() -> Iterator[httpx.Client]:
     """The service without its lifespan: what is asked for here needs no planner."""
     with start_blocking_portal() as portal:
-        transport = PortalTransport(create_app(Settings(), planner=Idle()), portal)
+        transport = PortalTransport(create_app(Settings(), planner=StandIn()), portal)
         with httpx.Client(base_url=ADDRESS, transport=transport) as client:
             yield client
 

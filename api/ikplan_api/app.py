@@ -76,7 +76,8 @@ def create_app(
         summary="A tool path in, a certified joint trajectory out.",
         description=(
             "SI units: metres, radians, seconds. Quaternions are (x, y, z, w). Every failure is "
-            "an RFC 9457 problem document with the data of one class of error."
+            "an RFC 9457 problem document with the data of one class of error; "
+            "[/problems](problems) explains each type."
         ),
         docs_url=None,
         redoc_url=None,

@@ -153,6 +153,10 @@ class Plan(PlanDocument):
             f"{self.duration:.3f} s, id={self.id!r})"
         )
 
+    def __str__(self) -> str:
+        """Return the same line, for ``print``."""
+        return repr(self)
+
     def __rich_repr__(self) -> Iterator[Any]:
         """Tell rich the same."""
         yield self.robot

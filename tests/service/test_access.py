@@ -23,7 +23,10 @@ from .conftest import ADDRESS
 
 KEY, OTHER = new_key(), new_key()
 KEYS = f"cell:{key_hash(KEY)}, {key_hash(OTHER)}"
-OPEN = ["/", "/docs", "/openapi.json", "/livez", "/readyz", "/version", "/page/x.js"]
+OPEN = [
+    *("/", "/docs", "/openapi.json", "/livez", "/readyz", "/version", "/page/x.js"),
+    *("/docs/start.js", "/problems", "/problems/access-denied"),
+]
 
 
 def bearer(key: str) -> dict[str, str]:

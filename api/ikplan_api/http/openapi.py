@@ -168,6 +168,11 @@ def install(app: FastAPI) -> None:
                 [(model, "validation") for model in models], ref_template=_REF
             )
             schemas = made.setdefault("components", {}).setdefault("schemas", {})
+            for cls, model in PROBLEMS.items():
+                extra["$defs"][model.__name__]["externalDocs"] = {
+                    "description": "What it means, and what to do",
+                    "url": f"problems/{cls.slug}",
+                }
             made["components"]["schemas"] = dict(sorted((schemas | extra["$defs"]).items()))
             _describe_access(made)
             app.openapi_schema = made

@@ -90,6 +90,9 @@ def error_response(
     request.scope.setdefault("state", {})["problem"] = error.slug  # for the log
     document = error.to_problem()
     headers = dict(more_headers or {})
+    # Words on the type of the problem, for people; the type itself is a name and leads nowhere.
+    prefix = request.scope.get("root_path", "")
+    headers["link"] = f'<{prefix}/problems/{error.slug}>; rel="help"'
     if notes := request.scope["state"].get("notes"):
         headers["ikplan-notes"] = str(notes)  # how its file was read
     if status is not None:

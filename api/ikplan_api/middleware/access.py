@@ -21,9 +21,9 @@ from ikplan_api.settings.access import ApiKey, Role, is_loopback
 
 __all__ = ["AccessMiddleware"]
 
-_PUBLIC = frozenset({"/", "/docs", "/openapi.json", "/livez", "/readyz", "/version"})
+_PUBLIC = frozenset({"/", "/docs", "/openapi.json", "/problems", "/livez", "/readyz", "/version"})
 _AUDIT = "/v1/audit"
-_OPEN_FOLDER = "/page/"
+_OPEN_FOLDERS = ("/page/", "/docs/", "/problems/")
 """Public paths, for probes and browsers without a key: they reveal no plans and no robots."""
 
 
@@ -69,7 +69,7 @@ class AccessMiddleware:
             Refusal: 403, the role of the key does not allow it.
         """
         path = str(scope["path"])
-        if path in _PUBLIC or path.startswith(_OPEN_FOLDER):
+        if path in _PUBLIC or path.startswith(_OPEN_FOLDERS):
             return
         if not self._keys:
             if _reached_from_outside(scope):

@@ -89,9 +89,9 @@ def test_a_path_that_stops_keeps_its_rows_and_its_other_corners() -> None:
     )
     free = stopping_at(lines, {2}, start_free=True)
     assert free.begin == (lines.waypoints or [])[0]
-    assert [s.blend for s in free.segments or []] == [None, 0.0, None, None]
+    assert [s.model_dump()["blend"] for s in free.segments or []] == [None, 0.0, None, None]
     held = stopping_at(lines, {2}, start_free=False)
-    assert [s.blend for s in held.segments or []] == [None, None, 0.0, None, None]
+    assert [s.model_dump()["blend"] for s in held.segments or []] == [None, None, 0.0, None, None]
     assert free.blend == held.blend == 1e-3
 
 

@@ -124,7 +124,10 @@ class _Limits(Document):
 
     velocity_scale: float = Field(1.0, ge=1e-4, le=1, description="Share of the velocity limits.")
     acceleration_scale: float = Field(
-        1.0, ge=1e-4, le=1, description="Share of the acceleration limits."
+        1.0,
+        ge=1e-4,
+        le=1,
+        description="Share of the robot's acceleration limits, or of what replaces them.",
     )
     velocity: PerJoint | None = Field(
         None,
@@ -137,18 +140,23 @@ class _Limits(Document):
         "as the highest ones are above.",
     )
     acceleration: PerJoint | None = Field(
-        None, description="Highest joint accelerations, one each or one for all [rad/s^2 or m/s^2]."
+        None,
+        description="Highest joint accelerations, one each or one for all [rad/s^2 or m/s^2]. They "
+        "replace limits of the robot that are only a named default, no source giving them, those "
+        "of a segment not without those of the request; limits with a source hold as well, and "
+        "where these are higher, `timing.hints` says so.",
     )
     acceleration_lower: PerJointBelow | None = Field(
         None,
-        description="Lowest joint accelerations, negative [rad/s^2 or m/s^2]; null: as far below "
-        "zero as the highest ones are above.",
+        description="Lowest joint accelerations, negative [rad/s^2 or m/s^2], in place of named "
+        "defaults as `acceleration`; null: as far below zero as the highest ones are above.",
     )
     deceleration: Annotated[PerJoint | None, IfGiven()] = Field(
         None,
         description="Highest rates at which joints may slow down, whichever way they move, one "
-        "each or one for all [rad/s^2 or m/s^2], inside the robot's own limits; `acceleration` is "
-        "then how fast they may speed up. null: as `acceleration`.",
+        "each or one for all [rad/s^2 or m/s^2], inside the robot's own limits unless these are "
+        "named defaults; `acceleration` is then how fast they may speed up. null: as "
+        "`acceleration`.",
     )
     torque: Torque = Field(
         False,

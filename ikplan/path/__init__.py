@@ -8,7 +8,7 @@ from ikplan._lazy import on_first_use
 
 if TYPE_CHECKING:
     from ikplan.path.build.legs import JointLeg, JointWaypoint, Leg, MoveLeg, ToolLeg, legs_of
-    from ikplan.path.build.passed_order import passed_rows
+    from ikplan.path.build.passed_order import first_rows, passed_rows
     from ikplan.path.build.tolerance_corners import Rounding
     from ikplan.path.pieces.piece import TURN_LENGTH, PathDerivatives, Piece, Pose
     from ikplan.path.rotation.so3 import rotation_of
@@ -23,6 +23,7 @@ else:
             "MoveLeg": "build.legs",
             "ToolLeg": "build.legs",
             "legs_of": "build.legs",
+            "first_rows": "build.passed_order",
             "passed_rows": "build.passed_order",
             "Rounding": "build.tolerance_corners",
             "TURN_LENGTH": "pieces.piece",
@@ -52,6 +53,7 @@ __all__ = [
     "SegmentRange",
     "ToolLeg",
     "ToolPath",
+    "first_rows",
     "legs_of",
     "passed_rows",
     "rotation_of",

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
+import numpy as np
+
 from ikplan.documents.plan_request import PathRequest, PlanRequest
 from ikplan.documents.scene import Scene
-from ikplan.documents.segment import JointSegment, MoveSegment
 from ikplan.documents.trajectory import OrderReport
 from ikplan.errors import Disconnected, InCollision, TimingFailed, Unreachable
 from ikplan.joint_path import JointPath
@@ -16,6 +18,13 @@ from ikplan.limits.motion_limits import LimitedSegment, MotionLimits
 from ikplan.path import passed_rows
 from ikplan.pipeline.asked.asked_motion import asked_of_plan
 from ikplan.pipeline.asked.asked_timing import time_as_asked
+from ikplan.pipeline.corner_stops.corner_times import (
+    CornerTimes,
+    gaining_stops,
+    least_stops,
+    stops_may_gain,
+)
+from ikplan.pipeline.corner_stops.exact_corners import stopping_at, stops_allowed, without_blends
 from ikplan.pipeline.timing_stage import Motion, Timing, least_timing, move_along, reported
 from ikplan.planning import JointPathProblem, JointRoute, orders_of, plan_joint_path
 from ikplan.planning.joint_steps import clear_joint_path
@@ -23,10 +32,11 @@ from ikplan.planning.tracking.tracked_path import TrackingFailed
 from ikplan.robots import Robot
 from ikplan.timing import TimedPath
 
-__all__ = ["LaidRoute", "MotionStages", "TimedRoute", "without_blends"]
+__all__ = ["LaidRoute", "MotionStages", "TimedRoute"]
 
 _FEW = 64
-"""Of fewer segments, a path with blends is planned with exact corners too."""
+"""Of so many segments or fewer, a path with blends is planned with exact corners too; of more,
+where a corner may be faster to stop at."""
 _BOUND = 2e-3
 """How far above the least duration a timing without jerk limits may be, as a share."""
 _NoMotion = (Unreachable, Disconnected, InCollision, TimingFailed, TrackingFailed)
@@ -58,30 +68,6 @@ class TimedRoute(NamedTuple):
     def duration(self) -> float:
         """Time of the motion [s]."""
         return float(self.timing.timed.duration)
-
-
-def without_blends(path: PathRequest) -> PathRequest | None:
-    """Return a path with exact corners in the place of blends; None: it has no blends.
-
-    A corner to a joint motion keeps its blend: within its ball the motion may stop as well. A path
-    of many segments is left as it is, too dear to be planned twice.
-    """
-    segments = path.segments or []
-    if len(path.waypoints or segments) > _FEW:
-        return None
-    after = [*segments[1:], None]
-    exact = [
-        segment.model_copy(update={"blend": 0.0})
-        if not isinstance(segment, MoveSegment | JointSegment)
-        and not isinstance(following, JointSegment)
-        and segment.blend
-        else segment
-        for segment, following in zip(segments, after, strict=False)
-    ]
-    if not path.blend and all(a is b for a, b in zip(exact, segments, strict=True)):
-        return None
-    blend = 0.0 if path.blend else path.blend
-    return path.model_copy(update={"segments": exact or None, "blend": blend})
 
 
 @dataclass(frozen=True, eq=False)
@@ -158,27 +144,23 @@ class MotionStages:
         """Lay the joint path of a route, and of those that stop at more of its corners.
 
         Within a small tolerance, or a blend that asks much of the joints, a corner is passed so
-        slowly that a stop may take no longer.
+        slowly that a stop may take no longer. Of a path of many segments, only where it is timed
+        is it known whether one may.
         """
         others: list[JointPathProblem] = []
         if route.sharp:
             others.append(replace(problem, rounding="slight"))
         if route.slight:
             others.append(replace(problem, rounding="none"))
-        exact = without_blends(problem.path)
+        exact = without_blends(problem.path) if _few(problem.path) else None
         if exact is not None:
             others.append(replace(problem, path=exact))
         routes = [(route, problem.path)]
         for other in others:
-            try:
+            with suppress(Unreachable, Disconnected, InCollision, TrackingFailed):
                 routes.append((plan_joint_path(other), other.path))
-            except (Unreachable, Disconnected, InCollision, TrackingFailed):
-                continue
         routes += [(r.stopped, path) for r, path in routes if r.stopped is not None]
-        return [
-            LaidRoute(*clear_joint_path(r, problem.limits, problem.contact), path)
-            for r, path in routes
-        ]
+        return [_laid(problem, r, path) for r, path in routes]
 
     def fastest(self, problem: JointPathProblem, laid: Sequence[LaidRoute]) -> TimedRoute:
         """Time joint paths; the fastest, the first of equal ones.
@@ -186,8 +168,12 @@ class MotionStages:
         Raises:
             TimingFailed: None has a timing; that of the first.
         """
+        laid, many = list(laid), not _few(problem.path) and bool(stops_allowed(problem.path))
         # What a motion takes without jerk limits is quickly known, and with them it takes longer.
-        known = [self._least(problem, one) for one in laid] if len(laid) > 1 else [None]
+        timed = many or len(laid) > 1
+        known = [self._least(problem, one) if timed else None for one in laid]
+        if many:
+            self._add_stopping(problem, laid, known)
         least = [0.0 if timed is None else timed.duration for timed in known]
         best: tuple[float, int, Motion | Timing] | None = None
         failures: dict[int, TimingFailed] = {}
@@ -208,6 +194,52 @@ class MotionStages:
         motion = best[2]
         timing = reported(motion, problem.clock.check) if isinstance(motion, Motion) else motion
         return TimedRoute(route, joint_path, timing, path)
+
+    def _add_stopping(
+        self, problem: JointPathProblem, laid: list[LaidRoute], known: list[TimedPath | None]
+    ) -> None:
+        """Add the path with exact corners and the one that stops where that gains.
+
+        Both are planned only where they may be faster: a corner of the first route takes longer
+        than a stop there takes at least, or longer than it does on another route.
+        """
+        route, first = laid[0].route, known[0]
+        if first is None:
+            return
+        rounded = CornerTimes.of(route, first)
+        allowed = np.isin(rounded.rows, sorted(stops_allowed(problem.path)))
+        least = least_stops(route, first, self.robot, self.limits, self._limited(route))
+        others = _times(laid, known)
+        stopped = rounded.stopped.copy()
+        for other in others:
+            stopped |= np.isin(rounded.rows, other.rows[other.stopped])
+        open_ = allowed & ~stopped
+        if stops_may_gain(rounded.spent[open_], least[open_], first.duration):
+            path = without_blends(problem.path) or problem.path
+            self._add(replace(problem, path=path, rounding="none"), path, laid, known)
+            others = _times(laid, known)
+        stops = gaining_stops(rounded, others) & stops_allowed(problem.path)
+        made = {frozenset(other.rows[other.stopped].tolist()) for other in others}
+        if stops and stops | set(rounded.rows[rounded.stopped].tolist()) not in made:
+            path = stopping_at(problem.path, stops, start_free=problem.start_free)
+            self._add(replace(problem, stops=stops), path, laid, known)
+
+    def _add(
+        self,
+        problem: JointPathProblem,
+        path: PathRequest,
+        laid: list[LaidRoute],
+        known: list[TimedPath | None],
+    ) -> None:
+        """Plan, lay and time one more joint path, where there is one."""
+        clock, solver = problem.clock, problem.solver
+        with (
+            suppress(Unreachable, Disconnected, InCollision, TrackingFailed),
+            clock.stage("planning"),
+            clock.cutting(solver.cut, solver.search_evaluations),
+        ):
+            laid.append(_laid(problem, plan_joint_path(problem), path))
+            known.append(self._least(problem, laid[-1]))
 
     def _least(self, problem: JointPathProblem, laid: LaidRoute) -> TimedPath | None:
         """The motion that no jerk limit slows; None: there is no timing."""
@@ -235,6 +267,24 @@ class MotionStages:
         if asked is None or asked.plain:
             return move_along(path, self.robot, self.limits, sampling, segments, check, known)
         return time_as_asked(path, self.robot, self.limits, sampling, segments, asked, check)
+
+
+def _few(path: PathRequest) -> bool:
+    """Whether a path is of so few parts that other corners are tried without a reason."""
+    return len(path.waypoints or path.segments or ()) <= _FEW
+
+
+def _laid(problem: JointPathProblem, route: JointRoute, path: PathRequest) -> LaidRoute:
+    return LaidRoute(*clear_joint_path(route, problem.limits, problem.contact), path)
+
+
+def _times(laid: Sequence[LaidRoute], known: Sequence[TimedPath | None]) -> list[CornerTimes]:
+    """Times of all routes but the first."""
+    return [
+        CornerTimes.of(one.route, timed)
+        for one, timed in zip(laid[1:], known[1:], strict=True)
+        if timed is not None
+    ]
 
 
 def _order_report(

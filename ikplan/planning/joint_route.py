@@ -48,6 +48,7 @@ class JointPathProblem:
         move_margins: Gap that the rounded corners of a move keep on top of that of the check, by
             the name of the move [m]; absent: none.
         rounding: Which corners are rounded within the tolerance, if the path asks for it.
+        stops: Rows of the waypoints at which corners of tool paths are exact all the same.
         order: Numbers of the waypoints or segments in the order in which they are passed; None:
             as the path is written.
         ends: Configurations at which moves, and joint motions before a tool path, end, by name:
@@ -71,6 +72,7 @@ class JointPathProblem:
     contact: ContactCheck | None = None
     move_margins: Mapping[str, float] = field(default_factory=dict)
     rounding: Rounding = "all"
+    stops: frozenset[int] = frozenset()
     order: tuple[int, ...] | None = None
     ends: Mapping[str, tuple[Array, Target]] = field(default_factory=dict)
     left_from: Array | None = None

@@ -39,7 +39,8 @@ def plan_joint_path(problem: JointPathProblem) -> JointRoute:
     if not problem.start_free:
         planner.check_start_free()
         start = Pose(*tool_pose(problem, problem.q_start))
-    legs = legs_of(problem.path, start, planner.fk, problem.rounding, problem.order)
+    rules = problem.order, problem.stops
+    legs = legs_of(problem.path, start, planner.fk, problem.rounding, *rules)
     check_objective(problem.options, legs)
     try:
         return _planned(planner, legs)
@@ -49,7 +50,7 @@ def plan_joint_path(problem: JointPathProblem) -> JointRoute:
     # The path itself may be passed where its rounded corners are not, and is what was asked for.
     problem = replace(problem, rounding="none")
     planner = JointPathPlanner(problem)
-    return _planned(planner, legs_of(problem.path, start, planner.fk, "none", problem.order))
+    return _planned(planner, legs_of(problem.path, start, planner.fk, "none", *rules))
 
 
 def _planned(planner: JointPathPlanner, legs: list[Leg]) -> JointRoute:

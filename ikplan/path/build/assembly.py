@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Container, Sequence
 from dataclasses import replace
 from itertools import dropwhile, pairwise
 
@@ -32,6 +32,7 @@ def assemble(
     rounding: CornerTolerance | None = None,
     *,
     joint_after: bool = False,
+    stops: Container[int] = (),
 ) -> ToolPath:
     """Join items to a path.
 
@@ -42,6 +43,7 @@ def assemble(
         blend: Radius of the corners that have none of their own [m].
         rounding: How much those corners may be rounded instead; None: not at all.
         joint_after: Whether there is a corner at its end, to a joint motion.
+        stops: Rows of the waypoints at which corners are exact all the same.
 
     Raises:
         InvalidRequest: A blend does not fit, or there is no corner for it.
@@ -58,6 +60,9 @@ def assemble(
         spot = line(begin.p, begin.p, R)
         return ToolPath((spot,), tuple(waypoints), (), tuple(segments))
     kept = _without_empty(whole)
+    for item in kept[:-1]:
+        if any(m.s >= item.piece.length and m.row in stops for m in item.waypoints):
+            item.blend = 0.0
     junctions = Junctions.between(kept)
     may = may_round(kept, junctions) if rounding is not None else np.zeros(0, dtype=bool)
     corners = junctions

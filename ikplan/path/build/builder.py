@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Container, Sequence
 
 import numpy as np
 
@@ -42,6 +42,7 @@ class PathBuilder:
         free_axis: "tool_x", ...: the axis of the tool about which it may turn; None: none.
         blend: Radius of the corners that have none of their own [m].
         rounding: How much those corners may be rounded instead; None: not at all.
+        stops: Rows of the waypoints at which corners are exact all the same.
     """
 
     def __init__(
@@ -53,6 +54,7 @@ class PathBuilder:
         free_axis: str | None = None,
         blend: float = 0.0,
         rounding: CornerTolerance | None = None,
+        stops: Container[int] = (),
     ) -> None:
         self._frame = frame
         self._begin = self._at = begin
@@ -61,6 +63,7 @@ class PathBuilder:
         self._free_axis = None if free_axis is None else _AXES[free_axis]
         self._blend = blend
         self._rounding = rounding
+        self._stops = stops
         self._items: list[PathItem] = []
         self._first: list[ItemWaypoint] = []
 
@@ -224,7 +227,13 @@ class PathBuilder:
         """
         items = lead_in_orientations(self._items, self._begin, self._first_name, self._free_axis)
         return assemble(
-            self._begin, self._first, items, self._blend, self._rounding, joint_after=joint_after
+            self._begin,
+            self._first,
+            items,
+            self._blend,
+            self._rounding,
+            joint_after=joint_after,
+            stops=self._stops,
         )
 
     def _turn_to(

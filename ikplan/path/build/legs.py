@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Container, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -99,6 +99,7 @@ def legs_of(
     fk: ForwardKinematics,
     rounding: Rounding = "all",
     order: Sequence[int] | None = None,
+    stops: Container[int] = (),
 ) -> list[Leg]:
     """Return the legs of a path, in order.
 
@@ -114,11 +115,12 @@ def legs_of(
         rounding: Which corners are rounded within the tolerance, if the path asks for it.
         order: Numbers of the waypoints or segments in the order in which they are passed; None:
             as they are written.
+        stops: Rows of the waypoints at which corners of tool paths are exact all the same.
 
     Raises:
         InvalidRequest: The path makes no sense; names the field.
     """
-    walk = _Walk(path, start, fk, rounding, order)
+    walk = _Walk(path, start, fk, rounding, order, stops)
     if path.waypoints is not None:
         walk.waypoints()
     else:
@@ -136,12 +138,14 @@ class _Walk:
         fk: ForwardKinematics,
         rounding: Rounding,
         order: Sequence[int] | None,
+        stops: Container[int],
     ) -> None:
         self._path = path
         parts = path.segments if path.waypoints is None else path.waypoints
         self._order = range(len(parts or ())) if order is None else order
         self._first_rows = first_rows(path)
         self._rounding = CornerTolerance.of(path, rounding)
+        self._stops = stops
         self._frame = PathFrame(path)
         self._fk = fk
         self._row = RowCounter()
@@ -313,7 +317,9 @@ class _Walk:
         free = self._path.orientation_free
         axis = None if free is None or free == "all" else free.about
         blend = self._path.blend or 0.0
-        return PathBuilder(self._frame, begin, self._name, self._row, axis, blend, self._rounding)
+        return PathBuilder(
+            self._frame, begin, self._name, self._row, axis, blend, self._rounding, self._stops
+        )
 
     def _close(self) -> None:
         self._close_tool()

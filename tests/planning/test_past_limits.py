@@ -56,3 +56,16 @@ def test_a_station_farther_past_a_limit_than_the_tolerance_is_met_exactly() -> N
     plan = ikplan.plan(stations(robot, 0, 2e-3))
     assert plan.certificate.max_position_error is not None
     assert plan.certificate.max_position_error < 1e-9
+
+
+@pytest.mark.parametrize("joint", [0, 3, 5])
+def test_a_line_may_begin_a_hair_past_a_limit(joint: int) -> None:
+    robot = ikplan.load_robot("ur5")
+    request = stations(robot, joint, 5e-5)
+    waypoints = request["path"]["waypoints"]
+    to_station = {"type": "joint", "to": waypoints[2]}
+    away = {"type": "line", "to": waypoints[0]}
+    plan = ikplan.plan({**request, "path": {"segments": [to_station, away]}})
+    assert np.abs(plan.q - request["start"]).max() < 0.1
+    assert plan.certificate.max_position_error is not None
+    assert plan.certificate.max_position_error <= 1e-4

@@ -19,7 +19,7 @@ from ikplan.planning.ladder.shortest_sequences import ik_candidates, shortened_s
 from ikplan.planning.waypoints.waypoint_problem import WaypointProblem
 from ikplan.planning.within.window_kernels import linearised_errors
 
-__all__ = ["meet_at_limits"]
+__all__ = ["meet_at_limits", "solutions_at_limits"]
 
 
 _FLIP = 1.0
@@ -53,17 +53,7 @@ def meet_at_limits(
     if any(arm.dof > constraint_rows(target) for target in problem.targets):
         # An arm with a motion of its own leaves a limit without a flip.
         return q, cost
-    tolerance = problem.tolerance
-    hair = np.where(arm.chain.prismatic, tolerance.position, tolerance.orientation)
-    wider = replace(arm, lower=arm.lower - hair, upper=arm.upper + hair)
-    with problem.clock.stage("ik"):
-        past = ik_candidates(
-            wider, targets, problem.q_start, problem.clock, seed=problem.solver.seed
-        )
-    at_limits = [
-        _clipped(problem, wider, targets, k, past.q[k, : past.counts[k]])
-        for k in range(len(problem.targets))
-    ]
+    at_limits = solutions_at_limits(problem, targets)
     if not any(len(found) for found in at_limits):
         return q, cost
     joined = _joined(candidates, at_limits)
@@ -72,10 +62,36 @@ def meet_at_limits(
     ):
         problem.clock.check()
         if length < cost - _SAVED:
-            exact = _exact_where_free(arm, candidates, other, 2.0 * hair)
+            exact = _exact_where_free(arm, candidates, other, 2.0 * _hair(problem))
             if _met(problem, targets, exact) and problem.first_contact(exact) is None:
                 q, cost = exact, length
     return q, cost
+
+
+def solutions_at_limits(problem: WaypointProblem, targets: Targets) -> list[Array]:
+    """Return, of each target, solutions past limits brought to them, within the tolerance.
+
+    Args:
+        problem: The targets.
+        targets: The same as arrays.
+    """
+    arm, hair = problem.solver.arm, _hair(problem)
+    wider = replace(arm, lower=arm.lower - hair, upper=arm.upper + hair)
+    with problem.clock.stage("ik"):
+        past = ik_candidates(
+            wider, targets, problem.q_start, problem.clock, seed=problem.solver.seed
+        )
+    return [
+        _clipped(problem, wider, targets, k, past.q[k, : past.counts[k]])
+        for k in range(len(problem.targets))
+    ]
+
+
+def _hair(problem: WaypointProblem) -> Array:
+    """How far past its limit a solution of each joint is looked for, shape (dof,)."""
+    tolerance = problem.tolerance
+    prismatic = problem.solver.arm.chain.prismatic
+    return np.where(prismatic, tolerance.position, tolerance.orientation)
 
 
 def _clipped(problem: WaypointProblem, wider: Arm, targets: Targets, k: int, rows: Array) -> Array:

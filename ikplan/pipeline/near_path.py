@@ -32,6 +32,11 @@ _LOOK = 8.0
 _SHARP, _BACK = 0.8, 2.6
 """A change of direction by more than this is a sharp corner, and by more than that, a reversal, at
 which the motion rests [rad]."""
+_STRAIGHT_END = 0.05
+"""How far a spline without bending at its end is off, by bending and the square of the span."""
+_END_SHARE = 0.02
+"""Share of the tolerance that this may take."""
+_HALVINGS = 12
 _BETWEEN = np.linspace(0.0, 1.0, 9)[:-1]
 
 
@@ -179,7 +184,9 @@ def _laid(
             continue
         breaks = np.unique(spline.t)
         own = [u[row - first] for row in rows if first < row < last]
-        at = np.unique(np.concatenate([breaks, 0.5 * (breaks[1:] + breaks[:-1]), own]))
+        at = _closer_at_ends(
+            np.unique(np.concatenate([breaks, 0.5 * (breaks[1:] + breaks[:-1]), own])), spline, half
+        )
         points.append(np.clip(spline(at[1:]), limits.lower, limits.upper))
         points[-1][-1] = asked[last]
         place[first : last + 1] = np.interp(u, at, count - 1 + np.arange(len(at)))
@@ -198,6 +205,24 @@ def _laid(
         knot_of_waypoint=path.knot_of_waypoint[knots],
     )
     return NearPath(own_path, s, sharp)
+
+
+def _closer_at_ends(at: Array, spline: BSpline, half: Array) -> Array:
+    """Halve the spans at both ends until the joint spline keeps to the curve there.
+
+    The joint spline is straight at its ends, where the curve bends: it is off by about 5 % of the
+    bending times the square of the span.
+    """
+    added: list[float] = []
+    for end, next_one in ((at[0], at[1]), (at[-1], at[-2])):
+        span = float(next_one - end)
+        bending = float((np.abs(spline(end, 2)) / half).max())
+        for _ in range(_HALVINGS):
+            if _STRAIGHT_END * bending * span * span <= _END_SHARE:
+                break
+            span *= 0.5
+            added.append(float(end) + span)
+    return np.unique(np.concatenate([at, added]))
 
 
 def _places(path: JointPath, place: Array, wanted: dict[int, Array]) -> Array:

@@ -5,11 +5,13 @@ from __future__ import annotations
 import numpy as np
 
 from ikplan.arrays import Array
+from ikplan.kinematics.target import constraint_rows
 from ikplan.planning.ladder.equivalent_configurations import with_equivalents
 from ikplan.planning.ladder.ik_candidates import sample_ik_solutions
 from ikplan.planning.ladder.motion_cost import posture_distances
 from ikplan.planning.tracking.start_copies import distinct_modulo_turns
 from ikplan.planning.waypoints.free_solutions import free_solutions
+from ikplan.planning.waypoints.past_limits import solutions_at_limits
 from ikplan.planning.waypoints.stack import stack_targets
 from ikplan.planning.waypoints.waypoint_ik import solve_waypoint
 from ikplan.planning.waypoints.waypoint_problem import WaypointProblem
@@ -20,6 +22,9 @@ __all__ = ["branches"]
 _STARTS = 24
 """Starts of a tool path that are tried where it may begin in any branch."""
 _SEEDS = 150
+_FAR = 1.0
+"""Where every solution moves a joint by more than this, those at limits are looked at too
+[rad or m]."""
 
 
 def branches(problem: WaypointProblem, *, turns: bool = False) -> Array:
@@ -58,6 +63,10 @@ def branches(problem: WaypointProblem, *, turns: bool = False) -> Array:
         q = with_equivalents(arm, q) if turns else distinct_modulo_turns(arm, q)
         if len(q) == 0:
             q = solve_waypoint(problem, 0, problem.q_start)[None]
+        moves = np.abs(q - problem.q_start).max(axis=1)
+        fixed = not problem.start_free and arm.dof == constraint_rows(problem.targets[0])
+        if fixed and moves.min() > _FAR:
+            q = np.vstack([q, *solutions_at_limits(problem, stack_targets(problem.targets))])
         if problem.contact is not None:
             free = problem.contact.free(q, problem.segment(0))
             q = q[free] if free.any() else free_solutions(problem, 0, problem.q_start)

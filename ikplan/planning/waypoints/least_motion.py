@@ -12,6 +12,7 @@ from ikplan.planning.ladder.shortest_sequences import ik_candidates, shortened_s
 from ikplan.planning.tracking.start_copies import StartCopies
 from ikplan.planning.waypoints.free_solutions import free_solutions
 from ikplan.planning.waypoints.in_collision import motion_in_collision
+from ikplan.planning.waypoints.past_limits import meet_at_limits
 from ikplan.planning.waypoints.stack import stack_targets
 from ikplan.planning.waypoints.waypoint_ik import solve_waypoint
 from ikplan.planning.waypoints.waypoint_problem import (
@@ -50,6 +51,8 @@ def select_least_motion(problem: WaypointProblem) -> Array:
         if length < best_length and problem.first_contact(q) is None:
             best, best_length = q, length
         problem.clock.check({"q": best.tolist()})
+    if choose_begin == problem.start_free:
+        best, best_length = meet_at_limits(problem, targets, candidates, best, best_length)
     if problem.contact is not None and best_length == np.inf:
         best = _around(problem, candidates)
     if problem.start_free:

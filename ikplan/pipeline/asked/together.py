@@ -18,7 +18,7 @@ from ikplan.documents.trajectory import Trajectory
 from ikplan.errors import CertificateViolated, InvalidRequest
 from ikplan.ik.arguments import check_start
 from ikplan.limits.motion_limits import MotionLimits
-from ikplan.pipeline.motion_stages import without_blends
+from ikplan.pipeline.corner_stops.exact_corners import without_blends
 from ikplan.pipeline.plan import make_plan
 from ikplan.pipeline.resolve import resolve_robot
 from ikplan.pipeline.retime import time_request

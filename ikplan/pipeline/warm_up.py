@@ -66,6 +66,8 @@ def warm_up(
         _under_way.add(key)
         try:
             asked = _moves(method) if moves else small_requests(kind, method, jerk=jerk)
+            if kind == "plan" and not moves:
+                _turns(catalogue_robot(_robot(method)))
             for request in asked:
                 # Some are out of reach or in contact: the explanation has kernels of its own.
                 with contextlib.suppress(Unreachable, InCollision):
@@ -109,6 +111,14 @@ def small_requests(
     paths = _paths(method)
     limited = [{**paths[0], "limits": each} for each in limits]
     return limited if jerk else [*limited, *paths[1:]]
+
+
+def _turns(robot: Robot) -> None:
+    """Look for full turns of a solution: requests do where a waypoint is past a limit by a hair."""
+    from ikplan.kinematics.arm import arm_of
+    from ikplan.planning.ladder.equivalent_configurations import with_equivalents
+
+    with_equivalents(arm_of(robot), robot.home[None])
 
 
 def _robot(method: str) -> str:

@@ -88,7 +88,7 @@ def test_version_and_health(http):
         ("GET", "/redoc", 404),
         ("GET", "/v1/robots/", 404),
         ("POST", "/v1/plans/", 404),
-        ("GET", "/v1/plans", 405),
+        ("PUT", "/v1/plans", 405),
         ("DELETE", "/v1/robots", 405),
         ("PUT", "/livez", 405),
     ],
@@ -109,7 +109,7 @@ def test_what_is_not_there_is_a_problem_too(method, path, status, http):
     [
         ("/v1/robots", "GET, POST"),
         ("/v1/robots/ur5", "DELETE, GET"),
-        ("/v1/plans", "POST"),
+        ("/v1/plans", "GET, POST"),
         ("/livez", "GET"),
         ("/docs", "GET"),
     ],

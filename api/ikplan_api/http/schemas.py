@@ -179,6 +179,10 @@ _DATA: dict[type[errors.IkplanError], dict[str, Any]] = {
         "joint": (str | None, Field(description="The joint.")),
         "limit": (str | None, Field(description="The limit that cannot be satisfied.")),
         "repairs": _REPAIRS,
+        "nearest": (
+            dict[str, Any],
+            Field(description="Fields of the request with the nearest feasible values, if any."),
+        ),
     },
     errors.BudgetExceeded: {
         "stage": (str, Field(description="The stage that was running.")),

@@ -36,7 +36,7 @@ def read_point_file(body: bytes, query: Mapping[str, str], robot: Robot) -> byte
     Raises:
         InvalidRequest: The file or the query is invalid; names line and column or the parameter.
     """
-    if query[MEDIA_TYPE] == GCODE:
+    if query.get(MEDIA_TYPE) == GCODE:
         return _gcode(body, query, robot)
     reading = Reading(
         query.get("units"), query.get("angles"), query.get("columns"), query.get("free_axis")

@@ -72,8 +72,9 @@ def equivalents_of(q: Array, turns: Flags, lower: Array, upper: Array) -> Array:
 
 def with_equivalents(arm: Arm, rows: Array) -> Array:
     """Return solutions, shape (m, dof), with all their copies within the limits, shape (c, dof)."""
-    turns = joints_with_full_turn(arm.chain, arm.lower, arm.upper)
-    copies = [equivalents_of(q, turns, arm.lower, arm.upper) for q in rows]
+    lower, upper = np.array(arm.lower), np.array(arm.upper)  # one compiled kind of arrays
+    turns = joints_with_full_turn(arm.chain, lower, upper)
+    copies = [equivalents_of(q, turns, lower, upper) for q in np.array(rows)]
     return np.concatenate(copies) if copies else rows
 
 

@@ -115,7 +115,7 @@ def test_a_field_that_the_schema_does_not_know_is_marked_and_names_are_completed
     request = example("helix_iiwa14")
     write(page, {**request, "speed": 1, "budget_s": -1})
     marked = page.locator("#editor .cm-lintRange-error")
-    expect(marked).to_have_count(2)
+    expect(marked).to_have_count(2, timeout=30_000)  # the schema is read first
     expect(marked.first).to_have_text("1")
     write(page, request)
     expect(marked).to_have_count(0)

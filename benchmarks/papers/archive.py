@@ -112,6 +112,8 @@ def main() -> None:
         np.savez_compressed(HERE / "medians.npz", **arrays)
         print(f"{packed}, {HERE / 'manifest.json'}, {HERE / 'medians.npz'}")
         return
+    if not (HERE / "manifest.json").is_file():
+        parser.error("there is no archive/manifest.json: `write` makes it from the rows")
     manifest = json.loads((HERE / "manifest.json").read_text())["series"]
     wrong = verify(options.out, manifest)
     print("\n".join(wrong) or "the rows are those of the report")

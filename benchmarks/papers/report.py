@@ -124,9 +124,9 @@ class Sections:
         document.say(
             f"Tables and figures made by {made}; `make papers` makes a reduced one in "
             "`out/papers`. One solve is one row, with its joint values, in `out/papers` after a "
-            "run; every table is made of these. `archive/manifest.json` has the SHA-256 of the "
-            "rows of every series, times left out, and `python -m benchmarks.papers.archive "
-            "verify` holds rows made anew to it.",
+            "run; every table is made of these. `python -m benchmarks.papers.archive write` "
+            "writes `archive/manifest.json`, the SHA-256 of the rows of every series, times left "
+            "out, and `python -m benchmarks.papers.archive verify` holds rows made anew to it.",
             *([FEW.format(", ".join(few))] if few else []),
             *([ABSENT.format(", ".join(absent))] if absent else []),
             READING,

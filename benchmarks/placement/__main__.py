@@ -68,7 +68,7 @@ def _searched(
             yield [Evaluated(tuple(row[0]), *row[1:]) for row in json.loads(outcome.document)]
 
 
-def _study(name: str, options: argparse.Namespace, writer: csv.writer | None) -> None:  # type: ignore[valid-type]
+def _study(name: str, options: argparse.Namespace, writer: Any) -> None:
     case = CASES[name]()
     site = site_of(case)
     given = site.evaluate([0.0] * len(site.names))

@@ -10,7 +10,7 @@ from playwright.sync_api import Browser, Page, Response, expect
 from ikplan.client.api_keys import key_hash, new_key
 from ikplan_api.settings import Settings
 
-from .browser import NoPlanner, Visit, chromium, served
+from .browser import NoPlanner, Visit, served
 
 KEY = new_key()
 
@@ -18,12 +18,6 @@ KEY = new_key()
 @pytest.fixture(scope="module")
 def address() -> Iterator[str]:
     with served(Settings(api_keys=f"cell:{key_hash(KEY)}"), NoPlanner()) as running:
-        yield running
-
-
-@pytest.fixture(scope="module")
-def browser() -> Iterator[Browser]:
-    with chromium() as running:
         yield running
 
 

@@ -31,13 +31,16 @@ from ikplan.planning.joint_steps import clear_joint_path
 from ikplan.planning.tracking.tracked_path import TrackingFailed
 from ikplan.robots import Robot
 from ikplan.timing import TimedPath
+from ikplan.timing.engines.engine import EngineFailed
+from ikplan.timing.limit_jerk import NotShorter
+from ikplan.timing.time_joint_path import passing_jumps
 
 __all__ = ["LaidRoute", "MotionStages", "TimedRoute"]
 
 _FEW = 64
 """Of so many segments or fewer, a path with blends is planned with exact corners too; of more,
 where a corner may be faster to stop at."""
-_BOUND = 2e-3
+_BOUND = 5e-3
 """How far above the least duration a timing without jerk limits may be, as a share."""
 _NoMotion = (Unreachable, Disconnected, InCollision, TimingFailed, TrackingFailed)
 
@@ -180,8 +183,11 @@ class MotionStages:
         for k in sorted(range(len(laid)), key=lambda k: (least[k], k)):
             if best is not None and (1.0 - _BOUND) * least[k] >= best[0]:
                 continue
+            most = np.inf if best is None else best[0]
             try:
-                motion = self._moved(problem, laid[k], known[k])
+                motion = self._moved(problem, laid[k], known[k], most)
+            except NotShorter:
+                continue
             except TimingFailed as failure:
                 failures[k] = failure
                 continue
@@ -203,9 +209,9 @@ class MotionStages:
         Both are planned only where they may be faster: a corner of the first route takes longer
         than a stop there takes at least, or longer than it does on another route.
         """
-        route, first = laid[0].route, known[0]
-        if first is None:
+        if known[0] is None:
             return
+        route, first = laid[0].route, _passing(laid[0], known[0])
         rounded = CornerTimes.of(route, first)
         allowed = np.isin(rounded.rows, sorted(stops_allowed(problem.path)))
         least = least_stops(route, first, self.robot, self.limits, self._limited(route))
@@ -243,9 +249,13 @@ class MotionStages:
 
     def _least(self, problem: JointPathProblem, laid: LaidRoute) -> TimedPath | None:
         """The motion that no jerk limit slows; None: there is no timing."""
-        segments, check = self._limited(laid.route), problem.clock.check
+        limits, segments = self.limits, self._limited(laid.route)
+        if not asked_of_plan(self.request, self.robot, laid.route).plain:
+            # A motion that begins or ends moving need not rest where one under jerk limits has to.
+            limits = replace(limits, jerk=None)
+            segments = [replace(x, limits=replace(x.limits, jerk=None)) for x in segments]
         try:
-            return least_timing(laid.joint_path, self.robot, self.limits, segments, check)
+            return least_timing(laid.joint_path, self.robot, limits, segments, problem.clock.check)
         except TimingFailed:
             return None
 
@@ -258,14 +268,19 @@ class MotionStages:
         ]
 
     def _moved(
-        self, problem: JointPathProblem, laid: LaidRoute, known: TimedPath | None
+        self, problem: JointPathProblem, laid: LaidRoute, known: TimedPath | None, most: float
     ) -> Motion | Timing:
-        """Move along a joint path; the report of a motion that is only to be fast waits."""
+        """Move along a joint path; the report of a motion that is only to be fast waits.
+
+        Raises:
+            NotShorter: A motion that is only to be fast takes longer than ``most``.
+            TimingFailed: There is no timing.
+        """
         segments, check = self._limited(laid.route), problem.clock.check
         sampling, path = self.request.sampling, laid.joint_path
         asked = asked_of_plan(self.request, self.robot, laid.route)
-        if asked is None or asked.plain:
-            return move_along(path, self.robot, self.limits, sampling, segments, check, known)
+        if asked.plain:
+            return move_along(path, self.robot, self.limits, sampling, segments, check, known, most)
         return time_as_asked(path, self.robot, self.limits, sampling, segments, asked, check)
 
 
@@ -281,10 +296,19 @@ def _laid(problem: JointPathProblem, route: JointRoute, path: PathRequest) -> La
 def _times(laid: Sequence[LaidRoute], known: Sequence[TimedPath | None]) -> list[CornerTimes]:
     """Times of all routes but the first."""
     return [
-        CornerTimes.of(one.route, timed)
+        CornerTimes.of(one.route, _passing(one, timed))
         for one, timed in zip(laid[1:], known[1:], strict=True)
         if timed is not None
     ]
+
+
+def _passing(laid: LaidRoute, timed: TimedPath) -> TimedPath:
+    """The motion that rests only where the path does: what it spends at corners is told by it."""
+    path = laid.joint_path
+    try:
+        return passing_jumps(timed, path.s_knots[list(path.rest_knots)])
+    except EngineFailed:
+        return timed
 
 
 def _order_report(

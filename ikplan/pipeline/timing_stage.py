@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -28,13 +28,14 @@ from ikplan.timing import (
     periods,
     sample_at_nodes,
     sampled_within_limits,
-    time_joint_path,
     what_if,
 )
 from ikplan.timing.braking import turning_points
 from ikplan.timing.constraints.models import inverse_dynamics, tool_motion
 from ikplan.timing.constraints.tangential_limit import TangentialLimit
 from ikplan.timing.engines.engine import Check, unlimited
+from ikplan.timing.limit_jerk import limit_jerk
+from ikplan.timing.time_joint_path import time_before_jerk
 
 __all__ = [
     "Motion",
@@ -171,6 +172,7 @@ def move_along(
     segments: Sequence[LimitedSegment] = (),
     check: Check = unlimited,
     known: TimedPath | None = None,
+    most: float = np.inf,
 ) -> Motion:
     """Move along a joint path as :func:`time_motion` does, without the report.
 
@@ -181,21 +183,19 @@ def move_along(
         sampling: Samples wanted.
         segments: Segments between waypoints of the path with limits of their own.
         check: Is called now and then, and may end the stage by an error of its own.
-        known: The timing that no jerk limit slows, where :func:`least_timing` has found it.
+        known: What :func:`least_timing` has found.
+        most: What a jerk-limited motion may take [s].
 
     Raises:
         InvalidRequest: The motion is too long for the rate, or a joint moves whose limit is 0.
         TimingFailed: No timing under the limits: where, which joint, which limit.
+        NotShorter: The motion takes longer than ``most``.
     """
     path, joint_segments, constraints = prepared(path, robot, limits, segments)
-    if known is None or any(x.jerk is not None for x in (limits, *(s.limits for s in segments))):
-        known = time_joint_path(
-            path,
-            joint_limits(robot, limits),
-            segments=joint_segments,
-            constraints=constraints,
-            check=check,
-        )
+    if known is None:
+        known = _before_jerk(path, robot, limits, joint_segments, constraints, check)
+    if any(x.jerk is not None for x in (limits, *(s.limits for s in segments))):
+        known = limit_jerk(known, check, most)
     rate_hz, rate_source = sampling_rate(robot, sampling)
     at_nodes = sampling.form == "knots"
     timed, samples = sampled_within_limits(known, rate_hz, constraints, at_nodes, check)
@@ -260,20 +260,26 @@ def least_timing(
 ) -> TimedPath:
     """Return the motion that no jerk limit slows; arguments as above.
 
+    With jerk limits it is the one that theirs is found from, and rests where that has to.
+
     Raises:
         InvalidRequest: A joint moves whose limit is 0.
         TimingFailed: No timing under the limits.
     """
-    smooth = replace(limits, jerk=None)
-    eased = [replace(x, limits=replace(x.limits, jerk=None)) for x in segments]
-    path, joint_segments, constraints = prepared(path, robot, smooth, eased)
-    return time_joint_path(
-        path,
-        joint_limits(robot, smooth),
-        segments=joint_segments,
-        constraints=constraints,
-        check=check,
-    )
+    path, joint_segments, constraints = prepared(path, robot, limits, segments)
+    return _before_jerk(path, robot, limits, joint_segments, constraints, check)
+
+
+def _before_jerk(
+    path: JointPath,
+    robot: Robot,
+    limits: MotionLimits,
+    segments: Sequence[SegmentJointLimits],
+    constraints: Sequence[PathConstraint],
+    check: Check,
+) -> TimedPath:
+    bounds = joint_limits(robot, limits)
+    return time_before_jerk(path, bounds, segments=segments, constraints=constraints, check=check)
 
 
 def prepared(

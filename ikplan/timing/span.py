@@ -15,11 +15,11 @@ from ikplan.timing.constraints.constraints import PathConstraint
 from ikplan.timing.engines.compiled_engine import CompiledEngine
 from ikplan.timing.engines.engine import Check, Engine, EngineFailed, unlimited
 from ikplan.timing.engines.toppra_engine import ToppraEngine
-from ikplan.timing.grid import curvature_grid, regridded
+from ikplan.timing.grid import Grid, curvature_grid, regridded
 from ikplan.timing.problem import SpanProblem
 from ikplan.timing.profile import LimitProfile
 
-__all__ = ["SpanTiming", "time_span", "time_together"]
+__all__ = ["SpanTiming", "time_span", "time_through", "time_together"]
 
 
 # Kept below the limits, so that rounding in a sample cannot step over one.
@@ -184,6 +184,29 @@ def time_together(
     problem = _refined(coarse, max(tolerance, _SHARE_OF_LOSS * lost), check)
     if constraints:
         problem = _divided(problem.on(problem.grid), steady, check)
+    return _within_limits(problem, CompiledEngine())
+
+
+def time_through(spans: Sequence[SpanTiming]) -> SpanTiming:
+    """Time spans that follow each other as one, on their grids, without the rests between them.
+
+    Args:
+        spans: The spans, in order, each by itself.
+
+    Returns:
+        The timing, within every limit.
+
+    Raises:
+        EngineFailed: The compiled engine found none.
+    """
+    if len(spans) == 1:
+        return spans[0]
+    problems = [span.problem for span in spans]
+    first = problems[0]
+    s = np.concatenate([first.grid.s[:1], *(problem.grid.s[1:] for problem in problems)])
+    pieces = np.concatenate([problem.grid.pieces for problem in problems])
+    constraints = dict.fromkeys(c for problem in problems for c in problem.constraints)
+    problem = SpanProblem.build(first.path, Grid(s, pieces), first.profile, tuple(constraints))
     return _within_limits(problem, CompiledEngine())
 
 

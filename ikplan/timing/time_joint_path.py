@@ -7,18 +7,19 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from ikplan.arrays import Array
 from ikplan.errors import InvalidRequest, TimingFailed
 from ikplan.joint_path.joint_path import JointPath
 from ikplan.limits.joint_limits import JointLimits
 from ikplan.timing.constraints.constraints import PathConstraint
 from ikplan.timing.engines.compiled_engine import CompiledEngine
 from ikplan.timing.engines.engine import Check, Engine, EngineFailed, unlimited
-from ikplan.timing.jerk.jerk import Smoothed, smooth_span
+from ikplan.timing.limit_jerk import limit_jerk
 from ikplan.timing.profile import LimitProfile, SegmentJointLimits
-from ikplan.timing.span import SpanTiming, time_span, time_together
+from ikplan.timing.span import SpanTiming, time_span, time_through, time_together
 from ikplan.timing.timed_path import TimedPath
 
-__all__ = ["check_inside", "time_joint_path"]
+__all__ = ["check_inside", "passing_jumps", "time_before_jerk", "time_joint_path"]
 
 
 _MANY_RESTS = 24
@@ -36,11 +37,13 @@ def time_joint_path(
     engine: Engine | None = None,
     check: Check = unlimited,
 ) -> TimedPath:
-    """Move along a path as fast as the limits allow, from rest to rest.
+    """Move along a path as fast as the limits allow, at rest at both ends and at rest points.
 
-    Every span between rest points is solved on a grid on which joint accelerations are bounded
-    over whole intervals; the limit ratios of the result are then computed exactly, interval by
-    interval, and the span is slowed by any ratio above 1, so that no limit is exceeded at any time.
+    The geometry is not changed. Each span between rest points is timed by TOPP-RA (Pham and Pham,
+    IEEE T-RO 2018) on a grid that is refined until its estimated cost is small. Joint limits are
+    collocated so that they bound the whole of every interval; other limits are looked at in
+    points of every interval and allowed for between them. The exact maxima are then computed,
+    and the span is slowed by any ratio above 1, so that no limit is exceeded at any time.
 
     Args:
         path: The path.
@@ -60,6 +63,26 @@ def time_joint_path(
             position limits, or no path speed was found; carries the place on the path, the joint
             and the limit.
     """
+    timed = time_before_jerk(
+        path, limits, segments=segments, constraints=constraints, engine=engine, check=check
+    )
+    return limit_jerk(timed, check) if _jerk_limited(limits, segments) else timed
+
+
+def time_before_jerk(
+    path: JointPath,
+    limits: JointLimits,
+    *,
+    segments: Sequence[SegmentJointLimits] = (),
+    constraints: Sequence[PathConstraint] = (),
+    engine: Engine | None = None,
+    check: Check = unlimited,
+) -> TimedPath:
+    """Return the motion that a jerk-limited one is found from; without jerk limits, the motion.
+
+    It keeps all limits but those of the jerk, and rests where a jerk-limited one has to.
+    Arguments and errors are those of :func:`time_joint_path`.
+    """
     if path.dof != limits.dof:
         raise InvalidRequest(
             f"limits are for {limits.dof} joints, the path has {path.dof}",
@@ -69,11 +92,10 @@ def time_joint_path(
     check_inside(path, limits)
     ranges = [(r.start, r.end) for r in segments] + [(r.start, r.end) for r in constraints]
     path = path.with_knots([place for both in ranges for place in both])
-    jerk_limited = any(each.jerk is not None for each in (limits, *(x.limits for x in segments)))
+    jerk_limited = _jerk_limited(limits, segments)
     if path.length == 0.0:
         zero = np.zeros(1)
-        sddot = zero if jerk_limited else None
-        return TimedPath(path, zero, np.zeros(0, dtype=np.int64), zero, zero, (), sddot)
+        return TimedPath(path, zero, np.zeros(0, dtype=np.int64), zero, zero, ())
     profile = LimitProfile.merged(path, limits, segments)
     if jerk_limited:
         # A step of the curvature is a step of the acceleration, unless the motion stops there.
@@ -97,9 +119,29 @@ def time_joint_path(
             spans.append(
                 time_span(path, first, last, profile, mine, engine, steady=steady, check=check)
             )
-    if jerk_limited:
-        smoothed = tuple(smooth_span(span.problem, check) for span in spans)
-        return _joined(path, smoothed, tuple(spans))
+    return _timed(path, spans)
+
+
+def passing_jumps(timed: TimedPath, rests: Array) -> TimedPath:
+    """Return the motion that does not rest where only a jerk-limited one has to.
+
+    Args:
+        timed: What :func:`time_before_jerk` returns.
+        rests: Path positions of the rest points of the path, both ends included.
+
+    Raises:
+        EngineFailed: No path speed was found.
+    """
+    knots = np.array(timed.path.rest_knots)
+    ends = np.flatnonzero(np.isin(timed.path.s_knots[knots], rests))
+    if len(ends) == len(knots):
+        return timed
+    groups = itertools.pairwise(ends.tolist())
+    return _timed(timed.path, [time_through(timed.spans[a:b]) for a, b in groups])
+
+
+def _timed(path: JointPath, spans: Sequence[SpanTiming]) -> TimedPath:
+    """Join motions of spans end to end."""
     grids = [span.problem.grid for span in spans]
     dt = np.concatenate([span.dt for span in spans])
     return TimedPath(
@@ -110,6 +152,10 @@ def time_joint_path(
         node_times=np.concatenate([[0.0], np.cumsum(dt)]),
         spans=tuple(spans),
     )
+
+
+def _jerk_limited(limits: JointLimits, segments: Sequence[SegmentJointLimits]) -> bool:
+    return any(each.jerk is not None for each in (limits, *(x.limits for x in segments)))
 
 
 def _timed_together(rests: Sequence[int], *, together: bool) -> list[Sequence[int]]:
@@ -123,28 +169,6 @@ def _within(
 ) -> tuple[PathConstraint, ...]:
     """Return the constraints that hold anywhere between two places."""
     return tuple(c for c in constraints if c.start < end and c.end > start)
-
-
-def _joined(
-    path: JointPath,
-    smoothed: tuple[Smoothed, ...],
-    spans: tuple[SpanTiming, ...],
-) -> TimedPath:
-    """Join jerk-limited motions of spans end to end."""
-    motions = [each.motion for each in smoothed]
-    ends = np.cumsum([float(motion.time[-1]) for motion in motions])
-    starts = np.concatenate([[0.0], ends[:-1]])
-    time = [m.time[1:] + start for m, start in zip(motions, starts, strict=True)]
-    return TimedPath(
-        path=path,
-        s=np.concatenate([[0.0], *(m.s[1:] for m in motions)]),
-        pieces=np.zeros(0, dtype=np.int64),
-        sdot=np.concatenate([[0.0], *(m.v[1:] for m in motions)]),
-        node_times=np.concatenate([[0.0], *time]),
-        spans=spans,
-        sddot=np.concatenate([[0.0], *(m.a[1:] for m in motions)]),
-        smoothed=smoothed,
-    )
 
 
 def check_inside(path: JointPath, limits: JointLimits) -> None:

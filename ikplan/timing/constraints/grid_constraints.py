@@ -58,9 +58,10 @@ class GridConstraints:
         x_max = np.full((n, 2), np.inf)
         for first, points in zip(places, self.points, strict=True):
             inside, rows, start, end = points.inside, points.rows, points.where[0], points.where[-1]
-            nodes, at = np.unique(np.concatenate([start, end]), return_inverse=True)
-            of_u, of_x = rows.coefficients(nodes)
-            place_rows(a, b, of_u, of_x, inside, at.reshape(2, -1), h, first)
+            if rows.columns:
+                nodes, at = np.unique(np.concatenate([start, end]), return_inverse=True)
+                of_u, of_x = rows.coefficients(nodes)
+                place_rows(a, b, of_u, of_x, inside, at.reshape(2, -1), h, first)
             x_max[inside, 0] = np.minimum(x_max[inside, 0], rows.x_max[start])
             x_max[inside, 1] = np.minimum(x_max[inside, 1], rows.x_max[end])
         return a, b, x_max

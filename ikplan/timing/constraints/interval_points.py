@@ -91,8 +91,8 @@ class IntervalPoints:
         Returns:
             See ConstraintRows.ratios; shape (p, r, labels).
         """
-        motions = zip(self.where, u[:, self.inside], x[:, self.inside], strict=True)
-        return np.array([self.rows.ratios(*motion) for motion in motions])
+        u, x = (values[:, self.inside].ravel() for values in (u, x))
+        return self.rows.ratios(self.where.ravel(), u, x).reshape(*self.where.shape, -1)
 
 
 def bend(ratios: Array) -> Array:

@@ -29,9 +29,8 @@ _WAY = 0.98
 
 
 @kernel
-def _merit(
+def _time_and_room(
     c: Array,
-    mu: float,
     h: Array,
     value: Array,
     slope: Array,
@@ -42,8 +41,11 @@ def _merit(
     down: Array,
     rows_b: Array,
     rows_d: Array,
-) -> float:
-    """Return the time less mu times the logarithms of the room to the limits; inf outside them."""
+) -> tuple[float, float]:
+    """Return the time, and the logarithms of the room to the limits; outside them inf and 0.
+
+    The merit is the time less mu times the other.
+    """
     total, room = 0.0, 0.0
     n, p = value.shape[0], value.shape[1]
     for i in range(n):
@@ -53,25 +55,25 @@ def _merit(
             b = value[i, k, 0] * c0 + value[i, k, 1] * c1 + value[i, k, 2] * c2
             b1 = slope[i, k, 0] * c0 + slope[i, k, 1] * c1 + slope[i, k, 2] * c2
             if not b > 0.0:
-                return np.inf
+                return np.inf, 0.0
             w = 1.0 / np.sqrt(b)
             total += 0.5 * h[i] * w
             product = 1.0
             if most[i, k] < np.inf:
                 left = 1.0 - b / most[i, k]
                 if not left > 0.0:
-                    return np.inf
+                    return np.inf, 0.0
                 product *= left
             for j in range(rates.shape[2]):
                 pull = rates[i, k, j, 0] * b + rates[i, k, j, 1] * b1
                 left = 1.0 - pull * up[i, k, j]
                 other = 1.0 - pull * down[i, k, j]
                 if not (left > 0.0 and other > 0.0):
-                    return np.inf
+                    return np.inf, 0.0
                 product *= left * other
                 jerk = rates[i, k, j, 2] * b + rates[i, k, j, 3] * b1 + rates[i, k, j, 4] * b2
                 if not abs(jerk) < w:
-                    return np.inf
+                    return np.inf, 0.0
                 product *= w * w - jerk * jerk
                 if not 1e-200 < product < 1e200:
                     room += np.log(product)
@@ -79,13 +81,13 @@ def _merit(
             for r in range(rows_b.shape[2]):
                 left = 1.0 - rows_b[i, k, r] * b - rows_d[i, k, r] * b1
                 if not left > 0.0:
-                    return np.inf
+                    return np.inf, 0.0
                 product *= left
                 if product < 1e-200:
                     room += np.log(product)
                     product = 1.0
             room += np.log(product)
-    return total - mu * room
+    return total, room
 
 
 @kernel
@@ -401,12 +403,13 @@ def fastest_warp(
     value, slope, bend = spline_basis(tau, np.array([FIRST, 1.0 - FIRST]))
     c = _begin(tau, value, slope, bend, rates, most, up, down, rows_b, rows_d, swing)
     mu, again_mu, last_mu = weights
-    if not _merit(c, mu, h, value, slope, bend, rates, most, up, down, rows_b, rows_d) < np.inf:
+    total, room = _time_and_room(c, h, value, slope, bend, rates, most, up, down, rows_b, rows_d)
+    if not total < np.inf:
         return np.zeros(len(c))
     if c.max() > _NEAR:
         mu = again_mu
     while True:
-        merit = _merit(c, mu, h, value, slope, bend, rates, most, up, down, rows_b, rows_d)
+        merit = total - mu * room
         for _ in range(_MAX_STEPS):
             step, fall = _newton(
                 c, mu, h, value, slope, bend, rates, most, up, down, rows_b, rows_d
@@ -418,16 +421,17 @@ def fastest_warp(
                 size = _longest(c, step, value, slope, bend, rates, most, up, down, rows_b, rows_d)
             for _ in range(_HALVINGS):
                 trial = c + size * step
-                new = _merit(
-                    trial, mu, h, value, slope, bend, rates, most, up, down, rows_b, rows_d
+                new_total, new_room = _time_and_room(
+                    trial, h, value, slope, bend, rates, most, up, down, rows_b, rows_d
                 )
+                new = new_total - mu * new_room
                 if new < merit - 1e-3 * size * fall:
                     moved = True
                     break
                 size *= 0.5
             if not moved:
                 break
-            c, merit = trial, new
+            c, merit, total, room = trial, new, new_total, new_room
         if mu <= last_mu:
             return c
         mu = max(mu * shrink, last_mu)

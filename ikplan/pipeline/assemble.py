@@ -22,7 +22,7 @@ from ikplan.kinematics.arm import arm_of
 from ikplan.limits.motion_limits import MotionLimits
 from ikplan.pipeline.asked.events import EventFinder
 from ikplan.pipeline.collisions import handed_out, prove_motion
-from ikplan.pipeline.hints import default_hints, stop_hints
+from ikplan.pipeline.hints import default_hints, segment_hints, stop_hints
 from ikplan.pipeline.timing_stage import Timing
 from ikplan.planning import JointRoute
 from ikplan.planning.posture import report_posture
@@ -221,6 +221,7 @@ def assemble_plan(
         *hints,
         *stop_hints(certificate, path, asked),
         *default_hints(robot, request.limits),
+        *segment_hints(robot, request.limits, limits, asked),
     ]
     return Plan(
         id=plan_id,

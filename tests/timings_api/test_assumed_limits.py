@@ -103,3 +103,23 @@ def test_plans_take_it_too(assumed: Robot) -> None:
     assert plan.timing.hints == []
     # At 250 Hz, slowed to end at a sample.
     assert np.abs(plan.ddq[:, 0]).max() == pytest.approx(28.0, rel=0.03)
+
+
+def two_segments(**limits: Any) -> dict[str, Any]:
+    """Two joint motions, the second one with an acceleration of its own above the default."""
+    turn = {"type": "joint", "q": WAY[1]}
+    back = {"type": "joint", "q": [-0.7, 0.1], "limits": {"acceleration": [28.0, 1.0]}}
+    return {"robot": "two", "start": WAY[0], "path": {"segments": [turn, back]}, "limits": limits}
+
+
+def test_an_acceleration_of_a_segment_above_that_of_the_path_is_told(assumed: Robot) -> None:
+    plan = ikplan.plan(two_segments(), robot=assumed)
+    (hint,) = plan.timing.hints
+    assert hint.startswith("path.segments[1].limits.acceleration is above what holds for the whole")
+    assert "limits.acceleration replaces what is only a named default" in hint
+    assert np.abs(plan.ddq[:, 0]).max() <= assumed.acceleration_limit[0] * (1.0 + 1e-9)
+    lifted = ikplan.plan(two_segments(acceleration=28.0), robot=assumed)
+    assert lifted.timing.hints == []
+    assert lifted.duration < 0.9 * plan.duration
+    (said,) = ikplan.plan(two_segments(acceleration=20.0), robot=assumed).timing.hints
+    assert "limits.acceleration says it" in said

@@ -28,6 +28,7 @@ from ikplan.documents.poses import Frame, Quaternion, Waypoint, unit_quaternion
 from ikplan.documents.shape import Metres3
 
 __all__ = [
+    "UPWARDS",
     "ArcSegment",
     "BaseSegment",
     "EndOrientation",
@@ -46,6 +47,9 @@ __all__ = [
 
 MAX_SPLINE_POSES = 10_000
 MAX_MOVE_TARGETS = 100
+
+UPWARDS = (0.0, 0.0, 1.0)
+"""The axis of an arc by centre and angle that names none."""
 
 
 def direction(vector: list[float] | None) -> list[float] | None:
@@ -147,13 +151,16 @@ class ArcSegment(ToolSegment):
     centre: Vec3 | None = Field(
         None,
         description="With `angle`: a point of the axis that the arc turns about; with `to`: the "
-        "centre of the circle, which the arc follows the shorter way, less than half a turn [m].",
+        "centre of the circle, which the arc follows the shorter way, less than half a turn, or, "
+        "with `axis`, right-handed about it [m].",
     )
     angle: float | None = Field(
         None, ge=-200.0, le=200.0, description="Angle turned about the axis, signed [rad]."
     )
-    axis: Vec3 = Field(
-        [0.0, 0.0, 1.0], description="Direction of the axis through `centre`, in the path frame."
+    axis: Vec3 | None = Field(
+        None,
+        description="Direction of the axis through `centre`, in the path frame. Null: z with "
+        "`angle`; with `to`, whichever makes the shorter way.",
     )
     orientation: OrientationRule = Field(
         "constant",
@@ -166,6 +173,19 @@ class ArcSegment(ToolSegment):
 
     _axes = field_validator("axis", "turn_axis")(direction)
 
+    @model_serializer(mode="wrap")
+    def _written(
+        self, write: SerializerFunctionWrapHandler, info: SerializationInfo
+    ) -> dict[str, Any]:
+        """Write the arc; for its hash, an axis as before one could be left out."""
+        written: dict[str, Any] = write(self)
+        if info.context and info.context.get(HASHED):
+            if self.axis is None:
+                written["axis"] = list(UPWARDS)
+            elif self.angle is None:
+                written["right_handed"] = True
+        return written
+
     @model_validator(mode="after")
     def _one_form(self) -> ArcSegment:
         fields = ("via", "to", "centre", "angle")
@@ -174,8 +194,10 @@ class ArcSegment(ToolSegment):
             raise ValueError(
                 "an arc is given by via and to, or by centre and angle, or by centre and to"
             )
-        if self.angle is None and (self.axis, self.orientation) != ([0.0, 0.0, 1.0], "constant"):
-            raise ValueError("axis and orientation belong to an arc given by centre and angle")
+        if self.angle is None and self.orientation != "constant":
+            raise ValueError("orientation belongs to an arc given by centre and angle")
+        if self.centre is None and self.axis is not None:
+            raise ValueError("axis belongs to an arc given by its centre")
         if self.angle is not None and abs(self.angle) < 1e-12:
             raise ValueError("an arc needs an angle other than 0")
         return self

@@ -17,7 +17,13 @@ from ikplan.certificate.requested.poses import SAME_PLACE, PathFrame, RequestedP
 from ikplan.certificate.requested.rotations import angle_between, exp, rotation_between, unit
 from ikplan.certificate.requested.spline import spline_items
 from ikplan.documents.curve import CurveSegment
-from ikplan.documents.segment import ArcSegment, EndOrientation, LineSegment, OrientationRule
+from ikplan.documents.segment import (
+    UPWARDS,
+    ArcSegment,
+    EndOrientation,
+    LineSegment,
+    OrientationRule,
+)
 
 __all__ = ["PathReader"]
 
@@ -76,7 +82,8 @@ class PathReader:
         """Append an arc of the request, through a point or about a centre."""
         axis = self._axis(segment.turn_axis)
         if segment.centre is not None and segment.angle is not None:
-            centre, z = self._frame.point(segment.centre), self._frame.direction(segment.axis)
+            centre = self._frame.point(segment.centre)
+            z = self._frame.direction(segment.axis or UPWARDS)
             spoke = self.at.p - centre
             spoke = spoke - float(spoke @ z) * z
             piece = helix(self.at.p, spoke, z, segment.angle, 0.0)
@@ -88,7 +95,8 @@ class PathReader:
         if segment.via is not None:
             piece = _through(self.at.p, self._frame.point(segment.via), to.p)
         elif segment.centre is not None:
-            piece = _around(self.at.p, self._frame.point(segment.centre), to.p)
+            z = None if segment.axis is None else self._frame.direction(segment.axis)
+            piece = _around(self.at.p, self._frame.point(segment.centre), to.p, z)
         else:
             raise TypeError("an arc without points: the document does not allow it")
         turn = self._turn(to.R, axis)
@@ -280,13 +288,22 @@ def _at_end(item: PathItem, piece: Piece) -> list[tuple[float, int]]:
     return [(piece.length, row) for _, row in item.waypoints]
 
 
-def _around(p0: Array, centre: Array, p1: Array) -> BendPiece:
+def _around(p0: Array, centre: Array, p1: Array, z: Array | None) -> BendPiece:
     """The arc around a centre, less than half a turn, about the axis across both its spokes.
 
-    The centre is moved along the chord until both ends are as far from it.
+    The centre is moved along the chord until both ends are as far from it. About an axis z the
+    arc turns right-handed, by as much as it takes.
     """
     chord = p1 - p0
     centre = centre + chord * float((0.5 * (p0 + p1) - centre) @ chord) / float(chord @ chord)
+    if z is not None:
+        z = z - chord * float(z @ chord) / float(chord @ chord)
+        z = z / np.linalg.norm(z)
+        centre = centre + z * float((p0 - centre) @ z)
+        # The chord is seen from the centre under half the angle.
+        left = float((centre - p0) @ np.cross(z, chord)) / float(np.linalg.norm(chord))
+        about = 2.0 * float(np.arctan2(0.5 * np.linalg.norm(chord), left))
+        return helix(p0, p0 - centre, z, about, 0.0)
     a, b = p0 - centre, p1 - centre
     across = np.cross(a, b)
     angle = float(np.arctan2(np.linalg.norm(across), a @ b))

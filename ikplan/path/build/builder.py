@@ -8,7 +8,13 @@ import numpy as np
 
 from ikplan.arrays import Array
 from ikplan.documents.curve import CurveSegment
-from ikplan.documents.segment import ArcSegment, EndOrientation, LineSegment, OrientationRule
+from ikplan.documents.segment import (
+    UPWARDS,
+    ArcSegment,
+    EndOrientation,
+    LineSegment,
+    OrientationRule,
+)
 from ikplan.errors import InvalidRequest
 from ikplan.path.build.assembly import assemble
 from ikplan.path.build.items import ItemWaypoint, PathItem
@@ -17,7 +23,7 @@ from ikplan.path.build.path_frame import PathFrame
 from ikplan.path.build.spline_items import spline_items
 from ikplan.path.build.tolerance_corners import CornerTolerance
 from ikplan.path.coincidence import COINCIDENT, joined
-from ikplan.path.curves.arcs import arc_about, arc_around, arc_through
+from ikplan.path.curves.arcs import arc_about, arc_around, arc_between, arc_through
 from ikplan.path.curves.named_curves import curve_pieces
 from ikplan.path.pieces.piece import Piece, Pose
 from ikplan.path.pieces.steady import line
@@ -120,9 +126,13 @@ class PathBuilder:
                 piece: Piece = arc_through(self._at.p, frame.point(segment.via), to.p)
             elif segment.centre is not None and segment.to is not None:
                 to, name = frame.pose(segment.to), f"{field}.to"
-                piece = arc_around(self._at.p, frame.point(segment.centre), to.p)
+                centre = frame.point(segment.centre)
+                if segment.axis is None:
+                    piece = arc_around(self._at.p, centre, to.p)
+                else:
+                    piece = arc_between(self._at.p, centre, to.p, frame.direction(segment.axis))
             elif segment.centre is not None and segment.angle is not None:
-                centre, z = frame.point(segment.centre), frame.direction(segment.axis)
+                centre, z = frame.point(segment.centre), frame.direction(segment.axis or UPWARDS)
                 piece = arc_about(self._at.p, centre, z, segment.angle)
                 rule, blend = segment.orientation, segment.blend
                 self._append_oriented([piece], rule, z, field, blend, axis)

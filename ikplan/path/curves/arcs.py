@@ -11,7 +11,7 @@ from ikplan.path.coincidence import COINCIDENT
 from ikplan.path.pieces.piece import unit
 from ikplan.path.pieces.steady import SteadyPiece, line
 
-__all__ = ["arc_about", "arc_around", "arc_through", "helix_about"]
+__all__ = ["arc_about", "arc_around", "arc_between", "arc_through", "helix_about"]
 
 
 _STRAIGHT = 1e-9
@@ -97,6 +97,45 @@ def arc_around(p0: Array, centre: Array, p1: Array) -> SteadyPiece:
             "it is half a turn, and could go either way; give via and to, or centre and angle"
         )
     return arc_through(p0, middle - out + radius * unit(out), p1)
+
+
+def arc_between(p0: Array, centre: Array, p1: Array, z: Array) -> SteadyPiece:
+    """Return the arc from p0 to p1 that turns right-handed about an axis.
+
+    It lies across the axis, but for what the chord leans towards it; its centre is where both
+    ends are equally far from it.
+
+    Args:
+        p0: First point, shape (3,) [m].
+        centre: Any point of the axis, shape (3,) [m].
+        p1: Last point, shape (3,) [m].
+        z: Unit direction of the axis, shape (3,).
+
+    Raises:
+        ValueError: The points do not make one arc; says why.
+    """
+    chord, middle = p1 - p0, 0.5 * (p0 + p1)
+    half = 0.5 * float(np.linalg.norm(chord))
+    if 2.0 * half <= COINCIDENT:
+        raise ValueError("its ends coincide; a full circle is an arc by centre and angle")
+    along = unit(chord)
+    lean = float(z @ along)
+    if abs(lean) > _UNEVEN:
+        raise ValueError("its ends are not level: one is farther along the axis than the other")
+    n = unit(z - lean * along)
+    left = np.cross(n, along)
+    height = float((centre - middle) @ left)
+    radius = math.hypot(height, half)
+    _refuse_microscopic(radius)
+    if abs(float((centre - middle) @ along)) > _UNEVEN * radius:
+        a, b = (float(np.linalg.norm(np.cross(p - centre, z))) for p in (p0, p1))
+        raise ValueError(
+            f"its ends are {a:.6g} m and {b:.6g} m from its axis, and not as far as each other"
+        )
+    spoke = p0 - middle - height * left
+    end = p1 - middle - height * left
+    angle = math.atan2(float(n @ np.cross(spoke, end)), float(spoke @ end)) % (2.0 * math.pi)
+    return helix_about(p0, spoke, n, angle, 0.0)
 
 
 def _refuse_microscopic(radius: float) -> None:

@@ -33,6 +33,8 @@ Array = NDArray[np.float64]
 SEED = 15
 RESTARTS = 3000
 BUDGET_S = 60.0
+_TELL = 50
+"""After how many requests what has come out so far is printed."""
 
 
 def reached(robot: Robot, target: Target, position: float, orientation: float) -> bool:
@@ -68,6 +70,13 @@ def figures(
     kinds: Counter[str] = Counter()
     inside = disproved = unjudged = offered = broken = without = 0
     for number in range(count):
+        if number and number % _TELL == 0:
+            refused = number - verdicts["planned"]
+            print(
+                f"  {number} of {count}: {refused} refused, {disproved + inside} of these "
+                f"disproved, {broken} of {offered} repairs do not plan",
+                flush=True,
+            )
         document: dict[str, Any] = draw(kind, seed, number, BUDGET_S, names)
         document["scene"] = {"self_collision": False}
         try:

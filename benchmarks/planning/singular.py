@@ -30,6 +30,8 @@ POSITION, ORIENTATION = 1e-4, 1e-3
 """The default tolerance [m, rad]."""
 HALF = 0.08
 STEPS = 1600
+_TELL = 10
+"""After how many lines what has come out so far is printed."""
 
 
 def aimed_line(
@@ -127,6 +129,12 @@ def figures(count: int, seed: int = 15, names: list[str] | None = None) -> Itera
                         f"  refused: {name}, {off:.2e} off, {start.tolist()}: {error}", flush=True
                     )
             seconds.append(time.perf_counter() - began)
+            if tried % _TELL == 0 and tried < count:
+                print(
+                    f"  {name}: {tried} of {count}, the judge passes {passed}, of these "
+                    f"{refused} refused; {planned} planned",
+                    flush=True,
+                )
         yield Figure(f"{name}: lines that the judge passes, of {tried}", passed, "")
         yield Figure(f"{name}: of these refused", refused, "", most=0)
         yield Figure(f"{name}: planned", planned, "")

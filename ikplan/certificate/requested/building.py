@@ -95,8 +95,8 @@ class PathReader:
         if segment.via is not None:
             piece = _through(self.at.p, self._frame.point(segment.via), to.p)
         elif segment.centre is not None:
-            z = None if segment.axis is None else self._frame.direction(segment.axis)
-            piece = _around(self.at.p, self._frame.point(segment.centre), to.p, z)
+            about = None if segment.axis is None else self._frame.direction(segment.axis)
+            piece = _around(self.at.p, self._frame.point(segment.centre), to.p, about)
         else:
             raise TypeError("an arc without points: the document does not allow it")
         turn = self._turn(to.R, axis)

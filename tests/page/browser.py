@@ -22,7 +22,7 @@ from ikplan_api.telemetry.load import Load
 from ikplan_api.workers.planner import Planner
 from ikplan_api.workers.tasks import TaskResult
 
-REQUIRED = "IKPLAN_PAGE_TESTS"
+REQUIRED = "PAGE_TESTS"
 """Set to "required", what is missing fails the tests and does not skip them."""
 
 _NAMES = ("chromium", "chromium-browser", "google-chrome")

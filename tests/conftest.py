@@ -1,10 +1,31 @@
-"""What holds for every test: no service of a test writes into the user's folders."""
+"""What holds for every test: where its service writes, and which process runs it."""
 
 import gc
+import multiprocessing
 import os
 import warnings
+from multiprocessing import forkserver
+from multiprocessing.context import ForkServerContext
+from typing import Any
+
+import pytest
 
 os.environ["IKPLAN_STORE_PATH"] = ":memory:"
+PAGE = "tests/page/"
+
+
+@pytest.fixture(scope="session")
+def warm_forkserver() -> ForkServerContext:
+    """Fork every worker of this process from one that has what the service and its tests load.
+
+    A process has one such parent, and whoever is first says what it loads: workers of the service
+    that come after others would load their kernels each for itself.
+    """
+    context = multiprocessing.get_context("forkserver")
+    warm = ["ikplan.workers.single_threaded", "ikplan_api.workers.preload"]
+    context.set_forkserver_preload([*warm, "service.fleet.light"])
+    forkserver.ensure_running()
+    return context
 
 
 def pytest_unconfigure() -> None:
@@ -16,3 +37,17 @@ def pytest_unconfigure() -> None:
     with warnings.catch_warnings():
         warnings.filterwarnings("ignore", r"unclosed <socket\.socket fd=\d+, family=1,")
         gc.collect()
+
+
+@pytest.hookimpl(optionalhook=True)
+def pytest_xdist_make_scheduler(config: pytest.Config, log: Any) -> Any:
+    """Give each file to one process, and the page to one: it has one browser, one service."""
+    if config.getvalue("dist") != "loadfile":
+        return None
+    from xdist.scheduler import LoadFileScheduling
+
+    class Scheduling(LoadFileScheduling):
+        def _split_scope(self, nodeid: str) -> str:
+            return PAGE if nodeid.startswith(PAGE) else str(super()._split_scope(nodeid))
+
+    return Scheduling(config, log)

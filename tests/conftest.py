@@ -1,31 +1,30 @@
 """What holds for every test: where its service writes, and which process runs it."""
 
 import gc
-import multiprocessing
 import os
 import warnings
 from multiprocessing import forkserver
-from multiprocessing.context import ForkServerContext
 from typing import Any
 
 import pytest
 
 os.environ["IKPLAN_STORE_PATH"] = ":memory:"
 PAGE = "tests/page/"
+WARM = ("ikplan.workers.single_threaded", "ikplan_api.workers.preload", "service.fleet.light")
 
 
-@pytest.fixture(scope="session")
-def warm_forkserver() -> ForkServerContext:
-    """Fork every worker of this process from one that has what the service and its tests load.
+def pytest_configure() -> None:
+    """Fork every worker of this process from one that has loaded what any test's workers need.
 
     A process has one such parent, and whoever is first says what it loads: workers of the service
-    that come after others would load their kernels each for itself.
+    that come after those of a batch would load every kernel each for itself.
     """
-    context = multiprocessing.get_context("forkserver")
-    warm = ["ikplan.workers.single_threaded", "ikplan_api.workers.preload"]
-    context.set_forkserver_preload([*warm, "service.fleet.light"])
-    forkserver.ensure_running()
-    return context
+    preload = forkserver.set_forkserver_preload
+
+    def preload_all(names: list[str]) -> None:
+        preload([*dict.fromkeys([*WARM, *names])])
+
+    forkserver.set_forkserver_preload = preload_all
 
 
 def pytest_unconfigure() -> None:

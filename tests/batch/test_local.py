@@ -5,13 +5,9 @@ import json
 from collections.abc import Iterator
 from pathlib import Path
 
-import pytest
-
 from ikplan.batch.chunks import Chunk, Line, Pace, chunks_of
 from ikplan.batch.local import LocalExecutor
 from tests.batch.echo_work import EchoWork, answers_of, numbered
-
-pytestmark = pytest.mark.usefixtures("warm_forkserver")
 
 
 def test_a_line_that_ends_its_worker_costs_only_itself(tmp_path: Path) -> None:

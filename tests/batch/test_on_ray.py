@@ -17,7 +17,6 @@ from ikplan.batch.on_ray import RayExecutor
 from tests.batch.echo_work import EchoWork, answers_of, to_shards
 
 pytestmark = [
-    pytest.mark.usefixtures("warm_forkserver"),
     pytest.mark.skipif(
         importlib.util.find_spec("ray") is None,
         reason="Ray is not installed: pip install 'ikplan[ray]'",

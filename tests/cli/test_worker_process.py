@@ -13,8 +13,6 @@ from pebble import ProcessExpired
 from ikplan.workers.child import set_up
 from ikplan.workers.process import TaskNotStarted, WorkerProcess, worker_lost
 
-pytestmark = pytest.mark.usefixtures("warm_forkserver")
-
 
 @pytest.fixture
 def process() -> Iterator[WorkerProcess]:

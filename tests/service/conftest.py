@@ -62,7 +62,7 @@ def portal() -> Iterator[BlockingPortal]:
 
 
 @pytest.fixture(scope="session")
-def app(portal: BlockingPortal, warm_forkserver: None) -> Iterator[FastAPI]:  # noqa: ARG001
+def app(portal: BlockingPortal) -> Iterator[FastAPI]:
     made = create_app(Settings(workers=2, max_queued=1000, max_body_bytes=2**22))
     made.add_middleware(OneLoop, loop=portal.call(asyncio.get_running_loop))
     with portal.wrap_async_context_manager(made.router.lifespan_context(made)):

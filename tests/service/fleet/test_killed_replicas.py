@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import asyncio
+import multiprocessing
 import os
 import random
 import signal
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from multiprocessing.context import ForkServerContext
 from multiprocessing.process import BaseProcess
 from typing import Any
 
@@ -26,14 +26,14 @@ LEASE_S = 3.0
 
 
 @pytest.fixture(scope="module")
-def start(warm_forkserver: ForkServerContext) -> Iterator[Callable[[str, float], BaseProcess]]:
+def start() -> Iterator[Callable[[str, float], BaseProcess]]:
     """Starts a replica, by a process that has imported what it needs."""
+    context = multiprocessing.get_context("forkserver")
+    context.set_forkserver_preload([run_replica.__module__])
     running: list[BaseProcess] = []
 
     def begin(database: str, seconds: float) -> BaseProcess:
-        made = warm_forkserver.Process(
-            target=run_replica, args=(database, LEASE_S, seconds), daemon=True
-        )
+        made = context.Process(target=run_replica, args=(database, LEASE_S, seconds), daemon=True)
         made.start()
         running.append(made)
         return made

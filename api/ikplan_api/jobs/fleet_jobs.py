@@ -202,7 +202,8 @@ class FleetJobs(RunningJobs[FleetRun]):
                 _log.warning("no job can be claimed now: %s", error)
                 await asyncio.sleep(AGAIN_S)
             with contextlib.suppress(TimeoutError):
-                await asyncio.wait_for(self._wake.wait(), _POLL_S)
+                async with asyncio.timeout(_POLL_S):
+                    await self._wake.wait()
 
     @property
     def _idle(self) -> bool:

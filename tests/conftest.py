@@ -7,7 +7,10 @@ from multiprocessing import forkserver
 from typing import Any
 
 import pytest
+from hypothesis import settings
 
+settings.register_profile("untimed", deadline=None)
+settings.load_profile("untimed")
 os.environ["IKPLAN_STORE_PATH"] = ":memory:"
 PAGE = "tests/page/"
 WARM = ("ikplan.workers.single_threaded", "ikplan_api.workers.preload", "service.fleet.light")

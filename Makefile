@@ -36,8 +36,7 @@ picture: page    ## renew docs/page.png; needs chromium
 	$(BIN)/python -m tests.page.picture docs/page.png
 
 test: $(STAMP)   ## run the tests, a process a core; JOBS=1 for one
-	$(BIN)/python -m pytest --numprocesses $(JOBS) --dist loadfile --ignore tests/page
-	$(BIN)/python -m pytest tests/page
+	$(BIN)/python -m pytest --numprocesses $(JOBS) --dist loadfile
 
 coverage: $(STAMP)  ## run the tests and print which lines and branches of Python they miss
 	$(BIN)/python -m pytest --cov --cov-report=term

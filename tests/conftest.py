@@ -1,10 +1,33 @@
-"""What holds for every test: no service of a test writes into the user's folders."""
+"""What holds for every test: where its service writes, and which process runs it."""
 
 import gc
 import os
 import warnings
+from multiprocessing import forkserver
+from typing import Any
 
+import pytest
+from hypothesis import settings
+
+settings.register_profile("untimed", deadline=None)
+settings.load_profile("untimed")
 os.environ["IKPLAN_STORE_PATH"] = ":memory:"
+PAGE = "tests/page/"
+WARM = ("ikplan.workers.single_threaded", "ikplan_api.workers.preload", "service.fleet.light")
+
+
+def pytest_configure() -> None:
+    """Fork every worker of this process from one that has loaded what any test's workers need.
+
+    A process has one such parent, and whoever is first says what it loads: workers of the service
+    that come after those of a batch would load every kernel each for itself.
+    """
+    preload = forkserver.set_forkserver_preload
+
+    def preload_all(names: list[str]) -> None:
+        preload([*dict.fromkeys([*WARM, *names])])
+
+    forkserver.set_forkserver_preload = preload_all
 
 
 def pytest_unconfigure() -> None:
@@ -16,3 +39,17 @@ def pytest_unconfigure() -> None:
     with warnings.catch_warnings():
         warnings.filterwarnings("ignore", r"unclosed <socket\.socket fd=\d+, family=1,")
         gc.collect()
+
+
+@pytest.hookimpl(optionalhook=True)
+def pytest_xdist_make_scheduler(config: pytest.Config, log: Any) -> Any:
+    """Give each file to one process, and the page to one: it has one browser, one service."""
+    if config.getvalue("dist") != "loadfile":
+        return None
+    from xdist.scheduler import LoadFileScheduling
+
+    class Scheduling(LoadFileScheduling):
+        def _split_scope(self, nodeid: str) -> str:
+            return PAGE if nodeid.startswith(PAGE) else str(super()._split_scope(nodeid))
+
+    return Scheduling(config, log)

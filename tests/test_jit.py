@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import functools
 import json
 import os
 import re
@@ -246,6 +247,7 @@ def test_processes_that_compile_at_once_do_not_mix_up_their_kernels(
     assert named >= 2
 
 
+@functools.cache
 def absolute_imports(file: Path) -> set[str]:
     """Modules of ikplan that a file takes names from when it runs."""
     found = set()

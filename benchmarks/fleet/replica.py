@@ -59,12 +59,13 @@ class Replica:
     def wait_until_ready(self, within_s: float = 900.0) -> None:
         """Wait until its workers are warm."""
         deadline = time.monotonic() + within_s
-        while True:
-            with contextlib.suppress(httpx.HTTPError):
-                if httpx.get(f"{self.address}/readyz", timeout=5.0).status_code == 200:
-                    return
-            assert time.monotonic() < deadline, f"not ready: see {self._log}"
-            time.sleep(0.2)
+        with httpx.Client(base_url=self.address, timeout=5.0) as client:
+            while True:
+                with contextlib.suppress(httpx.HTTPError):
+                    if client.get("/readyz").status_code == 200:
+                        return
+                assert time.monotonic() < deadline, f"not ready: see {self._log}"
+                time.sleep(0.2)
 
     def kill(self) -> None:
         """End it as a lost node does, and what it started."""

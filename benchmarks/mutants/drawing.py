@@ -26,11 +26,12 @@ def possible(package: Path, file: str) -> list[Mutant]:
         file: The module, relative to it.
     """
     source = (package / file).read_text()
+    lines = source.splitlines()
     seen: collections.Counter[tuple[str, str, str]] = collections.Counter()
     mutants = []
     for fault in faults_of(source):
         old = source[fault.begin : fault.end]
-        line = source.splitlines()[fault.line - 1].strip()
+        line = lines[fault.line - 1].strip()
         key = (line, old, fault.new)
         name = hashlib.sha256("\0".join([file, *key, str(seen[key])]).encode()).hexdigest()[:10]
         seen[key] += 1

@@ -50,11 +50,12 @@ class Server:
     def wait_until_ready(self) -> None:
         """Wait for warm workers."""
         deadline = time.monotonic() + _READY_S
-        while time.monotonic() < deadline:
-            with suppress(httpx.TransportError):
-                if httpx.get(f"{self.address}/readyz").status_code == 200:
-                    return
-            time.sleep(0.1)
+        with httpx.Client(base_url=self.address) as client:
+            while time.monotonic() < deadline:
+                with suppress(httpx.TransportError):
+                    if client.get("/readyz").status_code == 200:
+                        return
+                time.sleep(0.1)
         raise TimeoutError("the service does not get ready")
 
     def processes(self) -> list[int]:

@@ -5,6 +5,7 @@ import os
 import subprocess
 import sys
 import time
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -14,6 +15,8 @@ import zstandard
 import ikplan
 from ikplan.cli import main
 from tests.two_joints import URDF
+
+from .conftest import Done
 
 REQUEST = {"robot": "ur5", "sampling": {"rate_hz": 50}}
 GOOD = [
@@ -55,20 +58,30 @@ if __name__ == "__main__":
 """
 
 
-def run(*arguments: object, given: bytes | None = None) -> subprocess.CompletedProcess[bytes]:
-    command = [sys.executable, "-m", "ikplan", *map(str, arguments)]
-    return subprocess.run(command, input=given, capture_output=True, timeout=200, check=False)
+@pytest.fixture
+def run(ask: Callable[..., Done], monkeypatch: pytest.MonkeyPatch) -> Callable[..., Done]:
+    """Run a command, whatever becomes of it, with bytes on its standard input."""
+
+    def go(*arguments: object, given: bytes = b"") -> Done:
+        reading, writing = os.pipe()
+        os.write(writing, given)
+        os.close(writing)
+        with open(reading) as piped:
+            monkeypatch.setattr("sys.stdin", piped)
+            return ask(*arguments)
+
+    return go
 
 
 def json_lines(*requests: object) -> bytes:
     return b"\n".join(json.dumps(r).encode() for r in requests)
 
 
-def test_every_line_is_answered_in_its_place_and_none_spoils_another():
+def test_every_line_is_answered_in_its_place_and_none_spoils_another(run):
     body = json_lines(GOOD[0], FAR) + b"\n\n  \n{not JSON\r\n" + json_lines(*GOOD[1:], [1])
     done = run("batch", "-", "--workers", "2", given=body)
-    assert done.returncode == 1
-    told = [json.loads(line) for line in done.stdout.splitlines()]
+    assert done.code == 1
+    told = [json.loads(line) for line in done.out.splitlines()]
     assert [t["index"] for t in told] == list(range(7))
     assert [t["status"] for t in told] == [200, 422, 422, 200, 200, 200, 422]
     assert [t["problem"]["type"] for t in told if "problem" in t] == [
@@ -79,20 +92,20 @@ def test_every_line_is_answered_in_its_place_and_none_spoils_another():
     for request, answer in zip(GOOD, (told[k] for k in (0, 3, 4, 5)), strict=True):
         alone = ikplan.plan(request).model_dump(mode="json")
         assert {**answer["plan"], "stats": None} == {**alone, "stats": None}
-    said = done.stderr.decode().splitlines()
+    said = done.err.splitlines()
     said = [line for line in said if not line.startswith("compiling kernels")]  # a first use
     assert said == ["ikplan: 3 of 7 requests have no plan: 2 invalid-request, 1 unreachable"]
 
 
-def test_a_batch_for_the_robot_of_a_file(tmp_path):
+def test_a_batch_for_the_robot_of_a_file(run, tmp_path):
     urdf, requests, out = (tmp_path / name for name in ("two.urdf", "in.jsonl", "out.jsonl"))
     urdf.write_text(URDF)
     document = {"start": [0.0, 0.1], "path": {"waypoints": [{"position": [0.4, 0.2, 0.0]}]}}
     requests.write_bytes(json_lines({"robot": "any", **document}, document))
     options = ["--robot", urdf, "--base", "base", "--tip", "tip", "-o", out, "--workers", "1"]
     done = run("batch", requests, *options)
-    assert done.returncode == 0, done.stderr
-    assert done.stdout.decode().splitlines() == ["2 of 2 requests planned", f"wrote {out}"]
+    assert done.code == 0, done.err
+    assert done.out.splitlines() == ["2 of 2 requests planned", f"wrote {out}"]
     for line in out.read_bytes().splitlines():
         plan = ikplan.Plan.load(json.dumps(json.loads(line)["plan"]))
         assert plan.robot == "two"
@@ -114,13 +127,13 @@ def test_a_worker_that_is_killed_from_outside_costs_no_line():
     assert json.loads(statuses) == [200] * len(lines)
 
 
-def test_a_batch_in_shards_that_is_killed_is_resumed_to_the_same_bytes(tmp_path):
+def test_a_batch_in_shards_that_is_killed_is_resumed_to_the_same_bytes(run, tmp_path):
     requests, whole, broken = tmp_path / "in.jsonl", tmp_path / "whole", tmp_path / "broken"
     waypoints = [{"position": [0.4, -0.2 + 0.02 * k, 0.4]} for k in range(20)]
     asked = [{**REQUEST, "path": {"waypoints": [w]}} for w in waypoints]
     requests.write_bytes(json_lines(*asked, FAR))
     options = ["batch", requests, "--shard-lines", "4", "--workers", "2", "-o"]
-    assert run(*options, f"{whole}/").returncode == 1
+    assert run(*options, f"{whole}/").code == 1
     command = [sys.executable, "-m", "ikplan", *map(str, options), f"{broken}/"]
     with subprocess.Popen(command, stdout=subprocess.DEVNULL) as process:
         while len(list(broken.glob("shard-*"))) < 2:
@@ -129,13 +142,13 @@ def test_a_batch_in_shards_that_is_killed_is_resumed_to_the_same_bytes(tmp_path)
         process.kill()
     left = {file.name for file in broken.glob("shard-*")}
     refused = run(*options, f"{broken}/")
-    assert refused.returncode == 2
-    assert b"--resume continues it" in refused.stderr
+    assert refused.code == 2
+    assert "--resume continues it" in refused.err
     assert {file.name for file in broken.glob("shard-*")} == left
     done = run(*options, f"{broken}/", "--resume")
-    assert done.returncode == 1
-    assert done.stdout.decode().splitlines()[0] == "20 of 21 requests planned"
-    assert done.stderr == b"ikplan: 1 of 21 requests have no plan: 1 unreachable\n"
+    assert done.code == 1
+    assert done.out.splitlines()[0] == "20 of 21 requests planned"
+    assert done.err == "ikplan: 1 of 21 requests have no plan: 1 unreachable\n"
     shards = sorted(whole.glob("shard-*"))
     assert len(shards) == 6
     for shard in shards:
@@ -149,7 +162,7 @@ def test_a_batch_in_shards_that_is_killed_is_resumed_to_the_same_bytes(tmp_path)
     )
 
 
-def test_moves_timings_and_poses_are_answered_like_plans():
+def test_moves_timings_and_poses_are_answered_like_plans(run):
     move = {"robot": "ur5", "start": [0, -1.5, 1.5, 0, 1, 0], "goal": [0.5, -1.2, 1.2, 0, 1, 0]}
     wrong = {"robot": "ur5", "goals": []}
     timing = {"robot": "ur5", "waypoints": [move["start"], move["goal"]]}
@@ -160,8 +173,8 @@ def test_moves_timings_and_poses_are_answered_like_plans():
         "ik": [pose, wrong],
     }.items():
         done = run("batch", "-", "--kind", kind, "--workers", "1", given=json_lines(*requests))
-        assert done.returncode == 1, done.stderr
-        good, bad = (json.loads(row) for row in done.stdout.splitlines())
+        assert done.code == 1, done.err
+        good, bad = (json.loads(row) for row in done.out.splitlines())
         assert bad["problem"]["type"] == "urn:ikplan:invalid-request"
         if kind == "ik":
             assert (

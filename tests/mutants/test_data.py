@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import random
+
 import pytest
 
 from benchmarks.mutants.catalogue import equivalents, modules, named_mutants
@@ -42,18 +44,21 @@ def test_every_test_planned_exists() -> None:
 
 
 @pytest.mark.parametrize("file", FILES)
-def test_every_possible_mutant_applies_and_no_two_have_the_same_name(file: str) -> None:
+def test_possible_mutants_apply_and_no_two_have_the_same_name(file: str) -> None:
     text, mutants = source(file), possible(PACKAGE, file)
     assert len({m.name for m in mutants}) == len(mutants)
-    for mutant in mutants:
+    # To apply one is to compile its module: a sample, drawn by the module's name.
+    for mutant in random.Random(file).sample(mutants, min(30, len(mutants))):
         assert mutant.apply(text) != text
 
 
 def test_an_equivalent_mutant_is_one_of_those_possible() -> None:
+    changes: dict[str, set[tuple[str, str]]] = {}
     for entry in equivalents():
-        text = source(entry.file)
-        changes = {m.changed_lines(text) for m in possible(PACKAGE, entry.file)}
-        assert (entry.old, entry.new) in changes, entry
+        if entry.file not in changes:
+            text = source(entry.file)
+            changes[entry.file] = {m.changed_lines(text) for m in possible(PACKAGE, entry.file)}
+        assert (entry.old, entry.new) in changes[entry.file], entry
         assert entry.reason
 
 

@@ -22,7 +22,7 @@ from ikplan_api.telemetry.load import Load
 from ikplan_api.workers.planner import Planner
 from ikplan_api.workers.tasks import TaskResult
 
-REQUIRED = "IKPLAN_PAGE_TESTS"
+REQUIRED = "PAGE_TESTS"
 """Set to "required", what is missing fails the tests and does not skip them."""
 
 _NAMES = ("chromium", "chromium-browser", "google-chrome")
@@ -64,9 +64,10 @@ def served(settings: Settings, planner: Planner | None = None) -> Iterator[str]:
         (listener,) = server.servers[0].sockets
         address = f"http://127.0.0.1:{listener.getsockname()[1]}"
         ready = planner is not None
-        while not ready and time.monotonic() < deadline:
-            time.sleep(0.05)
-            ready = httpx.get(f"{address}/readyz").status_code == 200
+        with httpx.Client(base_url=address) as client:
+            while not ready and time.monotonic() < deadline:
+                time.sleep(0.05)
+                ready = client.get("/readyz").status_code == 200
         assert ready, "the service did not get warm"
         yield address
     finally:

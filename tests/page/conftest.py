@@ -1,4 +1,8 @@
-"""The service in this process, without its planner: what is served here needs none."""
+"""What the tests of the page share: plain HTTP, a service, a browser.
+
+They end with the last test of the page: while a browser runs, its event loop is that of the thread,
+and no test beside it could run another.
+"""
 
 from __future__ import annotations
 
@@ -17,7 +21,7 @@ from tests.service.conftest import ADDRESS, PortalTransport
 from .browser import Visit, chromium, served
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="package")
 def http() -> Iterator[httpx.Client]:
     """Plain HTTP."""
     with start_blocking_portal() as portal:
@@ -28,14 +32,14 @@ def http() -> Iterator[httpx.Client]:
             yield client
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="package")
 def address() -> Iterator[str]:
     """The service that the tests of the page share."""
     with served(Settings(workers=1)) as running:
         yield running
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="package")
 def browser() -> Iterator[Browser]:
     """The browser that they share."""
     with chromium() as running:

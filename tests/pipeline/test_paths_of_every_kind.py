@@ -226,8 +226,7 @@ def test_a_waypoint_out_of_reach_by_less_than_the_tolerance_is_met_as_well_as_ca
     assert caught.value.position_error == pytest.approx(5e-5, rel=0.02)
 
 
-@pytest.mark.parametrize("elongation", ["global", "greedy"])
-@pytest.mark.parametrize("method", ["lm", "ik-ba"])
+@pytest.mark.parametrize(("method", "elongation"), [("lm", "global"), ("ik-ba", "greedy")])
 def test_the_printed_helix_has_three_points_out_of_reach(method: str, elongation: str) -> None:
     request = printed_helix()
     request["ik"] = {"method": method, "elongation": elongation}

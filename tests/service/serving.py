@@ -40,9 +40,10 @@ class Served:
 
     def wait_until_ready(self) -> None:
         deadline = time.monotonic() + WAIT_S
-        while httpx.get(f"{self.address}/readyz").status_code != 200:
-            assert time.monotonic() < deadline, "".join(self.lines)
-            time.sleep(0.05)
+        with httpx.Client(base_url=self.address) as client:
+            while client.get("/readyz").status_code != 200:
+                assert time.monotonic() < deadline, "".join(self.lines)
+                time.sleep(0.05)
 
 
 @contextlib.contextmanager

@@ -1,7 +1,6 @@
 """What the clients do by themselves, whatever answers."""
 
 import asyncio
-import inspect
 import json
 import subprocess
 import sys
@@ -199,16 +198,6 @@ def test_no_answer_is_service_unavailable_with_the_address(failure, words):
 def test_what_is_no_address_is_service_unavailable(address):
     with pytest.raises(ServiceUnavailable):
         Client(address).robots()
-
-
-def test_the_twins_have_the_same_methods():
-    def public(cls) -> dict[str, list[str]]:
-        methods = inspect.getmembers(cls, inspect.isfunction)
-        return {n: list(inspect.signature(m).parameters) for n, m in methods if n[0] != "_"}
-
-    twin = public(AsyncClient)
-    twin["close"] = twin.pop("aclose")
-    assert public(Client) == twin
 
 
 @pytest.mark.parametrize(

@@ -83,7 +83,7 @@ def test_a_job_is_accepted_polled_and_found(prefer):
             "id": GOOD_ID, "state": "running", "stage": "ik", "done": 2, "total": 5,
         }  # fmt: skip
         planner.answer()
-        await until(lambda: not jobs._in_progress)
+        await until(lambda: not jobs._running)
         found = await http.get(place)
         assert (found.status_code, found.json()) == (200, {"plan": 1})
         unchanged = await http.get(place, headers={"if-none-match": f'"x", W/"{GOOD_ID}"'})
@@ -114,7 +114,7 @@ def test_a_job_that_fails_tells_why_and_is_tried_again_when_asked_again():
         place = (await http.post("/v1/plans", json=GOOD, headers=ASYNC)).headers["location"]
         await until(lambda: planner.asked)
         planner.fail(error)
-        await until(lambda: not jobs._in_progress)
+        await until(lambda: not jobs._running)
         for _ in range(2):
             answer = await http.get(place)
             problem = answer.json()
@@ -133,7 +133,7 @@ def test_an_unforeseen_fault_of_a_job_is_told_without_its_details(caplog):
         place = (await http.post("/v1/plans", json=GOOD, headers=ASYNC)).headers["location"]
         await until(lambda: planner.asked)
         planner.fail(ZeroDivisionError("secret"))
-        await until(lambda: not jobs._in_progress)
+        await until(lambda: not jobs._running)
         return await http.get(place)
 
     answer = served(use)
@@ -220,7 +220,7 @@ def test_a_caller_who_leaves_does_not_end_a_job():
         await asyncio.sleep(0.02)
         assert not planner.cancelled
         planner.answer()
-        await until(lambda: not jobs._in_progress)
+        await until(lambda: not jobs._running)
         assert (await http.get(place)).status_code == 200
 
     served(use)
@@ -286,7 +286,7 @@ def test_a_busy_service_still_answers_what_it_has_and_reads_nothing_new():
         planner.answer()
         assert (await other).status_code == (await joined).status_code == 200
         assert (await ask(http, robot="x")).status_code == 404
-        assert not jobs._in_progress
+        assert not jobs._running
 
     served(use, room=1)
 
@@ -367,7 +367,7 @@ def test_jobs_outlive_a_restart_and_are_done_in_their_order(tmp_path: Path):
         for _ in range(4):
             planner.answer()
             await asyncio.sleep(0)
-        await until(lambda: not jobs._in_progress)
+        await until(lambda: not jobs._running)
         for place in places:
             assert (await http.get(place)).status_code == 200
         assert (await http.get(places[0])).json() == {"plan": 0}
@@ -412,7 +412,7 @@ def test_a_timing_is_a_job_like_a_plan():
         assert accepted.status_code == 202
         await until(lambda: planner.asked)
         planner.answer()
-        await until(lambda: not jobs._in_progress)
+        await until(lambda: not jobs._running)
         assert (await http.get(accepted.headers["location"])).status_code == 200
 
     served(use)

@@ -8,14 +8,16 @@ import time
 from pathlib import Path
 
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from ikplan_api.store.sqlite_plans import SqlitePlanStore
 
+from .serving import WAIT_S
 from .test_store import use
 
 
+@settings(max_examples=50)
 @given(
     st.lists(st.tuples(st.sampled_from("abcdef"), st.integers(0, 12)), max_size=30),
     st.integers(0, 4),
@@ -74,6 +76,19 @@ def test_a_smaller_bound_is_reached_in_slices_while_plans_are_put(tmp_path: Path
     full = path.stat().st_size
     assert use(purge, path, max_plans=60, max_bytes=10**9) == 60
     assert path.stat().st_size < 0.4 * full
+
+
+@pytest.mark.parametrize("steps", range(5))
+def test_a_purge_that_is_called_in_the_moment_it_is_stopped_ends(steps: int) -> None:
+    async def stop(store: SqlitePlanStore) -> None:
+        await asyncio.sleep(0.02)  # it waits
+        store._purge._needed.set()
+        for _ in range(steps):
+            await asyncio.sleep(0)
+        async with asyncio.timeout(WAIT_S):
+            await store._purge.stop()
+
+    use(stop)
 
 
 def test_plans_that_are_too_old_go_without_being_asked_for(

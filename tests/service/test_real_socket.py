@@ -61,9 +61,10 @@ def address() -> Iterator[str]:
     with service() as (_, address):
         assert httpx.get(f"{address}/livez").status_code == 200
         deadline = time.monotonic() + WAIT_S
-        while httpx.get(f"{address}/readyz").status_code != 200:
-            assert time.monotonic() < deadline
-            time.sleep(0.1)
+        with httpx.Client(base_url=address) as client:
+            while client.get("/readyz").status_code != 200:
+                assert time.monotonic() < deadline
+                time.sleep(0.1)
         yield address
 
 

@@ -98,7 +98,7 @@ def test_a_job_whose_worker_dies_is_tried_once_more() -> None:
         planner.fail(WorkerLost("the worker process ended by SIGKILL", exit_code=-9))
         await until(lambda: len(planner.asked) == 2)
         planner.answer()
-        await until(lambda: not jobs._in_progress)
+        await until(lambda: not jobs._running)
         assert (await http.get(place)).status_code == 200
 
     served(use)

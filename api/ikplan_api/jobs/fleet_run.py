@@ -5,7 +5,7 @@ from __future__ import annotations
 import asyncio
 
 from ikplan.errors import IkplanError, WorkerLost
-from ikplan_api.store.plan_store import StoreFault
+from ikplan_api.store.plan_store import Job, StoreFault
 from ikplan_api.store.postgres.queue import Claim, PostgresQueue
 from ikplan_api.workers.attempts import Attempts
 from ikplan_api.workers.tasks import TaskResult
@@ -60,9 +60,9 @@ class FleetRun:
         self._changed = asyncio.Event()
 
     @property
-    def key(self) -> tuple[str, str]:
-        """Owner and plan id."""
-        return self.claim.job.owner, self.claim.job.plan_id
+    def job(self) -> Job:
+        """The job."""
+        return self.claim.job
 
     def progress(self, stage: str, done: int, total: int) -> None:
         """Receive a progress report of the planner."""

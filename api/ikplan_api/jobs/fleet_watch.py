@@ -67,7 +67,8 @@ class FleetWatch:
                 if told.ended:
                     return
                 try:
-                    change = await asyncio.wait_for(changes.get(), _LOOK_S)
+                    async with asyncio.timeout(_LOOK_S):
+                        change = await changes.get()
                 except TimeoutError:
                     change = None
 

@@ -66,7 +66,8 @@ class RobotBuilder:
             env={**os.environ, "OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"},
         )
         try:
-            output, _ = await asyncio.wait_for(process.communicate(document), self._timeout_s)
+            async with asyncio.timeout(self._timeout_s):
+                output, _ = await process.communicate(document)
         except TimeoutError as error:
             raise InvalidRobot(
                 f"{name}: the build takes longer than {self._timeout_s:g} s", robot=name

@@ -118,8 +118,10 @@ class SqlitePurge:
 
     async def _purge(self) -> None:
         while True:
+            # asyncio.wait_for of Python 3.11 loses a cancellation that meets what it waits for.
             with contextlib.suppress(TimeoutError):
-                await asyncio.wait_for(self._needed.wait(), _AGE_EVERY_S)
+                async with asyncio.timeout(_AGE_EVERY_S):
+                    await self._needed.wait()
             self._needed.clear()
             try:
                 while await self.trim() or await self._forget_old() or await self._shrink():

@@ -9,16 +9,14 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from ikplan.documents.controller import LanguageInfo
-from ikplan.plans.export.formats import Arm, Format
+from ikplan.plans.export.formats import Arm
 from ikplan.plans.export.program_text import (
-    comments,
     fixed,
     known_robot,
-    language_of,
     refusal,
     refuse_longer,
 )
+from ikplan.plans.export.python_program import PythonProgram
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -28,10 +26,10 @@ if TYPE_CHECKING:
 
 __all__ = ["FORMAT", "language"]
 
-_LANGUAGE, _TITLE = "franky", "franky"
-_JOINTS = (7,)
 # Their controller blocks name no languages, so that their plans stay as they are.
 _ARMS = ("fer", "fr3", "panda")
+_FRANKY = PythonProgram("franky", "franky", "franky-2", (7,), _ARMS)
+language = _FRANKY.language
 _DIGITS = 6
 # To the first waypoint at a walk: whoever runs the program stands beside it.
 _APPROACH = 0.05
@@ -58,16 +56,6 @@ if __name__ == "__main__":
 """
 
 
-def language(arm: Arm) -> LanguageInfo:
-    """Return what is known of the programs of an arm.
-
-    Raises:
-        InvalidRequest: It can have no such program.
-    """
-    known = {name: LanguageInfo(name=_LANGUAGE, variant="franky-2") for name in _ARMS}
-    return language_of(arm, _LANGUAGE, _TITLE, _JOINTS, known)
-
-
 def check(arm: Arm) -> None:
     """Refuse an arm that franky does not move.
 
@@ -77,7 +65,7 @@ def check(arm: Arm) -> None:
     language(arm)
     if arm.controller is None or arm.controller.jerk is None:
         raise refusal(
-            _LANGUAGE, f"no franky program for {arm.robot!r}: its controller has no jerk limits"
+            _FRANKY.name, f"no franky program for {arm.robot!r}: its controller has no jerk limits"
         )
 
 
@@ -98,15 +86,12 @@ def encode(
 
     arm = Arm.of_plan(plan)
     check(arm)
-    known = known_robot(plan, _LANGUAGE, robot)
+    known = known_robot(plan, _FRANKY.name, robot)
     made = waypoints(plan, known, TOLERANCE if tolerance is None else tolerance)
     refuse_longer(language(arm), plan.robot, len(made.q), "; the arm stops where a motion ends")
     rows = zip(made.least, made.q[1:].tolist(), made.dq[1:].tolist(), strict=True)
     velocity, acceleration, jerk = made.limits.tolist()
-    lines = [
-        "#!/usr/bin/env python3",
-        *(f"# {line}" for line in comments(plan, made.certificate)),
-        "# Run it on a host with a real-time kernel: python3 FILE ADDRESS_OF_THE_ARM",
+    values = [
         "import sys",
         "",
         "from franky import (",
@@ -127,19 +112,12 @@ def encode(
         *(f"    ({least}, {_list(q)}, {_list(dq)})," for least, q, dq in rows),
         "]",
     ]
-    return ("\n".join(lines) + "\n" + _PROGRAM).encode("ascii")
+    remarks = ["Run it on a host with a real-time kernel: python3 FILE ADDRESS_OF_THE_ARM"]
+    return _FRANKY.text(plan, made.certificate, remarks=remarks, values=values, program=_PROGRAM)
 
 
 def _list(values: Iterable[float], digits: int = _DIGITS) -> str:
     return f"[{', '.join(fixed(value, digits) for value in values)}]"
 
 
-FORMAT = Format(
-    name=_LANGUAGE,
-    title="a Python program of waypoints for franky, for Franka arms",
-    suffixes=(".franky.py",),
-    media_type="text/x-python-franky",
-    encode=encode,
-    check=check,
-    program=encode,
-)
+FORMAT = _FRANKY.format("a Python program of waypoints for franky, for Franka arms", encode, check)

@@ -14,15 +14,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ikplan.arrays import Array
-from ikplan.documents.controller import LanguageInfo
-from ikplan.plans.export.formats import Arm, Format
+from ikplan.plans.export.formats import Arm
 from ikplan.plans.export.program_text import (
-    comments,
     fixed,
-    language_of,
     points_of,
     refuse_longer,
 )
+from ikplan.plans.export.python_program import PythonProgram
 
 if TYPE_CHECKING:
     from ikplan.documents.plan_document import PlanDocument
@@ -30,10 +28,10 @@ if TYPE_CHECKING:
 
 __all__ = ["CYCLE", "FORMAT", "language", "stored"]
 
-_LANGUAGE, _TITLE = "xarm", "xArm SDK"
-_JOINTS = (5, 6, 7)
 # The arms have no controller block, so that their plans stay as they are.
 _ARMS = ("lite6", "xarm5", "xarm6", "xarm7")
+_XARM = PythonProgram("xarm", "xArm SDK", "xarm-sdk", (5, 6, 7), _ARMS)
+language = _XARM.language
 CYCLE = 0.004
 """Time between two sets of joint values that the controller takes [s]."""
 _DIGITS = 4
@@ -103,16 +101,6 @@ if __name__ == "__main__":
 '''
 
 
-def language(arm: Arm) -> LanguageInfo:
-    """Return what is known of the programs of an arm.
-
-    Raises:
-        InvalidRequest: It can have no such program.
-    """
-    known = {name: LanguageInfo(name=_LANGUAGE, variant="xarm-sdk") for name in _ARMS}
-    return language_of(arm, _LANGUAGE, _TITLE, _JOINTS, known)
-
-
 def check(arm: Arm) -> None:
     """Refuse an arm that the xArm SDK does not move.
 
@@ -144,11 +132,7 @@ def encode(
     refuse_longer(known, plan.robot, len(made.degrees))
     due = np.concatenate([[0.0], np.cumsum(made.steps)])
     rows = [f"    [{', '.join(fixed(v, _DIGITS) for v in row)}]," for row in made.degrees]
-    lines = [
-        "#!/usr/bin/env python3",
-        *(f"# {line}" for line in comments(plan, made.certificate)),
-        "# This program makes these splines, and sends joint values once a cycle in servo mode.",
-        "# Run it on a host with steady timing: python3 FILE ADDRESS_OF_THE_ARM",
+    values = [
         "import bisect",
         "import math",
         "import sys",
@@ -164,15 +148,13 @@ def encode(
         *rows,
         "]",
     ]
-    return ("\n".join(lines) + "\n" + _PROGRAM).encode("ascii")
+    remarks = [
+        "This program makes these splines, and sends joint values once a cycle in servo mode.",
+        "Run it on a host with steady timing: python3 FILE ADDRESS_OF_THE_ARM",
+    ]
+    return _XARM.text(plan, made.certificate, remarks=remarks, values=values, program=_PROGRAM)
 
 
-FORMAT = Format(
-    name=_LANGUAGE,
-    title="a Python program that streams a spline by the xArm SDK, for UFACTORY arms",
-    suffixes=(".xarm.py",),
-    media_type="text/x-python-xarm",
-    encode=encode,
-    check=check,
-    program=encode,
+FORMAT = _XARM.format(
+    "a Python program that streams a spline by the xArm SDK, for UFACTORY arms", encode, check
 )

@@ -13,7 +13,7 @@ from benchmarks.fleet.postgres import WHY_NOT, Postgres, binaries, postgres
 @pytest.fixture(scope="session")
 def server() -> Iterator[Postgres]:
     if binaries() is None:
-        if os.environ.get("IKPLAN_POSTGRES_TESTS") == "required":
+        if os.environ.get("POSTGRES_TESTS") == "required":
             pytest.fail(WHY_NOT)
         pytest.skip(WHY_NOT)
     with postgres() as running:

@@ -80,7 +80,7 @@ def test_a_job_is_cancelled_from_the_other_replica(database: str) -> None:
         ]
 
         async def running() -> bool:
-            return bool(here.jobs._runs)
+            return bool(here.jobs._running)
 
         await until(running)
         watching = asyncio.create_task(events(here, place))
@@ -89,7 +89,7 @@ def test_a_job_is_cancelled_from_the_other_replica(database: str) -> None:
         assert (await watching)[-1][0] == "cancelled"
 
         async def idle() -> bool:
-            return not here.jobs._runs
+            return not here.jobs._running
 
         await asyncio.wait_for(until(idle), 30)
         assert await state_of(here, place) == "404"
@@ -104,7 +104,7 @@ def test_a_request_that_a_client_waits_for_is_joined_by_the_other_replica(databa
         first = asyncio.create_task(here.http.post("/v1/plans", json=request(1)))
 
         async def running() -> bool:
-            return bool(here.jobs._runs)
+            return bool(here.jobs._running)
 
         await until(running)
         second = asyncio.create_task(there.http.post("/v1/plans", json=request(1)))
@@ -227,7 +227,7 @@ def test_jobs_go_on_over_a_restart_of_the_database(server: Postgres, database: s
             places.append(accepted.headers["location"])
 
         async def both_run() -> bool:
-            return bool(here.jobs._runs and there.jobs._runs)
+            return bool(here.jobs._running and there.jobs._running)
 
         await asyncio.wait_for(until(both_run), 60)
         await asyncio.to_thread(server.stop, "immediate")

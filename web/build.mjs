@@ -20,6 +20,27 @@ const { metafile } = await build({
   logLevel: "warning",
 });
 
+// The viewer of one plan: a document that holds its own script and style.
+const viewer = await build({
+  entryPoints: { script: "src/embed.ts", style: "src/embed.css" },
+  outdir: "embed",
+  write: false,
+  bundle: true,
+  minify: true,
+  format: "esm",
+  target: "es2022",
+  legalComments: "none", // licenses.txt has them
+  logLevel: "warning",
+});
+const inlined = (suffix) => viewer.outputFiles.find((file) => file.path.endsWith(suffix)).text;
+const shell = await readFile("embed.html", "utf8");
+await writeFile(
+  `${OUT}/embed.html`,
+  // Functions, since "$" means something in a text that replaces.
+  shell.replace("%STYLE%", () => inlined(".css"))
+    .replace("%SCRIPT%", () => inlined(".js").replaceAll("</script", "<\\/script")),
+);
+
 const made = Object.keys(metafile.outputs).map((file) => path.basename(file));
 const part = (suffix) => `page/${made.find((file) => file.endsWith(suffix))}`;
 const page = await readFile("index.html", "utf8");

@@ -32,6 +32,8 @@ _STILL = 1e-9
 """Velocity of a joint at rest, but for rounding [rad/s or m/s]."""
 RATIO_SLACK = 1e-9
 """Rounding allowed in a ratio against a limit."""
+_POSITION_ROUNDING = 8.0 * float(np.finfo(np.float64).eps)
+"""Rounding allowed in a joint value of 1 and less, more in proportion beyond [rad or m]."""
 
 
 def measured_limits(
@@ -93,13 +95,18 @@ def measured_positions(robot: Robot, time: Array, q: Array) -> tuple[dict[str, A
     lower, upper = np.where(finite, robot.lower, -np.inf), np.where(finite, robot.upper, np.inf)
     middle = np.zeros_like(lower)
     middle[finite] = 0.5 * (lower[finite] + upper[finite])
-    ratios = np.abs(q - middle) / (0.5 * (upper - lower))
+    half = 0.5 * (upper - lower)
+    ratios = np.abs(q - middle) / half
     ratio, place = worst_joint(robot, time, ratios)
     found = {
         "position_limit_ratio": ratio,
         "position_limit_at": place if finite.any() else None,
     }
-    if not ratio <= 1.0 + RATIO_SLACK:
+    # In a range as narrow as the rounding of joint values, that rounding is a large ratio.
+    rounding = _POSITION_ROUNDING * np.maximum(1.0, np.abs(middle)) / half
+    beyond = ratios - rounding
+    if not beyond.max() <= 1.0 + RATIO_SLACK:
+        _, place = worst_joint(robot, time, beyond)
         return found, [f"the position limit of {place.joint} is exceeded at {place.time:.4f} s"]
     return found, []
 

@@ -16,6 +16,7 @@ from ikplan.documents.plan_request import FkRequest, IkBatchRequest, IkRequest, 
 from ikplan.documents.pose_results import FkResult, IkBatchSolution, IkSolution
 from ikplan.documents.status import Audit, PlanList, PlanStatus
 from ikplan.documents.timing_request import TimingRequest
+from ikplan.documents.trajectory import PlanSeries
 from ikplan.errors import InvalidRobot, ServiceUnavailable
 from ikplan.plans.plan import Plan
 from ikplan.scene.mesh_files import without_mesh_files
@@ -26,6 +27,7 @@ __all__ = [
     "delete_robot",
     "delete_scene",
     "fk",
+    "formats",
     "get_plan",
     "ik",
     "ik_batch",
@@ -36,6 +38,7 @@ __all__ = [
     "robot",
     "robots",
     "scene",
+    "series",
     "solvers",
     "submit",
     "submit_time",
@@ -151,6 +154,16 @@ def robots() -> Call[list[dict[str, Any]]]:
 def robot(name: str) -> Call[dict[str, Any]]:
     """Describe a robot."""
     return Call("GET", f"/v1/robots/{quote(name, safe='')}", _object)
+
+
+def formats(name: str) -> Call[list[dict[str, Any]]]:
+    """List the formats of a robot's plans."""
+    return Call("GET", f"/v1/robots/{quote(name, safe='')}/formats", _list("formats"))
+
+
+def series(request: Mapping[str, Any] | PlanRequest) -> Call[PlanSeries]:
+    """Measure a plan over time."""
+    return Call("POST", "/v1/series", PlanSeries.model_validate_json, encode(request))
 
 
 def upload_robot(urdf: str | bytes, options: Mapping[str, Any]) -> Call[dict[str, Any]]:

@@ -21,6 +21,7 @@ from ikplan.documents.pose_results import FkResult, IkBatchSolution, IkSolution
 from ikplan.documents.scene import Scene
 from ikplan.documents.status import AuditEntry, Outcome, PlanStatus, PlanSummary
 from ikplan.documents.timing_request import TimingRequest
+from ikplan.documents.trajectory import PlanSeries
 from ikplan.errors import IkplanError
 from ikplan.plans.plan import Plan
 
@@ -301,6 +302,22 @@ class Client:
             RobotNotFound: The service has no robot of that name.
         """
         return self._send(calls.robot(name))
+
+    def formats(self, name: str) -> list[dict[str, Any]]:
+        """List the formats of a robot's plans, programs of its controller among them.
+
+        Raises:
+            RobotNotFound: The service has no robot of that name.
+        """
+        return self._send(calls.formats(name))
+
+    def series(self, request: Mapping[str, Any] | PlanRequest) -> PlanSeries:
+        """Measure a plan over time: torques, deviation from the path, distances.
+
+        Raises:
+            PlanNotFound: The service has no plan of that request: :meth:`plan` makes it.
+        """
+        return self._send(calls.series(request))
 
     def upload_robot(self, urdf: str | bytes, **options: Any) -> dict[str, Any]:
         """Upload a robot of one's own.

@@ -192,7 +192,11 @@ class OwnLimits(Document):
     """Limits of one joint, inside the robot's own; null: the robot's own."""
 
     lower: Number | None = Field(None, description="Lower position limit [rad or m].")
-    upper: Number | None = Field(None, description="Upper position limit [rad or m].")
+    upper: Number | None = Field(
+        None,
+        description="Upper position limit [rad or m]; the lower one again: the joint stands, "
+        "within 1e-9.",
+    )
     velocity: Positive | None = Field(None, description="Velocity limit [rad/s or m/s].")
     acceleration: Positive | None = Field(
         None, description="Acceleration limit [rad/s^2 or m/s^2]."

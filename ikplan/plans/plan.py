@@ -17,8 +17,9 @@ if TYPE_CHECKING:
     from pandas import DataFrame
 
     from ikplan.documents.limits import LimitOptions
-    from ikplan.documents.scene import Scene
+    from ikplan.documents.scene import Scene, ToolFrame
     from ikplan.plans.playback import JointState
+    from ikplan.plans.viewer import Viewer
     from ikplan.robots import Robot
 
 __all__ = ["Plan"]
@@ -133,6 +134,38 @@ class Plan(PlanDocument):
         from ikplan.plans.figures.timing import plot_timing
 
         plot_timing(self, Path(path), limits=limits)
+
+    def show(
+        self,
+        scene: Mapping[str, Any] | Scene | None = None,
+        *,
+        tool: Mapping[str, Any] | ToolFrame | None = None,
+        robot: Robot | None = None,
+        meshes: bool = True,
+        height: int = 420,
+    ) -> Viewer:
+        """Show the moving arm in the scene of the service's page: in a notebook, or as a file.
+
+        Args:
+            scene: The scene of the request, to draw obstacles and what is carried.
+            tool: The tool of the request; None: the robot's own.
+            robot: The robot; None: the catalogue's.
+            meshes: Whether the document holds the robot's meshes (a few MB for most robots);
+                False: the arm is drawn by its joints.
+            height: Height in a notebook [pixels].
+
+        Returns:
+            What a notebook shows as a frame; ``save`` writes it as one HTML file, which asks for
+            nothing else.
+
+        Raises:
+            InvalidRequest: The scene, the tool or the robot is wrong, or the page has not been
+                built in this checkout.
+            RobotNotFound: The robot is not in the catalogue.
+        """
+        from ikplan.plans.viewer import view_plan
+
+        return view_plan(self, scene, tool, robot, meshes=meshes, height=height)
 
     def to_dataframe(self) -> DataFrame:
         """Return the samples as a DataFrame of pandas: columns ``q joint``, ``dq joint``, ...

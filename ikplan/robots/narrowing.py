@@ -10,7 +10,10 @@ from ikplan.errors import InvalidRequest, near_names
 from ikplan.robots.description import JointSpec
 from ikplan.robots.robot import Robot
 
-__all__ = ["narrowed"]
+__all__ = ["STANDS", "narrowed"]
+
+STANDS = 1e-9
+"""A joint whose lower limit is its upper one stands, within this [rad or m]."""
 
 
 def narrowed(robot: Robot, joints: Mapping[str, OwnLimits] | None) -> Robot:
@@ -21,8 +24,8 @@ def narrowed(robot: Robot, joints: Mapping[str, OwnLimits] | None) -> Robot:
         joints: The limits by joint; None: as they are.
 
     Raises:
-        InvalidRequest: No such joint, a limit that is wider than the robot's own, or a range
-            without an inside.
+        InvalidRequest: No such joint, a limit that is wider than the robot's own, or a lower
+            limit above the upper one.
     """
     if not joints:
         return robot
@@ -62,16 +65,19 @@ def _narrowed(joint: JointSpec, asked: OwnLimits) -> JointSpec:
                 allowed=f"{'>=' if key == 'lower' else '<='} {own:g}",
             )
         changes[key] = value
+    lower, upper = changes.get("lower", joint.lower), changes.get("upper", joint.upper)
+    if lower == upper:
+        lower, upper = max(lower - STANDS, joint.lower), min(upper + STANDS, joint.upper)
     made = replace(
         joint,
-        lower=changes.get("lower", joint.lower),
-        upper=changes.get("upper", joint.upper),
+        lower=lower,
+        upper=upper,
         velocity=changes.get("velocity", joint.velocity),
         acceleration=changes.get("acceleration", joint.acceleration),
     )
-    if not made.lower < made.upper:
+    if made.lower > made.upper:
         raise InvalidRequest(
-            f"limits.joints.{joint.name}: lower {made.lower:g} is not below upper {made.upper:g}",
+            f"limits.joints.{joint.name}: lower {made.lower:g} is above upper {made.upper:g}",
             field=f"limits.joints.{joint.name}",
         )
     return made

@@ -41,7 +41,7 @@ _WAIT_S = 600.0
 """Where nothing is compiled yet, getting warm takes minutes."""
 
 
-def _missing(what: str) -> NoReturn:
+def missing(what: str) -> NoReturn:
     if os.environ.get(REQUIRED) == "required":
         pytest.fail(what)
     pytest.skip(what)
@@ -51,7 +51,7 @@ def _missing(what: str) -> NoReturn:
 def served(settings: Settings, planner: Planner | None = None) -> Iterator[str]:
     """The address of a service on a free port of the loopback, warm unless it has a planner."""
     if not (bundle_folder() / "index.html").is_file():
-        _missing(f"there is no page; {BUNDLE_HINT} makes it")
+        missing(f"there is no page; {BUNDLE_HINT} makes it")
     in_memory = settings.model_copy(update={"store_path": ":memory:"})
     app = create_app(in_memory, planner=planner)
     server = uvicorn.Server(uvicorn.Config(app, host="127.0.0.1", port=0, log_level="error"))
@@ -96,7 +96,7 @@ def chromium() -> Iterator[Browser]:
     """A browser of the machine."""
     path = next(filter(None, map(shutil.which, _NAMES)), None)
     if path is None:
-        _missing(f"there is none of {', '.join(_NAMES)} on this machine")
+        missing(f"there is none of {', '.join(_NAMES)} on this machine")
     with sync_playwright() as playwright:
         browser = playwright.chromium.launch(executable_path=path, args=list(_FLAGS))
         yield browser

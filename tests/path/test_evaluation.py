@@ -28,11 +28,13 @@ RECORDED: dict[str, Any] = json.loads(
 def test_every_kind_of_piece_moves_as_it_was_recorded(name):
     recorded = RECORDED[name]
     path = tool_path(recorded["path"])
-    assert path.length == pytest.approx(recorded["length"], abs=1e-14)
+    # The last digits differ from processor to processor (measured: 7e-15 and 4e-12 of the largest).
+    assert path.length == pytest.approx(recorded["length"], rel=1e-13)
     found = path.derivatives(np.array(recorded["s"]))
     for field in ("R", "p", "v", "w", "bend"):
         values = getattr(found, field).reshape(len(recorded["s"]), -1)
-        assert_allclose(values, recorded[field], rtol=1e-11, atol=1e-11, err_msg=field)
+        largest = max(1.0, np.abs(recorded[field]).max())
+        assert_allclose(values, recorded[field], rtol=1e-11, atol=1e-11 * largest, err_msg=field)
 
 
 @pytest.mark.parametrize("name", sorted(RECORDED))

@@ -23,7 +23,7 @@ EXAMPLES = Path(__file__).parents[2] / "examples"
 
 @pytest.mark.parametrize("name", ["ur5", "panda"])
 def test_a_robots_formats_are_those_that_the_library_grants_it(
-    http: httpx.Client, name: str
+    http: httpx.Client, client: ikplan.Client, name: str
 ) -> None:
     arm = Arm.of_robot(catalogue_robot(name).info())
     granted = []
@@ -36,9 +36,14 @@ def test_a_robots_formats_are_those_that_the_library_grants_it(
     listed = http.get(f"/v1/robots/{name}/formats").json()["formats"]
     assert [form["media_type"] for form in listed] == granted
     assert http.get("/v1/robots/nobody/formats").status_code == 404
+    assert client.formats(name) == listed
+    with pytest.raises(ikplan.RobotNotFound):
+        client.formats("nobody")
 
 
-def test_the_measures_of_a_plan_are_those_of_its_certificate(http: httpx.Client) -> None:
+def test_the_measures_of_a_plan_are_those_of_its_certificate(
+    http: httpx.Client, client: ikplan.Client
+) -> None:
     request = json.loads((EXAMPLES / "curve_ur5.json").read_text())
     request["scene"] = {
         "obstacles": [
@@ -47,10 +52,13 @@ def test_the_measures_of_a_plan_are_those_of_its_certificate(http: httpx.Client)
         "clearance": 0.001,
     }
     assert http.post("/v1/series", json=request).status_code == 404
+    with pytest.raises(ikplan.PlanNotFound):
+        client.series(request)
     made = http.post("/v1/plans", json=request).json()
     certificate, time = made["certificate"], made["trajectory"]["time"]
     series = http.post("/v1/series", json=request).json()
     assert series["time"] == time
+    assert client.series(request).model_dump(mode="json") == series
     deviation = [value for value in series["deviation"] if value is not None]
     assert max(deviation) == pytest.approx(certificate["max_path_deviation"], abs=1e-12)
     turns = [value for value in series["turn"] if value is not None]

@@ -6,6 +6,8 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from ikplan.errors import InvalidRequest
 from ikplan.plans.export import (
     as_csv,
@@ -54,6 +56,7 @@ FORMATS: tuple[Format, ...] = (
     as_franky.FORMAT,
 )
 """The formats of ikplan; a new one is a module with a ``FORMAT`` and a line here."""
+_AT_REST = 1e-9  # velocity of a joint at rest, but for rounding [rad/s or m/s]
 
 
 def known_formats() -> tuple[Format, ...]:
@@ -170,6 +173,9 @@ def save(
 def _encoded(
     plan: PlanDocument, chosen: Format, stem: str, robot: Robot | None, tolerance: float | None
 ) -> bytes:
+    if chosen.from_rest:
+        chosen.check(Arm.of_plan(plan))
+        _refuse_moving_ends(plan, chosen)
     if chosen.program is not None:
         return chosen.program(plan, stem, robot, tolerance)
     if tolerance is not None:
@@ -179,3 +185,17 @@ def _encoded(
             allowed=[f.name for f in FORMATS if f.program is not None],
         )
     return chosen.encode(plan)
+
+
+def _refuse_moving_ends(plan: PlanDocument, chosen: Format) -> None:
+    speeds = np.abs(plan.trajectory.dq[[0, -1]])
+    if speeds.max() <= _AT_REST:
+        return
+    end, joint = np.unravel_index(int(np.argmax(speeds > _AT_REST)), speeds.shape)
+    raise InvalidRequest(
+        f"a program in the format {chosen.name} begins and ends at rest, and this plan "
+        f"{('begins', 'ends')[end]} in motion: {plan.joint_names[joint]} at "
+        f"{plan.trajectory.dq[-int(end), joint]:.6g} {plan.joint_units[joint]}/s",
+        field="format",
+        allowed=[f.name for f in known_formats() if not f.from_rest],
+    )

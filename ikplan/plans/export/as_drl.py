@@ -96,4 +96,5 @@ FORMAT = Format(
     encode=encode,
     check=check,
     program=encode,
+    from_rest=True,
 )

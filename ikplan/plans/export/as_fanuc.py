@@ -132,4 +132,5 @@ FORMAT = Format(
     encode=encode,
     check=check,
     program=encode,
+    from_rest=True,
 )

@@ -106,4 +106,5 @@ FORMAT = Format(
     encode=encode,
     check=check,
     program=encode,
+    from_rest=True,
 )

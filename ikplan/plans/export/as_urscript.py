@@ -117,4 +117,5 @@ FORMAT = Format(
     media_type="text/x-urscript",
     encode=encode,
     check=check,
+    from_rest=True,
 )

@@ -61,6 +61,8 @@ class Format:
         check: Refuses, by InvalidRequest, an arm that can have no plan in this format.
         program: Of formats that thin a plan: from the plan, the name of the program, its robot
             (None: the catalogue's) and a tolerance [m] (None: the default) to the bytes.
+        from_rest: Whether it holds only motions from rest to rest, as programs that a controller
+            begins by itself do.
     """
 
     name: str
@@ -70,3 +72,4 @@ class Format:
     encode: Callable[[PlanDocument], bytes]
     check: Callable[[Arm], None] = _any
     program: Callable[[PlanDocument, str, Robot | None, float | None], bytes] | None = None
+    from_rest: bool = False

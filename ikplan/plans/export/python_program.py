@@ -100,4 +100,5 @@ class PythonProgram:
             encode=encode,
             check=check,
             program=encode,
+            from_rest=True,
         )

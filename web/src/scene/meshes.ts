@@ -12,13 +12,23 @@ import { fetchMesh } from "../service";
 /** Stands for the colour that the URDF gives. */
 const BARE = new MeshBasicMaterial();
 
+/** Gives the bytes of the mesh at an address. */
+export type MeshSource = (address: string) => Promise<ArrayBuffer>;
+
+let source: MeshSource = fetchMesh;
+
+/** Reads meshes elsewhere than from the service. */
+export function readMeshesBy(other: MeshSource): void {
+  source = other;
+}
+
 const kept = new Map<string, Promise<Object3D>>();
 
 /** The mesh at an address of the service, without any rotation; a copy of its own. */
 export async function loadMesh(address: string, colour: Color, opacity: number): Promise<Object3D> {
   let read = kept.get(address);
   if (read === undefined) {
-    read = fetchMesh(address).then((bytes) => parse(address, bytes));
+    read = source(address).then((bytes) => parse(address, bytes));
     kept.set(address, read);
     read.catch(() => kept.delete(address));
   }

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from ikplan.arrays import Array, Indices
 from ikplan.errors import InvalidRequest
-from ikplan.joint_path.evaluation import evaluate_path
+from ikplan.joint_path.evaluation import evaluate_path, slopes_on
 from ikplan.joint_path.spline import hermite_extrema, limit_tangents, natural_tangents
 from ikplan.limits.joint_limits import JointLimits
 
@@ -202,6 +202,21 @@ class JointPath:
         if pieces is None:
             pieces = np.full(len(s), -1)
         return evaluate_path(
+            self.s_knots, self.q_knots, self.tangents_start, self.tangents_end, pieces, s
+        )
+
+    def slopes_on(self, s: Array, pieces: Indices) -> tuple[Array, Array, Array]:
+        """Evaluate the derivatives at both ends of the intervals of a grid.
+
+        Args:
+            s: Nodes, shape (n + 1,).
+            pieces: Piece of each interval, shape (n,).
+
+        Returns:
+            dq/ds at the starts, d2q/ds2 at the starts and d2q/ds2 at the ends, each of shape
+            (n, dof).
+        """
+        return slopes_on(
             self.s_knots, self.q_knots, self.tangents_start, self.tangents_end, pieces, s
         )
 

@@ -251,12 +251,13 @@ def what_if(
     for k, span in enumerate(timed.spans):
         changed = _changed(span.problem, (limit, joint), factor)
         known = timed.smoothed[k] if timed.jerk_limited else None
-        mine = known.duration if known is not None else _duration(span.problem)
+        mine = known.duration if known is not None else span.problem.compiled_duration
         try:
             if changed is span.problem:
                 new = mine
             elif known is None:
-                new = _duration(changed, check)
+                check()
+                new = _changed_duration(span.problem, changed, joint, factor)
             else:
                 new = smooth_span_alike(changed, known, check).duration
         except EngineFailed as error:
@@ -283,9 +284,13 @@ def _unsolved(span: SpanTiming, error: EngineFailed, change: WhatIf) -> float:
     ) from error
 
 
-def _duration(problem: SpanProblem, check: Check = unlimited) -> float:
-    check()
-    return problem.compiled_duration
+def _changed_duration(
+    problem: SpanProblem, changed: SpanProblem, joint: str | None, factor: float
+) -> float:
+    """Duration of a problem with a limit changed; if wider, the rest of it is known."""
+    if factor < 1.0 or changed.profile is problem.profile:
+        return changed.compiled_duration
+    return problem.duration_under(changed.profile, problem.profile.joint_names.index(str(joint)))
 
 
 def _check_label(timed: TimedPath, label: Label) -> None:

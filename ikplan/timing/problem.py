@@ -8,18 +8,20 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ikplan.arrays import Array, Indices
+from ikplan.arrays import Array, Flags, Indices
 from ikplan.joint_path.joint_path import JointPath
 from ikplan.timing.constraints.constraints import PathConstraint
 from ikplan.timing.constraints.grid_constraints import GridConstraints
 from ikplan.timing.constraints.interval_points import COARSE, FINE, highest
-from ikplan.timing.engines.compiled_engine import CompiledEngine
-from ikplan.timing.engines.engine import Engine, EngineFailed
+from ikplan.timing.engines.compiled_engine import HIGHEST, CompiledEngine
+from ikplan.timing.engines.engine import Engine, EngineFailed, checked
+from ikplan.timing.engines.rest_to_rest import spans_at_limit, time_rest_to_rest
 from ikplan.timing.engines.rows import StageRows, acceleration_rows, natural_units, velocity_bounds
 from ikplan.timing.engines.toppra_engine import ToppraEngine
 from ikplan.timing.grid import Grid
-from ikplan.timing.limit_ratios import limit_ratios, speed_ratios
+from ikplan.timing.limit_ratios import limit_ratios
 from ikplan.timing.profile import LimitProfile
+from ikplan.timing.span_ratios import largest_ratios, speed_ratios
 
 __all__ = ["SpanProblem"]
 
@@ -41,8 +43,6 @@ class SpanProblem:
         qs0: dq/ds at the starts of the intervals, shape (n, dof).
         qss0: d2q/ds2 at the starts, shape (n, dof).
         qss1: d2q/ds2 at the ends, shape (n, dof).
-        bounds: Upper and lower velocity limits, upper and lower acceleration limits, each of
-            shape (n, dof).
         rests: Nodes between the ends at which the motion rests, shape (k,): of spans that are
             timed together.
     """
@@ -55,7 +55,6 @@ class SpanProblem:
     qs0: Array
     qss0: Array
     qss1: Array
-    bounds: tuple[Array, Array, Array, Array]
     rests: Indices
 
     @classmethod
@@ -82,19 +81,16 @@ class SpanProblem:
         Returns:
             The problem.
         """
-        n = len(grid.pieces)
-        both = np.concatenate([grid.s[:-1], grid.s[1:]])
-        _, qs, qss = path.derivatives(both, np.concatenate([grid.pieces, grid.pieces]))
+        qs0, qss0, qss1 = path.slopes_on(grid.s, grid.pieces)
         return cls(
             path=path,
             grid=grid,
             profile=profile,
             others=GridConstraints(path, grid, tuple(constraints), FINE if fine else COARSE),
             h=np.diff(grid.s),
-            qs0=qs[:n],
-            qss0=qss[:n],
-            qss1=qss[n:],
-            bounds=_bounds(profile, grid),
+            qs0=qs0,
+            qss0=qss0,
+            qss1=qss1,
             rests=np.searchsorted(grid.s, np.zeros(0) if rests is None else rests),
         )
 
@@ -105,7 +101,7 @@ class SpanProblem:
 
     def within(self, profile: LimitProfile) -> SpanProblem:
         """Return the same problem with other limits of the joints."""
-        return replace(self, profile=profile, bounds=_bounds(profile, self.grid))
+        return replace(self, profile=profile)
 
     def under(self, constraints: tuple[PathConstraint, ...]) -> SpanProblem:
         """Return the same problem with other constraints."""
@@ -123,11 +119,11 @@ class SpanProblem:
             tightening: By how much to divide the constraints (not the joint limits) in each
                 interval, shape (n,), >= 1; None: not at all.
         """
-        x_max = velocity_bounds(self.h, self.qs0, self.qss0, self.qss1, *self.bounds[:2])
+        x_max = self._velocity_bounds.copy()
         more_a, more_b, more_x = self.others.rows
         n, own = len(self.h), 6 * self.path.dof
         a, b = np.empty((2, n, own + more_a.shape[1]))
-        acceleration_rows(self.h, self.qs0, self.qss0, self.qss1, *self.bounds[2:], a, b)
+        acceleration_rows(*self._slopes, *self._limits[2:], a, b)
         if self.constraints:
             a[:, own:], b[:, own:] = more_a, more_b
             if tightening is not None:
@@ -136,8 +132,38 @@ class SpanProblem:
                 more_x = more_x / tightening[:, None]
             x_max[:-1] = np.minimum(x_max[:-1], more_x[:, 0])
             x_max[1:] = np.minimum(x_max[1:], more_x[:, 1])
-        x_max[self.rests] = 0.0
         return StageRows(self.grid.s, a, b, x_max)
+
+    @property
+    def bounds(self) -> tuple[Array, Array, Array, Array]:
+        """Upper and lower velocity limits, upper and lower acceleration limits, (n, dof) each."""
+        up, down, a_up, a_down = self._limits
+        k = self.grid.pieces
+        return up[k], down[k], a_up[k], a_down[k]
+
+    @property
+    def _slopes(self) -> tuple[Array, Array, Array, Array, Indices]:
+        """Lengths of the intervals, the derivatives at their ends, and their pieces."""
+        return self.h, self.qs0, self.qss0, self.qss1, self.grid.pieces
+
+    @property
+    def _limits(self) -> tuple[Array, Array, Array, Array]:
+        """The same as bounds, of the pieces of the path, shape (k, dof) each."""
+        profile = self.profile
+        rates = profile.velocity, profile.velocity_lower
+        return *rates, profile.acceleration, profile.acceleration_lower
+
+    @functools.cached_property
+    def _ends(self) -> Indices:
+        """First interval of each span from rest to rest, and n, shape (k + 2,)."""
+        return np.concatenate([[0], self.rests, [len(self.h)]])
+
+    @functools.cached_property
+    def _velocity_bounds(self) -> Array:
+        """Upper bounds of x at the nodes by the joint velocities, 0 where the motion rests."""
+        x_max = velocity_bounds(*self._slopes, *self._limits[:2])
+        x_max[self.rests] = 0.0
+        return x_max
 
     def limit_ratios(self, x: Array) -> tuple[Array, Array]:
         """Return the exact greatest ratios to velocity and acceleration limits, (n, dof) each.
@@ -162,6 +188,8 @@ class SpanProblem:
         Raises:
             EngineFailed: The engine found none.
         """
+        if self._spans_alone and isinstance(engine, CompiledEngine):
+            return self._solved_span_by_span(np.ones(len(self.rests) + 1, dtype=np.bool_))
         rows, unit = self._in_units_of(engine)
         x = engine.solve(rows) * unit
         tightening = np.ones(len(self.h))
@@ -176,6 +204,47 @@ class SpanProblem:
             rows, unit = self._in_units_of(engine, tightening)
             x = engine.solve(rows) * unit
         return x
+
+    @property
+    def _spans_alone(self) -> bool:
+        """Whether spans are timed together under limits of the joints alone."""
+        return len(self.rests) > 0 and not self.constraints
+
+    def _solved_span_by_span(self, wanted: Flags, known: Array | None = None) -> Array:
+        """Solve the spans that are wanted; the others are as they are known."""
+        x = np.zeros(len(self.h) + 1) if known is None else known.copy()
+        x_max = np.minimum(self._velocity_bounds, HIGHEST)
+        time_rest_to_rest(*self._slopes, *self._limits[2:], x_max, self._ends, wanted, x)
+        return checked(x)
+
+    def duration_under(self, profile: LimitProfile, joint: int) -> float:
+        """Return the compiled duration of the same problem with wider limits of one joint [s].
+
+        Of spans that are timed together only those are solved again that those limits hold.
+
+        Args:
+            profile: The joint limits, one of them wider.
+            joint: The joint whose limit is wider.
+
+        Raises:
+            EngineFailed: As for compiled_solution.
+        """
+        wider = self.within(profile)
+        if not self._spans_alone:
+            return wider.compiled_duration
+        x = self.compiled_solution
+        faster = profile.acceleration is not self.profile.acceleration
+        held = spans_at_limit(
+            *self._slopes,
+            *self._limits[2:],
+            joint if faster else -1,
+            x,
+            self._velocity_bounds,
+            wider._velocity_bounds,
+            self._ends,
+        )
+        x = wider._solved_span_by_span(held, x)
+        return float(wider.times(wider.kept(x, 1e-300)).sum())
 
     def _in_units_of(
         self, engine: Engine, tightening: Array | None = None
@@ -215,16 +284,26 @@ class SpanProblem:
         Args:
             x: Squared path velocities at the nodes, shape (n + 1,).
         """
-        return float(self._largest_ratios(x).max())
+        return float(self._largest_ratios(x, 0.0).max())
 
-    def _largest_ratios(self, x: Array) -> Array:
-        """Largest limit ratio of each span from rest to rest, shape (k + 1,)."""
-        if len(self.rests) == 0:
-            v_ratio, a_ratio = self.limit_ratios(x)
-            others = [float(highest(ratios).max()) for _, ratios in self.others.ratios(x)]
-            return np.array([max(float(v_ratio.max()) ** 2, float(a_ratio.max()), *others, 0.0)])
-        largest = self.interval_ratios(x)
-        return np.maximum.reduceat(largest, np.concatenate([[0], self.rests]))
+    def _largest_ratios(self, x: Array, least: float) -> Array:
+        """Largest limit ratio of each span from rest to rest, or the least, shape (k + 1,)."""
+        largest = largest_ratios(
+            self.h,
+            x,
+            self.qs0,
+            self.qss0,
+            self.qss1,
+            self.grid.pieces,
+            *self._limits,
+            self._ends,
+            least,
+        )
+        for points, ratios in self.others.ratios(x):
+            of_interval = np.zeros(len(self.h))
+            of_interval[points.inside] = highest(ratios).max(axis=1)
+            largest = np.maximum(largest, np.maximum.reduceat(of_interval, self._ends[:-1]))
+        return largest
 
     def interval_ratios(self, x: Array) -> Array:
         """Return the largest limit ratio on each interval, as a ratio of x, shape (n,).
@@ -247,11 +326,10 @@ class SpanProblem:
             least: Spans are divided by no less than this: by 1 none is made faster.
             margin: Share by which more than needed.
         """
-        factor = np.maximum(self._largest_ratios(x), least) * (1.0 + margin)
+        factor = self._largest_ratios(x, least) * (1.0 + margin)
         if len(factor) == 1:
             return np.asarray(x / factor[0])
-        ends = np.concatenate([[0], self.rests, [len(self.h)]])
-        per_interval = np.repeat(factor, np.diff(ends))
+        per_interval = np.repeat(factor, np.diff(self._ends))
         # The nodes at both ends of a span rest.
         return np.asarray(x / np.append(per_interval, factor[-1]))
 
@@ -264,7 +342,9 @@ class SpanProblem:
         Returns:
             Times [s], shape (n,), never negative.
         """
-        ratio = speed_ratios(self.h, x, self.qs0, self.qss0, self.qss1, *self.bounds)
+        ratio = speed_ratios(
+            self.h, x, self.qs0, self.qss0, self.qss1, self.grid.pieces, *self._limits
+        )
         for points, ratios in self.others.ratios(x):
             speed = np.sqrt(ratios.max(axis=2))
             mean = (speed[0] + 4.0 * speed[len(speed) // 2] + speed[-1]) / 6.0
@@ -282,13 +362,3 @@ class SpanProblem:
         dt = np.full(len(self.h), np.inf)
         np.divide(2.0 * self.h, total, out=dt, where=total > 0.0)
         return dt
-
-
-def _bounds(profile: LimitProfile, grid: Grid) -> tuple[Array, Array, Array, Array]:
-    """Velocity limits, upper and lower, then acceleration limits, on every interval."""
-    return (
-        profile.velocity[grid.pieces],
-        profile.velocity_lower[grid.pieces],
-        profile.acceleration[grid.pieces],
-        profile.acceleration_lower[grid.pieces],
-    )

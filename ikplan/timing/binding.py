@@ -103,7 +103,7 @@ def binding(timed: TimedPath) -> Binding:
     """
     labels: dict[Label, int] = {}
     index, ratios, dt = [], [], []
-    parts = [_jerk_ratios(timed)] if timed.jerk_limited else [_ratios(s) for s in timed.spans]
+    parts = [_jerk_ratios(timed)] if timed.jerk_limited else map(_ratios, timed.spans)
     for mine, ratio, durations in parts:
         number = np.array([labels.setdefault(label, len(labels)) for label in mine], dtype=np.int64)
         if not len(durations):
@@ -134,6 +134,8 @@ def _ratios(span: SpanTiming) -> tuple[list[Label], Array, Array]:
         for points, ratios in problem.others.ratios(x)
     ]
     more, ratio = _ratios_of(of_constraints, len(x) - 1)
+    if len(problem.rests):
+        problem.forget()
     return _joint_labels(problem.profile) + more, np.hstack([*columns, ratio]), span.dt
 
 
@@ -262,6 +264,8 @@ def what_if(
                 new = smooth_span_alike(changed, known, check).duration
         except EngineFailed as error:
             new = _unsolved(span, error, WhatIf(limit, joint, factor, mine, 0.0))
+        if len(span.problem.rests):
+            span.problem.forget()
         before += mine
         # The motion that is known keeps a wider limit as well.
         after += new if factor < 1.0 else min(new, mine)

@@ -3,24 +3,26 @@
 from __future__ import annotations
 
 import functools
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
-from ikplan.arrays import Array, Flags, Indices
-from ikplan.joint_path.joint_path import JointPath
-from ikplan.timing.constraints.constraints import PathConstraint
-from ikplan.timing.constraints.grid_constraints import GridConstraints
-from ikplan.timing.constraints.interval_points import COARSE, FINE, highest
+from ikplan.arrays import Array, Flags
+from ikplan.timing.constraints.interval_points import highest
 from ikplan.timing.engines.compiled_engine import HIGHEST, CompiledEngine
 from ikplan.timing.engines.engine import Engine, EngineFailed, checked
 from ikplan.timing.engines.rest_to_rest import spans_at_limit, time_rest_to_rest
-from ikplan.timing.engines.rows import StageRows, acceleration_rows, natural_units, velocity_bounds
+from ikplan.timing.engines.rows import (
+    StageRows,
+    acceleration_rows,
+    natural_unit,
+    natural_units,
+    sample_step,
+)
 from ikplan.timing.engines.toppra_engine import ToppraEngine
-from ikplan.timing.grid import Grid
 from ikplan.timing.limit_ratios import limit_ratios
 from ikplan.timing.profile import LimitProfile
+from ikplan.timing.span_intervals import SpanIntervals
 from ikplan.timing.span_ratios import largest_ratios, speed_ratios
 
 __all__ = ["SpanProblem"]
@@ -31,86 +33,8 @@ _ENOUGH = 2e-4
 
 
 @dataclass(frozen=True, eq=False)
-class SpanProblem:
-    """The derivatives of a path and the limits on it, interval by interval.
-
-    Attributes:
-        path: The path.
-        grid: The nodes.
-        profile: Joint limits on every piece of the path.
-        others: Limits other than those of single joints.
-        h: Lengths of the intervals, shape (n,).
-        qs0: dq/ds at the starts of the intervals, shape (n, dof).
-        qss0: d2q/ds2 at the starts, shape (n, dof).
-        qss1: d2q/ds2 at the ends, shape (n, dof).
-        rests: Nodes between the ends at which the motion rests, shape (k,): of spans that are
-            timed together.
-    """
-
-    path: JointPath
-    grid: Grid
-    profile: LimitProfile
-    others: GridConstraints
-    h: Array
-    qs0: Array
-    qss0: Array
-    qss1: Array
-    rests: Indices
-
-    @classmethod
-    def build(
-        cls,
-        path: JointPath,
-        grid: Grid,
-        profile: LimitProfile,
-        constraints: Sequence[PathConstraint] = (),
-        fine: bool = True,
-        rests: Array | None = None,
-    ) -> SpanProblem:
-        """Evaluate a path on a grid.
-
-        Args:
-            path: The path.
-            grid: Nodes of one span of it.
-            profile: Joint limits on every piece of the path.
-            constraints: Limits other than those of single joints.
-            fine: Whether they are looked at in five places of an interval, or in three.
-            rests: Path positions between the ends, nodes of the grid, at which the motion rests;
-                None: nowhere.
-
-        Returns:
-            The problem.
-        """
-        qs0, qss0, qss1 = path.slopes_on(grid.s, grid.pieces)
-        return cls(
-            path=path,
-            grid=grid,
-            profile=profile,
-            others=GridConstraints(path, grid, tuple(constraints), FINE if fine else COARSE),
-            h=np.diff(grid.s),
-            qs0=qs0,
-            qss0=qss0,
-            qss1=qss1,
-            rests=np.searchsorted(grid.s, np.zeros(0) if rests is None else rests),
-        )
-
-    def on(self, grid: Grid, fine: bool = True) -> SpanProblem:
-        """Return the same problem on another grid."""
-        rests = self.grid.s[self.rests]
-        return SpanProblem.build(self.path, grid, self.profile, self.constraints, fine, rests)
-
-    def within(self, profile: LimitProfile) -> SpanProblem:
-        """Return the same problem with other limits of the joints."""
-        return replace(self, profile=profile)
-
-    def under(self, constraints: tuple[PathConstraint, ...]) -> SpanProblem:
-        """Return the same problem with other constraints."""
-        return replace(self, others=replace(self.others, constraints=constraints))
-
-    @property
-    def constraints(self) -> tuple[PathConstraint, ...]:
-        """Limits other than those of single joints."""
-        return self.others.constraints
+class SpanProblem(SpanIntervals):
+    """The intervals of a span, solved by an engine, and what a solution makes of their limits."""
 
     def rows(self, tightening: Array | None = None) -> StageRows:
         """Return the limits as rows for an engine.
@@ -119,11 +43,11 @@ class SpanProblem:
             tightening: By how much to divide the constraints (not the joint limits) in each
                 interval, shape (n,), >= 1; None: not at all.
         """
-        x_max = self._velocity_bounds.copy()
+        x_max = self.velocity_bounds.copy()
         more_a, more_b, more_x = self.others.rows
         n, own = len(self.h), 6 * self.path.dof
         a, b = np.empty((2, n, own + more_a.shape[1]))
-        acceleration_rows(*self._slopes, *self._limits[2:], a, b)
+        acceleration_rows(*self.slopes, *self.piece_limits[2:], a, b)
         if self.constraints:
             a[:, own:], b[:, own:] = more_a, more_b
             if tightening is not None:
@@ -133,37 +57,6 @@ class SpanProblem:
             x_max[:-1] = np.minimum(x_max[:-1], more_x[:, 0])
             x_max[1:] = np.minimum(x_max[1:], more_x[:, 1])
         return StageRows(self.grid.s, a, b, x_max)
-
-    @property
-    def bounds(self) -> tuple[Array, Array, Array, Array]:
-        """Upper and lower velocity limits, upper and lower acceleration limits, (n, dof) each."""
-        up, down, a_up, a_down = self._limits
-        k = self.grid.pieces
-        return up[k], down[k], a_up[k], a_down[k]
-
-    @property
-    def _slopes(self) -> tuple[Array, Array, Array, Array, Indices]:
-        """Lengths of the intervals, the derivatives at their ends, and their pieces."""
-        return self.h, self.qs0, self.qss0, self.qss1, self.grid.pieces
-
-    @property
-    def _limits(self) -> tuple[Array, Array, Array, Array]:
-        """The same as bounds, of the pieces of the path, shape (k, dof) each."""
-        profile = self.profile
-        rates = profile.velocity, profile.velocity_lower
-        return *rates, profile.acceleration, profile.acceleration_lower
-
-    @functools.cached_property
-    def _ends(self) -> Indices:
-        """First interval of each span from rest to rest, and n, shape (k + 2,)."""
-        return np.concatenate([[0], self.rests, [len(self.h)]])
-
-    @functools.cached_property
-    def _velocity_bounds(self) -> Array:
-        """Upper bounds of x at the nodes by the joint velocities, 0 where the motion rests."""
-        x_max = velocity_bounds(*self._slopes, *self._limits[:2])
-        x_max[self.rests] = 0.0
-        return x_max
 
     def limit_ratios(self, x: Array) -> tuple[Array, Array]:
         """Return the exact greatest ratios to velocity and acceleration limits, (n, dof) each.
@@ -188,7 +81,7 @@ class SpanProblem:
         Raises:
             EngineFailed: The engine found none.
         """
-        if self._spans_alone and isinstance(engine, CompiledEngine):
+        if not self.constraints and isinstance(engine, CompiledEngine):
             return self._solved_span_by_span(np.ones(len(self.rests) + 1, dtype=np.bool_))
         rows, unit = self._in_units_of(engine)
         x = engine.solve(rows) * unit
@@ -205,17 +98,46 @@ class SpanProblem:
             x = engine.solve(rows) * unit
         return x
 
-    @property
-    def _spans_alone(self) -> bool:
-        """Whether spans are timed together under limits of the joints alone."""
-        return len(self.rests) > 0 and not self.constraints
-
     def _solved_span_by_span(self, wanted: Flags, known: Array | None = None) -> Array:
-        """Solve the spans that are wanted; the others are as they are known."""
+        """Solve the spans that are wanted, under limits of the joints alone.
+
+        The others are as they are known.
+        """
+        s, unit, length = self.grid.s, 1.0, 1.0
+        if len(self.rests) == 0:
+            s, unit, length = self._natural_units()
         x = np.zeros(len(self.h) + 1) if known is None else known.copy()
-        x_max = np.minimum(self._velocity_bounds, HIGHEST)
-        time_rest_to_rest(*self._slopes, *self._limits[2:], x_max, self._ends, wanted, x)
-        return checked(x)
+        x_max = np.minimum(self.velocity_bounds / unit, HIGHEST)
+        time_rest_to_rest(
+            *self.slopes,
+            *self.piece_limits[2:],
+            s,
+            unit,
+            length,
+            x_max,
+            self.ends,
+            wanted,
+            x,
+        )
+        return checked(x) * unit
+
+    def _natural_units(self) -> tuple[Array, float, float]:
+        """The nodes in units of the length, the unit of x and the length, as of natural_units."""
+        s, step = self.grid.s, sample_step(len(self.h))
+        length = float(s[-1] - s[0])
+        some = np.arange(0, len(self.h), step)
+        a, b = np.empty((2, len(some), 6 * self.path.dof))
+        acceleration_rows(
+            self.h[some],
+            self.qs0[some],
+            self.qss0[some],
+            self.qss1[some],
+            self.grid.pieces[some],
+            *self.piece_limits[2:],
+            a,
+            b,
+        )
+        return (s - s[0]) / length, natural_unit(length, self.velocity_bounds, a), length
 
     def duration_under(self, profile: LimitProfile, joint: int) -> float:
         """Return the compiled duration of the same problem with wider limits of one joint [s].
@@ -230,18 +152,18 @@ class SpanProblem:
             EngineFailed: As for compiled_solution.
         """
         wider = self.within(profile)
-        if not self._spans_alone:
+        if len(self.rests) == 0 or self.constraints:
             return wider.compiled_duration
         x = self.compiled_solution
         faster = profile.acceleration is not self.profile.acceleration
         held = spans_at_limit(
-            *self._slopes,
-            *self._limits[2:],
+            *self.slopes,
+            *self.piece_limits[2:],
             joint if faster else -1,
             x,
-            self._velocity_bounds,
-            wider._velocity_bounds,
-            self._ends,
+            self.velocity_bounds,
+            wider.velocity_bounds,
+            self.ends,
         )
         x = wider._solved_span_by_span(held, x)
         return float(wider.times(wider.kept(x, 1e-300)).sum())
@@ -295,14 +217,14 @@ class SpanProblem:
             self.qss0,
             self.qss1,
             self.grid.pieces,
-            *self._limits,
-            self._ends,
+            *self.piece_limits,
+            self.ends,
             least,
         )
         for points, ratios in self.others.ratios(x):
             of_interval = np.zeros(len(self.h))
             of_interval[points.inside] = highest(ratios).max(axis=1)
-            largest = np.maximum(largest, np.maximum.reduceat(of_interval, self._ends[:-1]))
+            largest = np.maximum(largest, np.maximum.reduceat(of_interval, self.ends[:-1]))
         return largest
 
     def interval_ratios(self, x: Array) -> Array:
@@ -329,7 +251,7 @@ class SpanProblem:
         factor = self._largest_ratios(x, least) * (1.0 + margin)
         if len(factor) == 1:
             return np.asarray(x / factor[0])
-        per_interval = np.repeat(factor, np.diff(self._ends))
+        per_interval = np.repeat(factor, np.diff(self.ends))
         # The nodes at both ends of a span rest.
         return np.asarray(x / np.append(per_interval, factor[-1]))
 
@@ -343,7 +265,7 @@ class SpanProblem:
             Times [s], shape (n,), never negative.
         """
         ratio = speed_ratios(
-            self.h, x, self.qs0, self.qss0, self.qss1, self.grid.pieces, *self._limits
+            self.h, x, self.qs0, self.qss0, self.qss1, self.grid.pieces, *self.piece_limits
         )
         for points, ratios in self.others.ratios(x):
             speed = np.sqrt(ratios.max(axis=2))

@@ -64,6 +64,8 @@ def _joints_that_bind(
     i: int,
     h: float,
     top: float,
+    per_u: float,
+    per_x: float,
     qs0: Array,
     qss0: Array,
     qss1: Array,
@@ -91,16 +93,17 @@ def _joints_that_bind(
         qs, c0 = qs0[i, of_most], qss0[i, of_most]
         # u <= (1 - b x) / a on one side of the joint, and on the other u >= that.
         up, down = scale_up[of_most], -scale_down[of_most]
-        slowest = abs(qs) * min(up, down)
-        if slowest > NO_MATTER * widest:
-            largest = (1.0 + abs(c0) * max(up, down) * top) / slowest
+        slowest = abs(qs) * min(up, down) * per_u
+        if slowest > NO_MATTER * widest * per_u:
+            largest = (1.0 + abs(c0) * max(up, down) * per_x * top) / slowest
     for j in range(dof):
         qs, c0, c1 = qs0[i, j], qss0[i, j], qss1[i, j]
         end = qs + 0.5 * h * (c0 + c1)
         size = max(abs(qs), abs(qs + 1.5 * h * c0), abs(end + 2.0 * h * c1))
         scale = max(scale_up[j], -scale_down[j])
-        may[j] = not (size * largest + max(abs(c0), abs(c1)) * top) * scale < 1.0 - _CLEAR
-    return widest
+        of_x = max(abs(c0), abs(c1)) * per_x * top
+        may[j] = not (size * per_u * largest + of_x) * scale < 1.0 - _CLEAR
+    return widest * per_u
 
 
 @leaf_kernel
@@ -114,6 +117,8 @@ def _rows_of(
     scale_down: Array,
     may: Flags,
     least: float,
+    per_u: float,
+    per_x: float,
     a: Array,
     b: Array,
 ) -> int:
@@ -131,6 +136,8 @@ def _rows_of(
             a[row + 2], b[row + 2] = (end + 2.0 * h * c1) * scale, c1 * scale
             row += 3
     for r in range(row):
+        a[r] *= per_u
+        b[r] *= per_x
         # As the compiled engine: such a row bounds x alone.
         if abs(a[r]) < least:
             a[r] = 0.0
@@ -154,6 +161,7 @@ def _highest(
 ) -> float:
     """Return the greatest controllable x, see largest_controllable of the compiled engine."""
     floor = min(FLOOR * x_next, 2.0 * h * at_rest)
+    p_floor, p_next, g_next = floor / (2.0 * h), x_next / (2.0 * h), -1.0 / (2.0 * h)
     for _ in range(tries):
         low, high, low_row, high_row = -np.inf, np.inf, -1, -1
         for r in range(begin, end):
@@ -164,8 +172,7 @@ def _highest(
             u = (1.0 - low_b[r] * x) / low_a[r]
             if u > low:
                 low, low_row = u, r
-        p_low, g_low = floor / (2.0 * h), -1.0 / (2.0 * h)
-        p_high, g_high = x_next / (2.0 * h), -1.0 / (2.0 * h)
+        p_low, g_low, p_high, g_high = p_floor, g_next, p_next, g_next
         if low_row >= 0 and low >= p_low + g_low * x:
             p_low, g_low = 1.0 / low_a[low_row], -low_b[low_row] / low_a[low_row]
         if high_row >= 0 and high <= p_high + g_high * x:
@@ -189,12 +196,17 @@ def time_rest_to_rest(
     pieces: Indices,
     upper: Array,
     lower: Array,
+    s: Array,
+    unit: float,
+    length: float,
     x_max: Array,
     ends: Indices,
     wanted: Flags,
     x: Array,
 ) -> None:
     """Write the highest squared path velocities of spans, each from rest to rest.
+
+    In units of their own: lengths by ``length``, x by ``unit``; see natural_units.
 
     Args:
         h: Lengths of the intervals, shape (n,).
@@ -204,13 +216,17 @@ def time_rest_to_rest(
         pieces: Piece of each interval, shape (n,).
         upper: Upper acceleration limits of the pieces, shape (k, dof).
         lower: Lower acceleration limits of the pieces, shape (k, dof), negative.
-        x_max: Upper bounds of x at the nodes, shape (n + 1,), finite.
+        s: Nodes in units of the length, shape (n + 1,).
+        unit: Unit of x.
+        length: Unit of lengths.
+        x_max: Upper bounds of x at the nodes in its unit, shape (n + 1,), finite.
         ends: First interval of each span, and n, shape (r + 1,).
         wanted: Which spans, shape (r,).
-        x: Out: at the nodes of those spans, shape (n + 1,).
+        x: Out: at the nodes of those spans, in its unit, shape (n + 1,).
     """
     dof = qs0.shape[1]
     m, longest, known = 6 * dof, 0, -1
+    per_u, per_x = unit / length, unit
     for span in range(len(wanted)):
         longest = max(longest, ends[span + 1] - ends[span])
     a, b, at_rest, at_top = np.empty(m), np.empty(m), np.empty(m), np.empty(m)
@@ -231,9 +247,12 @@ def time_rest_to_rest(
                 for j in range(dof):
                     scale_up[j], scale_down[j] = 1.0 / upper[known, j], 1.0 / lower[known, j]
             top = 0.0 if i == first else x_max[i]
-            widest = _joints_that_bind(i, h[i], top, qs0, qss0, qss1, scale_up, scale_down, may)
+            widest = _joints_that_bind(
+                i, h[i], top, per_u, per_x, qs0, qss0, qss1, scale_up, scale_down, may
+            )
             rows = _rows_of(
-                i, h[i], qs0, qss0, qss1, scale_up, scale_down, may, NO_MATTER * widest, a, b
+                i, h[i], qs0, qss0, qss1, scale_up, scale_down, may, NO_MATTER * widest,
+                per_u, per_x, a, b
             )  # fmt: skip
             for r in range(rows):
                 if a[r] == 0.0 and b[r] > 0.0:
@@ -247,8 +266,8 @@ def time_rest_to_rest(
             for r in range(used, end):
                 high_at_rest = min(high_at_rest, 1.0 / high_a[r])
             x[i] = _highest(
-                top, x[i + 1], h[i], high_at_rest, high_a, high_b, used, end, low_a, low_b, lows,
-                4 * m + 8
+                top, x[i + 1], s[i + 1] - s[i], high_at_rest, high_a, high_b, used, end,
+                low_a, low_b, lows, 4 * m + 8
             )  # fmt: skip
             begin[i - first], count[i - first] = used, end - used
             used = end
@@ -257,7 +276,7 @@ def time_rest_to_rest(
             at = begin[i - first]
             for r in range(at, at + count[i - first]):
                 high = min(high, (1.0 - high_b[r] * x[i]) / high_a[r])
-            x[i + 1] = min(max(x[i] + 2.0 * h[i] * high, 0.0), x[i + 1])
+            x[i + 1] = min(max(x[i] + 2.0 * (s[i + 1] - s[i]) * high, 0.0), x[i + 1])
 
 
 @kernel

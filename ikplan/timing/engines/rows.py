@@ -13,8 +13,10 @@ from ikplan.timing.limit_ratios import velocity_ratio
 __all__ = [
     "StageRows",
     "acceleration_rows",
+    "natural_unit",
     "natural_units",
     "place_rows",
+    "sample_step",
     "velocity_bounds",
 ]
 
@@ -207,6 +209,27 @@ def place_rows(
             b[row, first + r + k] = of_x[end, k]
 
 
+def sample_step(n: int) -> int:
+    """Return the step through n rows at which some are looked at for the natural unit."""
+    return max(1, n // 64)
+
+
+def natural_unit(length: float, x_max: Array, some: Array) -> float:
+    """Return a unit of x in which speeds and accelerations are about one.
+
+    Args:
+        length: Length of the span.
+        x_max: Upper bounds of x, shape (n + 1,).
+        some: Coefficients of u of some intervals, shape (k, m).
+    """
+    finite = x_max[np.isfinite(x_max)]
+    by_velocity = float(np.median(finite)) if len(finite) else np.inf
+    slope = float(np.median(np.abs(some).max(axis=1)))
+    by_acceleration = length / slope if slope > 0.0 else np.inf
+    unit = min(by_velocity, by_acceleration)
+    return unit if np.isfinite(unit) else 1.0
+
+
 def natural_units(rows: StageRows) -> tuple[StageRows, float]:
     """Scale a problem so that lengths, speeds and accelerations are about one.
 
@@ -219,14 +242,7 @@ def natural_units(rows: StageRows) -> tuple[StageRows, float]:
         The scaled problem, and the factor that turns its x into the caller's.
     """
     length = float(rows.s[-1] - rows.s[0])
-    finite = rows.x_max[np.isfinite(rows.x_max)]
-    by_velocity = float(np.median(finite)) if len(finite) else np.inf
-    some = rows.a[:: max(1, len(rows.a) // 64)]
-    slope = float(np.median(np.abs(some).max(axis=1)))
-    by_acceleration = length / slope if slope > 0.0 else np.inf
-    unit = min(by_velocity, by_acceleration)
-    if not np.isfinite(unit):
-        unit = 1.0
+    unit = natural_unit(length, rows.x_max, rows.a[:: sample_step(len(rows.a))])
     s = (rows.s - rows.s[0]) / length
     a, b = rows.a, rows.b
     a *= unit / length

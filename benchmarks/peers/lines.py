@@ -19,7 +19,7 @@ from ikplan.errors import Disconnected, TimingFailed, Unreachable
 from ikplan.robots import Robot, load_robot
 from ikplan.robots.folders import package_file
 
-__all__ = ["run"]
+__all__ = ["requests", "run"]
 
 LENGTH = 0.2
 TOLERANCES = (1e-3, 1e-4)
@@ -46,6 +46,11 @@ def run(effort: float) -> list[Row]:
                 contestants.append(Contestant("roboplan", solved, note))
         rows += compare(f"UR5, line of 200 mm, {1e3 * tolerance:g} mm", contestants, 2)
     return rows
+
+
+def requests(robot: Robot, count: int, tolerance: float) -> list[dict[str, Any]]:
+    """Return requests of random lines that are planned, at a tolerance [m]."""
+    return [_request(line, tolerance) for line in _lines(robot, count)]
 
 
 def _lines(robot: Robot, count: int) -> list[tuple[Array, pin.SE3]]:

@@ -22,7 +22,17 @@ from pathlib import Path  # noqa: E402
 from benchmarks.speed.measure import FkClock, Section  # noqa: E402
 from ikplan import load_robot  # noqa: E402
 
-SECTIONS = ("poses", "branches", "pose_batches", "population", "helix", "paths", "searches")
+SECTIONS = (
+    "poses",
+    "branches",
+    "pose_batches",
+    "population",
+    "helix",
+    "lines",
+    "paths",
+    "scaling",
+    "searches",
+)
 
 
 def load_sections() -> list[Section]:

@@ -225,6 +225,13 @@ class PlanRequest(Document):
     ik: IkOptions = Field(default_factory=IkOptions)
     limits: LimitOptions = Field(default_factory=LimitOptions)
     sampling: SamplingOptions = Field(default_factory=SamplingOptions)
+    repairs: Annotated[Annotated[int, Field(ge=0)] | None, IfGiven()] = Field(
+        None,
+        description="Repairs at most that are looked for where there is no plan, in order of "
+        "price; 0: none, the refusal is explained all the same. null: one of every kind. Each is "
+        "planned to the end before it is offered, so that looking for all takes as long as ten "
+        "plans and more.",
+    )
     budget_s: float = Field(
         10.0, gt=0, le=MAX_BUDGET_S, description=f"Time budget of the planner [s]: {BUDGET_COUNTS}."
     )

@@ -17,6 +17,10 @@ from ikplan.kinematics.target import Target
 
 __all__ = ["ClosestApproach", "explain_unreachable", "within"]
 
+_FIRST = Effort(16, 100)
+_FURTHER = Effort(100, 100)
+_FOLLOWED = 3
+"""Steps from every seed, from those that came closest, and one of how many seeds these are."""
 _GAIN = 10.0
 """How much nearer an error of the orientation may bring the tool, at most [m/rad]."""
 
@@ -44,20 +48,33 @@ class ClosestApproach:
 def _closest(
     chain: Chain, target: Target, seeds: Array, lower: Array, upper: Array, restarts: int, q: Array
 ) -> tuple[float, float, int]:
-    """Write the closest configuration to ``q``; its distance [m], angle [rad] and evaluations."""
+    """Write the closest configuration to ``q``; its distance [m], angle [rad] and evaluations.
+
+    From every seed a few steps are taken; then the search goes on from those that came closest.
+    """
     w = new_workspace(chain)
-    trial = np.empty(q.shape[0])
+    count = seeds.shape[0] + restarts
+    trials = np.empty((count, q.shape[0]))
+    value = np.empty(count)
     best, best_distance, best_angle, evaluations = math.inf, math.inf, math.inf, 0
-    for attempt in range(seeds.shape[0] + restarts):
+    for attempt in range(count):
+        trial = trials[attempt]
         if attempt < seeds.shape[0]:
             trial[:] = seeds[attempt]
         else:
             restart_into(attempt - seeds.shape[0], 0.5, lower, upper, trial)
-        distance, angle, spent = refine(chain, target, trial, lower, upper, Effort(100, 100), w)
+        distance, angle, spent = refine(chain, target, trial, lower, upper, _FIRST, w)
         evaluations += spent
-        value = distance * distance + (target.weight * angle) ** 2
-        if value < best:
-            best, best_distance, best_angle = value, distance, angle
+        value[attempt] = distance * distance + (target.weight * angle) ** 2
+    for _ in range((count + _FOLLOWED - 1) // _FOLLOWED):
+        attempt = int(np.argmin(value))
+        trial = trials[attempt]
+        value[attempt] = math.inf
+        distance, angle, spent = refine(chain, target, trial, lower, upper, _FURTHER, w)
+        evaluations += spent
+        found = distance * distance + (target.weight * angle) ** 2
+        if found < best:
+            best, best_distance, best_angle = found, distance, angle
             q[:] = trial
     return best_distance, best_angle, evaluations
 

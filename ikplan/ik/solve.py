@@ -5,7 +5,7 @@ from __future__ import annotations
 import functools
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -51,6 +51,7 @@ __all__ = [
     "Solved",
     "refusal",
     "solve_pose",
+    "surest_solver",
     "target_as_data",
 ]
 
@@ -251,6 +252,16 @@ class PoseSolver:
             new_workspace(arm.chain),
         )
         q = q[:count]
+        if count == 0 and all_found and self.verdict:
+            # No branch has it: what is left to tell is by how much, unless that is tolerated.
+            seed = np.clip(q_start, arm.lower, arm.upper)
+            met, spent = self._closest(target, seed, q_start, evaluations)
+            return Solved(
+                met.q[None],
+                np.array([met.position_error]),
+                np.array([met.orientation_error or 0.0]),
+                spent,
+            )
         if count == 0 or not all_found:
             try:
                 further = self._solve_by_refinement(target, q_start)
@@ -294,16 +305,28 @@ class PoseSolver:
             if not self.verdict:
                 found = float(distance), float(angle) if target.oriented else None
                 raise NoSolution(ClosestApproach(q, *found, [], BARE_NO), evaluations)
-            closest, spent = explain_unreachable(self.arm, target, q, q_start)
-            evaluations += spent
-            # The verdict searches longer than the solver, and may find what that did not.
-            tolerance = self.tolerance_position, self.tolerance_orientation
-            met, spent = within(self.arm, target, closest, q_start, *tolerance)
-            evaluations += spent
-            if met is None:
-                raise NoSolution(closest, evaluations)
+            met, evaluations = self._closest(target, q, q_start, evaluations)
             q, distance, angle = met.q, met.position_error, met.orientation_error or 0.0
         return Solved(q[None], np.array([distance]), np.array([angle]), evaluations)
+
+    def _closest(
+        self, target: Target, q_best: Array, q_start: Array, evaluations: int
+    ) -> tuple[ClosestApproach, int]:
+        """The closest approach where it is within tolerance after all, and evaluations in all.
+
+        The verdict searches longer than the solver, and may find what that did not.
+
+        Raises:
+            NoSolution: It is not.
+        """
+        closest, spent = explain_unreachable(self.arm, target, q_best, q_start)
+        evaluations += spent
+        tolerance = self.tolerance_position, self.tolerance_orientation
+        met, spent = within(self.arm, target, closest, q_start, *tolerance)
+        evaluations += spent
+        if met is None:
+            raise NoSolution(closest, evaluations)
+        return met, evaluations
 
     def solve_first(self, T: Array, q_start: Array, q: Array) -> tuple[float, float, float, int]:
         """Try a pose by lm from few seeds, or in closed form, with little around it.
@@ -350,6 +373,17 @@ class PoseSolver:
         q, evaluations = searcher.best(target, q_start, lower, upper)
         distance, angle = pose_distance(self.arm, target, q)
         return Solved(q[None], np.array([distance]), np.array([angle]), evaluations)
+
+
+def surest_solver(solver: PoseSolver, target: Target) -> PoseSolver:
+    """Return the solver that tells best whether a target has a solution at all.
+
+    By closed form, where the arm and the target have one: that gives every branch, where a search
+    that finds nothing proves nothing and takes a hundred times as long. Else the solver itself.
+    """
+    if solver.method == "closed-form" or not has_closed_form(solver.arm.closed_form, target):
+        return solver
+    return replace(solver, method="closed-form", population=None, iterations=None, params={})
 
 
 def pose_distance(arm: Arm, target: Target, q: Array) -> tuple[float, float]:

@@ -7,7 +7,7 @@ import numpy as np
 from ikplan._jit import kernel
 from ikplan.arrays import Array, Indices
 
-__all__ = ["evaluate_path", "evaluate_timed", "interval_of"]
+__all__ = ["evaluate_path", "evaluate_timed", "interval_of", "slopes_on"]
 
 
 @kernel
@@ -66,6 +66,45 @@ def evaluate_path(
                 h, t, q[k, j], q[k + 1, j], m0[k, j], m1[k, j]
             )
     return out0, out1, out2
+
+
+@kernel
+def slopes_on(
+    s_knots: Array, q: Array, m0: Array, m1: Array, pieces: Indices, s: Array
+) -> tuple[Array, Array, Array]:
+    """Return dq/ds and d2q/ds2 at both ends of the intervals of a grid.
+
+    Args:
+        s_knots: Knots, shape (k + 1,).
+        q: Joint positions at the knots, shape (k + 1, dof).
+        m0: Tangents at the start of each piece, shape (k, dof).
+        m1: Tangents at the end of each piece, shape (k, dof).
+        pieces: Piece of each interval, shape (n,).
+        s: Nodes, shape (n + 1,).
+
+    Returns:
+        dq/ds at the starts, d2q/ds2 at the starts and d2q/ds2 at the ends, each of shape (n, dof).
+    """
+    n, dof = pieces.shape[0], q.shape[1]
+    qs0, qss0, qss1 = np.empty((n, dof)), np.empty((n, dof)), np.empty((n, dof))
+    chord = np.empty(dof)
+    known = -1
+    for i in range(n):
+        k = pieces[i]
+        h = s_knots[k + 1] - s_knots[k]
+        if k != known:
+            known = k
+            for j in range(dof):
+                chord[j] = (q[k + 1, j] - q[k, j]) / h
+        t = min(max((s[i] - s_knots[k]) / h, 0.0), 1.0)
+        e = min(max((s[i + 1] - s_knots[k]) / h, 0.0), 1.0)
+        r = 1.0 - t
+        for j in range(dof):
+            a, b, d = m0[k, j], m1[k, j], chord[j]
+            qs0[i, j] = a * r * (1.0 - 3.0 * t) + b * t * (3.0 * t - 2.0) + 6.0 * t * r * d
+            qss0[i, j] = ((6.0 * t - 4.0) * a + (6.0 * t - 2.0) * b + (6.0 - 12.0 * t) * d) / h
+            qss1[i, j] = ((6.0 * e - 4.0) * a + (6.0 * e - 2.0) * b + (6.0 - 12.0 * e) * d) / h
+    return qs0, qss0, qss1
 
 
 @kernel

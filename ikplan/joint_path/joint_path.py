@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 from collections.abc import Sequence
 
 import numpy as np
@@ -10,8 +9,8 @@ from numpy.typing import ArrayLike
 
 from ikplan.arrays import Array, Indices
 from ikplan.errors import InvalidRequest
-from ikplan.joint_path.evaluation import evaluate_path
-from ikplan.joint_path.spline import hermite_extrema, limit_tangents, natural_tangents
+from ikplan.joint_path.evaluation import evaluate_path, slopes_on
+from ikplan.joint_path.spline import hermite_extrema, tangents_between
 from ikplan.limits.joint_limits import JointLimits
 
 __all__ = ["JointPath"]
@@ -117,13 +116,12 @@ class JointPath:
             [[0.0], np.cumsum(np.linalg.norm(np.diff(q_knots, axis=0), axis=1))]
         )
         rests = sorted({0, len(kept) - 1, *(int(knot_of_waypoint[i]) for i in rest_at)})
-        start, end = np.zeros((2, len(kept) - 1, q.shape[1]))
-        for first, last in itertools.pairwise(rests):
-            span = slice(first, last + 1)
-            m = natural_tangents(s_knots[span], q_knots[span])
-            if limits is not None:
-                limit_tangents(s_knots[span], q_knots[span], m, limits.lower, limits.upper)
-            start[first:last], end[first:last] = m[:-1], m[1:]
+        lower, upper = (
+            (np.full(q.shape[1], -np.inf), np.full(q.shape[1], np.inf))
+            if limits is None
+            else (limits.lower, limits.upper)
+        )
+        start, end = tangents_between(s_knots, q_knots, np.array(rests), lower, upper)
         return cls(
             s_knots, q_knots, start, end, rest_knots=rests, knot_of_waypoint=knot_of_waypoint
         )
@@ -202,6 +200,21 @@ class JointPath:
         if pieces is None:
             pieces = np.full(len(s), -1)
         return evaluate_path(
+            self.s_knots, self.q_knots, self.tangents_start, self.tangents_end, pieces, s
+        )
+
+    def slopes_on(self, s: Array, pieces: Indices) -> tuple[Array, Array, Array]:
+        """Evaluate the derivatives at both ends of the intervals of a grid.
+
+        Args:
+            s: Nodes, shape (n + 1,).
+            pieces: Piece of each interval, shape (n,).
+
+        Returns:
+            dq/ds at the starts, d2q/ds2 at the starts and d2q/ds2 at the ends, each of shape
+            (n, dof).
+        """
+        return slopes_on(
             self.s_knots, self.q_knots, self.tangents_start, self.tangents_end, pieces, s
         )
 

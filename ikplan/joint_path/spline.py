@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from ikplan._jit import kernel
-from ikplan.arrays import Array
+from ikplan.arrays import Array, Indices
 
-__all__ = ["hermite_extrema", "limit_tangents", "natural_tangents"]
+__all__ = ["hermite_extrema", "limit_tangents", "natural_tangents", "tangents_between"]
 
 
 @kernel
@@ -139,3 +139,29 @@ def limit_tangents(s: Array, q: Array, m: Array, lower: Array, upper: Array) -> 
                     m[i, j], m[i + 1, j] = first, last
                     pending = True
     return changed
+
+
+@kernel
+def tangents_between(
+    s: Array, q: Array, rests: Indices, lower: Array, upper: Array
+) -> tuple[Array, Array]:
+    """Return the tangents of natural splines between rests, bent to stay inside the box.
+
+    Args:
+        s: Knots, shape (n,).
+        q: Values at the knots, shape (n, dof), inside the box.
+        rests: Knots at which the motion rests, the first and the last among them, in order.
+        lower: Lower bounds, shape (dof,), may be -inf.
+        upper: Upper bounds, shape (dof,), may be +inf.
+
+    Returns:
+        dq/ds at the start and at the end of every piece, each of shape (n - 1, dof).
+    """
+    start, end = np.zeros((len(s) - 1, q.shape[1])), np.zeros((len(s) - 1, q.shape[1]))
+    for k in range(len(rests) - 1):
+        first, last = rests[k], rests[k + 1]
+        here, values = s[first : last + 1], q[first : last + 1]
+        m = natural_tangents(here, values)
+        limit_tangents(here, values, m, lower, upper)
+        start[first:last], end[first:last] = m[:-1], m[1:]
+    return start, end

@@ -162,7 +162,7 @@ def make_plan(
     except (Unreachable, Disconnected, InCollision, TimingFailed) as error:
         if isinstance(error, TimingFailed) and error.nearest:
             error.repairs = nearest_repairs(error)
-        elif repairs:
+        elif repairs and request.repairs != 0:
             # The verdict stands, whether or not there is time left for repairs.
             with contextlib.suppress(BudgetExceeded):
                 error.repairs = _repairs(request, asked_robot, problem, error)
@@ -194,6 +194,7 @@ def _repairs(
             lambda change: _survives(request, robot, change, clock),
             clearance,
             request.limits,
+            request.repairs,
         )
 
 

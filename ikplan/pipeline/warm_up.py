@@ -107,10 +107,24 @@ def small_requests(
         if not jerk:
             tool = catalogue_robot(_ROBOT).fk(home).translation.tolist()
             requests += [{**requests[-1], "scene": scene} for scene in _scenes(tool)]
+            requests.append(_with_many_rests(timed))
         return requests
     paths = _paths(method)
     limited = [{**paths[0], "limits": each} for each in limits]
     return limited if jerk else [*limited, *paths[1:]]
+
+
+def _with_many_rests(timed: dict[str, Any]) -> dict[str, Any]:
+    """A motion to and fro that rests so often that the spans between are timed together."""
+    from ikplan.timing.time_joint_path import MANY_RESTS
+
+    count = MANY_RESTS + 2
+    return {
+        **timed,
+        "waypoints": [timed["waypoints"][k % 2] for k in range(count)],
+        "rest_at": list(range(count)),
+        "limits": {"jerk": False},
+    }
 
 
 def _turns(robot: Robot) -> None:

@@ -32,13 +32,16 @@ _LEAST_SPEED = 1e-6
 Survives = Callable[[dict[str, Any]], bool]
 
 
-def offered(kinds: Iterator[Iterator[Repair]], survives: Survives | None) -> list[dict[str, Any]]:
+def offered(
+    kinds: Iterator[Iterator[Repair]], survives: Survives | None, most: int | None = None
+) -> list[dict[str, Any]]:
     """Return the first change of each kind that survives, as documents.
 
     Args:
         kinds: Kind by kind, in order of price, changes that may do.
         survives: Tells whether a change holds once it is planned, timed, sampled and certified;
             None: they do.
+        most: Ends the search once so many are found; None: never.
 
     Returns:
         Repairs as ``{"change": fields of the request, "detail": in words}``; those found so far
@@ -47,6 +50,8 @@ def offered(kinds: Iterator[Iterator[Repair]], survives: Survives | None) -> lis
     found: list[dict[str, Any]] = []
     try:
         for kind in kinds:
+            if len(found) == most:
+                break
             for _, repair in zip(range(ATTEMPTS), kind, strict=False):
                 if survives is None or survives(repair.change):
                     found.append({"change": repair.change, "detail": repair.detail})

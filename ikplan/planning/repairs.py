@@ -21,7 +21,7 @@ from ikplan.errors import (
     TimingFailed,
     Unreachable,
 )
-from ikplan.ik.solve import NoSolution, PoseSolver
+from ikplan.ik.closest_approach import explain_unreachable
 from ikplan.kinematics.forward import forward
 from ikplan.kinematics.target import Target, pose_target
 from ikplan.path import JointLeg, MoveLeg, Pose, ToolLeg, legs_of
@@ -56,6 +56,11 @@ of reach, how many a round of it examines."""
 _ROUNDS = 8
 _FARTHEST = 0.5
 """Longest shift that is offered [m]."""
+_CLOSEST_RESTARTS = 10
+"""Seeds, besides the start and the closest approach to the target before, from which the arm gets
+as near as it can to a target that is out of reach."""
+_EXACT = 1e-6
+"""Error of a target that is reached after all [m and rad]."""
 _FARTHER = (1.0, 1.5, 2.5)
 """How much farther than the shift that the places looked at need is tried."""
 
@@ -66,6 +71,7 @@ def find_repairs(
     survives: Survives | None = None,
     clearance: float = 0.0,
     limits: LimitOptions | None = None,
+    most: int | None = None,
 ) -> list[dict[str, Any]]:
     """Return changes of the request that make the path feasible.
 
@@ -84,13 +90,15 @@ def find_repairs(
             None: a joint path is enough.
         clearance: The gap asked for between bodies [m].
         limits: The limits of the request; None: as the robot's.
+        most: Ends the search once so many are found; None: never.
 
     Returns:
         Repairs as ``{"change": fields of the request, "detail": in words}``, one of each kind at
         most, in the order above.
     """
     quick = replace(problem, explain=False)
-    return offered(_kinds(quick, error, clearance, limits or LimitOptions()), survives)
+    kinds = _kinds(quick, error, clearance, limits or LimitOptions())
+    return offered(kinds, survives, most)
 
 
 def _lays(problem: JointPathProblem) -> bool:
@@ -245,23 +253,29 @@ def _moved(problem: JointPathProblem, shift: Array) -> JointPathProblem:
 def _needed_shift(problem: JointPathProblem) -> Array | None:
     """The longest way that a target of the path is out of reach, shape (3,) [m], or None.
 
-    A quick look with few restarts: what it passes is planned in full before it is offered.
+    A quick look from few seeds: what it passes is planned in full before it is offered.
     """
-    solver = PoseSolver(problem.solver.arm, "lm", params={"restarts": 60})
+    arm = problem.solver.arm
     worst: Array | None = None
     targets = _targets(problem)
     unreached = _unreached(problem, targets)
+    # The targets are along the path: where the arm is closest to one, it is near the next.
+    near = problem.q_start
     # Those left out are looked at in the next round, if they are still out of reach by then.
     for k in unreached[:: -(-len(unreached) // _SAMPLES) or 1]:
         problem.clock.check()
         target = targets[k]
-        try:
-            solver.solve(target, problem.q_start)
-        except NoSolution as verdict:
-            _, p = forward(problem.solver.arm.chain, verdict.closest.q)
-            way = p - target.p
-            if worst is None or np.linalg.norm(way) > np.linalg.norm(worst):
-                worst = np.asarray(way)
+        closest, spent = explain_unreachable(
+            arm, target, near, problem.q_start, restarts=_CLOSEST_RESTARTS
+        )
+        problem.clock.count(spent)
+        near = closest.q
+        if closest.position_error <= _EXACT and (closest.orientation_error or 0.0) <= _EXACT:
+            continue
+        _, p = forward(arm.chain, closest.q)
+        way = p - target.p
+        if worst is None or np.linalg.norm(way) > np.linalg.norm(worst):
+            worst = np.asarray(way)
     return worst
 
 

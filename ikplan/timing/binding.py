@@ -103,7 +103,7 @@ def binding(timed: TimedPath) -> Binding:
     """
     labels: dict[Label, int] = {}
     index, ratios, dt = [], [], []
-    parts = [_jerk_ratios(timed)] if timed.jerk_limited else [_ratios(s) for s in timed.spans]
+    parts = [_jerk_ratios(timed)] if timed.jerk_limited else map(_ratios, timed.spans)
     for mine, ratio, durations in parts:
         number = np.array([labels.setdefault(label, len(labels)) for label in mine], dtype=np.int64)
         if not len(durations):
@@ -134,6 +134,8 @@ def _ratios(span: SpanTiming) -> tuple[list[Label], Array, Array]:
         for points, ratios in problem.others.ratios(x)
     ]
     more, ratio = _ratios_of(of_constraints, len(x) - 1)
+    if len(problem.rests):
+        problem.forget()
     return _joint_labels(problem.profile) + more, np.hstack([*columns, ratio]), span.dt
 
 
@@ -251,16 +253,19 @@ def what_if(
     for k, span in enumerate(timed.spans):
         changed = _changed(span.problem, (limit, joint), factor)
         known = timed.smoothed[k] if timed.jerk_limited else None
-        mine = known.duration if known is not None else _duration(span.problem)
+        mine = known.duration if known is not None else span.problem.compiled_duration
         try:
             if changed is span.problem:
                 new = mine
             elif known is None:
-                new = _duration(changed, check)
+                check()
+                new = _changed_duration(span.problem, changed, joint, factor)
             else:
                 new = smooth_span_alike(changed, known, check).duration
         except EngineFailed as error:
             new = _unsolved(span, error, WhatIf(limit, joint, factor, mine, 0.0))
+        if len(span.problem.rests):
+            span.problem.forget()
         before += mine
         # The motion that is known keeps a wider limit as well.
         after += new if factor < 1.0 else min(new, mine)
@@ -283,9 +288,13 @@ def _unsolved(span: SpanTiming, error: EngineFailed, change: WhatIf) -> float:
     ) from error
 
 
-def _duration(problem: SpanProblem, check: Check = unlimited) -> float:
-    check()
-    return problem.compiled_duration
+def _changed_duration(
+    problem: SpanProblem, changed: SpanProblem, joint: str | None, factor: float
+) -> float:
+    """Duration of a problem with a limit changed; if wider, the rest of it is known."""
+    if factor < 1.0 or changed.profile is problem.profile:
+        return changed.compiled_duration
+    return problem.duration_under(changed.profile, problem.profile.joint_names.index(str(joint)))
 
 
 def _check_label(timed: TimedPath, label: Label) -> None:

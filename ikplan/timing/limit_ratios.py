@@ -7,11 +7,12 @@ import numpy as np
 from ikplan._jit import kernel
 from ikplan.arrays import Array
 
-__all__ = ["acceleration_ratio", "limit_ratios", "speed_ratios", "velocity_ratio"]
+__all__ = ["acceleration_ratio", "limit_ratios", "ratio_of", "velocity_ratio"]
 
 
 @kernel
-def _ratio(value: float, upper: float, lower: float) -> float:
+def ratio_of(value: float, upper: float, lower: float) -> float:
+    """Return a value's ratio to the limit on its side, >= 0."""
     return value / upper if value >= 0.0 else value / lower
 
 
@@ -44,7 +45,7 @@ def velocity_ratio(
     for r in (0.0, h, w / c2 if c2 != 0.0 else 0.0, c0 / w if w != 0.0 else 0.0):
         if 0.0 <= r <= h:
             speed = np.sqrt(max(x0 + 2.0 * u * r, 0.0))
-            ratio = max(ratio, _ratio((qs + r * (qss0 + r * C)) * speed, upper, lower))
+            ratio = max(ratio, ratio_of((qs + r * (qss0 + r * C)) * speed, upper, lower))
     return ratio
 
 
@@ -72,10 +73,10 @@ def acceleration_ratio(
     """
     C = 0.5 * (qss1 - qss0) / h
     c0, c1, c2 = qs * u + qss0 * x0, 3.0 * qss0 * u + 2.0 * C * x0, 5.0 * C * u
-    ratio = max(_ratio(c0, upper, lower), _ratio(c0 + h * (c1 + h * c2), upper, lower))
+    ratio = max(ratio_of(c0, upper, lower), ratio_of(c0 + h * (c1 + h * c2), upper, lower))
     vertex = -c1 / (2.0 * c2) if c2 != 0.0 else 0.0
     if 0.0 < vertex < h:
-        ratio = max(ratio, _ratio(c0 + vertex * (c1 + vertex * c2), upper, lower))
+        ratio = max(ratio, ratio_of(c0 + vertex * (c1 + vertex * c2), upper, lower))
     return ratio
 
 
@@ -133,54 +134,3 @@ def limit_ratios(
                 acceleration_lower[i, j],
             )
     return v_ratio, a_ratio
-
-
-@kernel
-def speed_ratios(
-    h: Array,
-    x: Array,
-    qs0: Array,
-    qss0: Array,
-    qss1: Array,
-    velocity: Array,
-    velocity_lower: Array,
-    acceleration: Array,
-    acceleration_lower: Array,
-) -> Array:
-    """Return how fast every interval is passed, as a ratio to what its limits seem to allow.
-
-    In a time-optimal motion some limit binds at every time. The mean over an interval of the
-    greatest ratio (of velocity, or root of the ratio of acceleration: both grow in proportion to
-    speed) therefore shows what the grid costs there.
-
-    Args:
-        h: As in limit_ratios.
-        x: As in limit_ratios.
-        qs0: As in limit_ratios.
-        qss0: As in limit_ratios.
-        qss1: As in limit_ratios.
-        velocity: As in limit_ratios.
-        velocity_lower: As in limit_ratios.
-        acceleration: As in limit_ratios.
-        acceleration_lower: As in limit_ratios.
-
-    Returns:
-        Ratios, about 0 to 1, shape (n,).
-    """
-    n, dof = qs0.shape
-    mean = np.zeros(n)
-    for i in range(n):
-        u = (x[i + 1] - x[i]) / (2.0 * h[i])
-        for part in range(3):
-            r = 0.5 * part * h[i]
-            x_here = max(x[i] + 2.0 * u * r, 0.0)
-            ratio = 0.0
-            for j in range(dof):
-                C = 0.5 * (qss1[i, j] - qss0[i, j]) / h[i]
-                qs = qs0[i, j] + r * (qss0[i, j] + r * C)
-                qss = qss0[i, j] + 2.0 * C * r
-                v = _ratio(qs * np.sqrt(x_here), velocity[i, j], velocity_lower[i, j])
-                a = _ratio(qs * u + qss * x_here, acceleration[i, j], acceleration_lower[i, j])
-                ratio = max(ratio, v, np.sqrt(a))
-            mean[i] += ratio * (4.0 if part == 1 else 1.0) / 6.0
-    return mean

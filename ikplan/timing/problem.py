@@ -3,23 +3,27 @@
 from __future__ import annotations
 
 import functools
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
-from ikplan.arrays import Array, Indices
-from ikplan.joint_path.joint_path import JointPath
-from ikplan.timing.constraints.constraints import PathConstraint
-from ikplan.timing.constraints.grid_constraints import GridConstraints
-from ikplan.timing.constraints.interval_points import COARSE, FINE, highest
-from ikplan.timing.engines.compiled_engine import CompiledEngine
-from ikplan.timing.engines.engine import Engine, EngineFailed
-from ikplan.timing.engines.rows import StageRows, acceleration_rows, natural_units, velocity_bounds
+from ikplan.arrays import Array, Flags
+from ikplan.timing.constraints.interval_points import highest
+from ikplan.timing.engines.compiled_engine import HIGHEST, CompiledEngine
+from ikplan.timing.engines.engine import Engine, EngineFailed, checked
+from ikplan.timing.engines.rest_to_rest import spans_at_limit, time_rest_to_rest
+from ikplan.timing.engines.rows import (
+    StageRows,
+    acceleration_rows,
+    natural_unit,
+    natural_units,
+    sample_step,
+)
 from ikplan.timing.engines.toppra_engine import ToppraEngine
-from ikplan.timing.grid import Grid
-from ikplan.timing.limit_ratios import limit_ratios, speed_ratios
+from ikplan.timing.limit_ratios import limit_ratios
 from ikplan.timing.profile import LimitProfile
+from ikplan.timing.span_intervals import SpanIntervals
+from ikplan.timing.span_ratios import largest_ratios, speed_ratios
 
 __all__ = ["SpanProblem"]
 
@@ -29,92 +33,8 @@ _ENOUGH = 2e-4
 
 
 @dataclass(frozen=True, eq=False)
-class SpanProblem:
-    """The derivatives of a path and the limits on it, interval by interval.
-
-    Attributes:
-        path: The path.
-        grid: The nodes.
-        profile: Joint limits on every piece of the path.
-        others: Limits other than those of single joints.
-        h: Lengths of the intervals, shape (n,).
-        qs0: dq/ds at the starts of the intervals, shape (n, dof).
-        qss0: d2q/ds2 at the starts, shape (n, dof).
-        qss1: d2q/ds2 at the ends, shape (n, dof).
-        bounds: Upper and lower velocity limits, upper and lower acceleration limits, each of
-            shape (n, dof).
-        rests: Nodes between the ends at which the motion rests, shape (k,): of spans that are
-            timed together.
-    """
-
-    path: JointPath
-    grid: Grid
-    profile: LimitProfile
-    others: GridConstraints
-    h: Array
-    qs0: Array
-    qss0: Array
-    qss1: Array
-    bounds: tuple[Array, Array, Array, Array]
-    rests: Indices
-
-    @classmethod
-    def build(
-        cls,
-        path: JointPath,
-        grid: Grid,
-        profile: LimitProfile,
-        constraints: Sequence[PathConstraint] = (),
-        fine: bool = True,
-        rests: Array | None = None,
-    ) -> SpanProblem:
-        """Evaluate a path on a grid.
-
-        Args:
-            path: The path.
-            grid: Nodes of one span of it.
-            profile: Joint limits on every piece of the path.
-            constraints: Limits other than those of single joints.
-            fine: Whether they are looked at in five places of an interval, or in three.
-            rests: Path positions between the ends, nodes of the grid, at which the motion rests;
-                None: nowhere.
-
-        Returns:
-            The problem.
-        """
-        n = len(grid.pieces)
-        both = np.concatenate([grid.s[:-1], grid.s[1:]])
-        _, qs, qss = path.derivatives(both, np.concatenate([grid.pieces, grid.pieces]))
-        return cls(
-            path=path,
-            grid=grid,
-            profile=profile,
-            others=GridConstraints(path, grid, tuple(constraints), FINE if fine else COARSE),
-            h=np.diff(grid.s),
-            qs0=qs[:n],
-            qss0=qss[:n],
-            qss1=qss[n:],
-            bounds=_bounds(profile, grid),
-            rests=np.searchsorted(grid.s, np.zeros(0) if rests is None else rests),
-        )
-
-    def on(self, grid: Grid, fine: bool = True) -> SpanProblem:
-        """Return the same problem on another grid."""
-        rests = self.grid.s[self.rests]
-        return SpanProblem.build(self.path, grid, self.profile, self.constraints, fine, rests)
-
-    def within(self, profile: LimitProfile) -> SpanProblem:
-        """Return the same problem with other limits of the joints."""
-        return replace(self, profile=profile, bounds=_bounds(profile, self.grid))
-
-    def under(self, constraints: tuple[PathConstraint, ...]) -> SpanProblem:
-        """Return the same problem with other constraints."""
-        return replace(self, others=replace(self.others, constraints=constraints))
-
-    @property
-    def constraints(self) -> tuple[PathConstraint, ...]:
-        """Limits other than those of single joints."""
-        return self.others.constraints
+class SpanProblem(SpanIntervals):
+    """The intervals of a span, solved by an engine, and what a solution makes of their limits."""
 
     def rows(self, tightening: Array | None = None) -> StageRows:
         """Return the limits as rows for an engine.
@@ -123,11 +43,11 @@ class SpanProblem:
             tightening: By how much to divide the constraints (not the joint limits) in each
                 interval, shape (n,), >= 1; None: not at all.
         """
-        x_max = velocity_bounds(self.h, self.qs0, self.qss0, self.qss1, *self.bounds[:2])
+        x_max = self.velocity_bounds.copy()
         more_a, more_b, more_x = self.others.rows
         n, own = len(self.h), 6 * self.path.dof
         a, b = np.empty((2, n, own + more_a.shape[1]))
-        acceleration_rows(self.h, self.qs0, self.qss0, self.qss1, *self.bounds[2:], a, b)
+        acceleration_rows(*self.slopes, *self.piece_limits[2:], a, b)
         if self.constraints:
             a[:, own:], b[:, own:] = more_a, more_b
             if tightening is not None:
@@ -136,7 +56,6 @@ class SpanProblem:
                 more_x = more_x / tightening[:, None]
             x_max[:-1] = np.minimum(x_max[:-1], more_x[:, 0])
             x_max[1:] = np.minimum(x_max[1:], more_x[:, 1])
-        x_max[self.rests] = 0.0
         return StageRows(self.grid.s, a, b, x_max)
 
     def limit_ratios(self, x: Array) -> tuple[Array, Array]:
@@ -162,6 +81,8 @@ class SpanProblem:
         Raises:
             EngineFailed: The engine found none.
         """
+        if not self.constraints and isinstance(engine, CompiledEngine):
+            return self._solved_span_by_span(np.ones(len(self.rests) + 1, dtype=np.bool_))
         rows, unit = self._in_units_of(engine)
         x = engine.solve(rows) * unit
         tightening = np.ones(len(self.h))
@@ -176,6 +97,76 @@ class SpanProblem:
             rows, unit = self._in_units_of(engine, tightening)
             x = engine.solve(rows) * unit
         return x
+
+    def _solved_span_by_span(self, wanted: Flags, known: Array | None = None) -> Array:
+        """Solve the spans that are wanted, under limits of the joints alone.
+
+        The others are as they are known.
+        """
+        s, unit, length = self.grid.s, 1.0, 1.0
+        if len(self.rests) == 0:
+            s, unit, length = self._natural_units()
+        x = np.zeros(len(self.h) + 1) if known is None else known.copy()
+        x_max = np.minimum(self.velocity_bounds / unit, HIGHEST)
+        time_rest_to_rest(
+            *self.slopes,
+            *self.piece_limits[2:],
+            s,
+            unit,
+            length,
+            x_max,
+            self.ends,
+            wanted,
+            x,
+        )
+        return checked(x) * unit
+
+    def _natural_units(self) -> tuple[Array, float, float]:
+        """The nodes in units of the length, the unit of x and the length, as of natural_units."""
+        s, step = self.grid.s, sample_step(len(self.h))
+        length = float(s[-1] - s[0])
+        some = np.arange(0, len(self.h), step)
+        a, b = np.empty((2, len(some), 6 * self.path.dof))
+        acceleration_rows(
+            self.h[some],
+            self.qs0[some],
+            self.qss0[some],
+            self.qss1[some],
+            self.grid.pieces[some],
+            *self.piece_limits[2:],
+            a,
+            b,
+        )
+        return (s - s[0]) / length, natural_unit(length, self.velocity_bounds, a), length
+
+    def duration_under(self, profile: LimitProfile, joint: int) -> float:
+        """Return the compiled duration of the same problem with wider limits of one joint [s].
+
+        Of spans that are timed together only those are solved again that those limits hold.
+
+        Args:
+            profile: The joint limits, one of them wider.
+            joint: The joint whose limit is wider.
+
+        Raises:
+            EngineFailed: As for compiled_solution.
+        """
+        wider = self.within(profile)
+        if len(self.rests) == 0 or self.constraints:
+            return wider.compiled_duration
+        x = self.compiled_solution
+        faster = profile.acceleration is not self.profile.acceleration
+        held = spans_at_limit(
+            *self.slopes,
+            *self.piece_limits[2:],
+            joint if faster else -1,
+            x,
+            self.velocity_bounds,
+            wider.velocity_bounds,
+            self.ends,
+        )
+        x = wider._solved_span_by_span(held, x)
+        return float(wider.times(wider.kept(x, 1e-300)).sum())
 
     def _in_units_of(
         self, engine: Engine, tightening: Array | None = None
@@ -215,16 +206,26 @@ class SpanProblem:
         Args:
             x: Squared path velocities at the nodes, shape (n + 1,).
         """
-        return float(self._largest_ratios(x).max())
+        return float(self._largest_ratios(x, 0.0).max())
 
-    def _largest_ratios(self, x: Array) -> Array:
-        """Largest limit ratio of each span from rest to rest, shape (k + 1,)."""
-        if len(self.rests) == 0:
-            v_ratio, a_ratio = self.limit_ratios(x)
-            others = [float(highest(ratios).max()) for _, ratios in self.others.ratios(x)]
-            return np.array([max(float(v_ratio.max()) ** 2, float(a_ratio.max()), *others, 0.0)])
-        largest = self.interval_ratios(x)
-        return np.maximum.reduceat(largest, np.concatenate([[0], self.rests]))
+    def _largest_ratios(self, x: Array, least: float) -> Array:
+        """Largest limit ratio of each span from rest to rest, or the least, shape (k + 1,)."""
+        largest = largest_ratios(
+            self.h,
+            x,
+            self.qs0,
+            self.qss0,
+            self.qss1,
+            self.grid.pieces,
+            *self.piece_limits,
+            self.ends,
+            least,
+        )
+        for points, ratios in self.others.ratios(x):
+            of_interval = np.zeros(len(self.h))
+            of_interval[points.inside] = highest(ratios).max(axis=1)
+            largest = np.maximum(largest, np.maximum.reduceat(of_interval, self.ends[:-1]))
+        return largest
 
     def interval_ratios(self, x: Array) -> Array:
         """Return the largest limit ratio on each interval, as a ratio of x, shape (n,).
@@ -247,11 +248,10 @@ class SpanProblem:
             least: Spans are divided by no less than this: by 1 none is made faster.
             margin: Share by which more than needed.
         """
-        factor = np.maximum(self._largest_ratios(x), least) * (1.0 + margin)
+        factor = self._largest_ratios(x, least) * (1.0 + margin)
         if len(factor) == 1:
             return np.asarray(x / factor[0])
-        ends = np.concatenate([[0], self.rests, [len(self.h)]])
-        per_interval = np.repeat(factor, np.diff(ends))
+        per_interval = np.repeat(factor, np.diff(self.ends))
         # The nodes at both ends of a span rest.
         return np.asarray(x / np.append(per_interval, factor[-1]))
 
@@ -264,7 +264,9 @@ class SpanProblem:
         Returns:
             Times [s], shape (n,), never negative.
         """
-        ratio = speed_ratios(self.h, x, self.qs0, self.qss0, self.qss1, *self.bounds)
+        ratio = speed_ratios(
+            self.h, x, self.qs0, self.qss0, self.qss1, self.grid.pieces, *self.piece_limits
+        )
         for points, ratios in self.others.ratios(x):
             speed = np.sqrt(ratios.max(axis=2))
             mean = (speed[0] + 4.0 * speed[len(speed) // 2] + speed[-1]) / 6.0
@@ -282,13 +284,3 @@ class SpanProblem:
         dt = np.full(len(self.h), np.inf)
         np.divide(2.0 * self.h, total, out=dt, where=total > 0.0)
         return dt
-
-
-def _bounds(profile: LimitProfile, grid: Grid) -> tuple[Array, Array, Array, Array]:
-    """Velocity limits, upper and lower, then acceleration limits, on every interval."""
-    return (
-        profile.velocity[grid.pieces],
-        profile.velocity_lower[grid.pieces],
-        profile.acceleration[grid.pieces],
-        profile.acceleration_lower[grid.pieces],
-    )

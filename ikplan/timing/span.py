@@ -184,7 +184,9 @@ def time_together(
     problem = _refined(coarse, max(tolerance, _SHARE_OF_LOSS * lost), check)
     if constraints:
         problem = _divided(problem.on(problem.grid), steady, check)
-    return _within_limits(problem, CompiledEngine())
+    timing = _within_limits(problem, CompiledEngine())
+    problem.forget()
+    return timing
 
 
 def time_through(spans: Sequence[SpanTiming]) -> SpanTiming:

@@ -19,10 +19,10 @@ from ikplan.timing.profile import LimitProfile, SegmentJointLimits
 from ikplan.timing.span import SpanTiming, time_span, time_through, time_together
 from ikplan.timing.timed_path import TimedPath
 
-__all__ = ["check_inside", "passing_jumps", "time_before_jerk", "time_joint_path"]
+__all__ = ["MANY_RESTS", "check_inside", "passing_jumps", "time_before_jerk", "time_joint_path"]
 
 
-_MANY_RESTS = 24
+MANY_RESTS = 24
 """With more rests than this the spans between them are timed together."""
 _TOGETHER = 16
 """Most spans that are timed together: as many as a processor's cache holds the limits of."""
@@ -160,7 +160,7 @@ def _jerk_limited(limits: JointLimits, segments: Sequence[SegmentJointLimits]) -
 
 def _timed_together(rests: Sequence[int], *, together: bool) -> list[Sequence[int]]:
     """Group the spans between rests: many of them a few together, else each for itself."""
-    size = _TOGETHER if together and len(rests) > _MANY_RESTS else 1
+    size = _TOGETHER if together and len(rests) > MANY_RESTS else 1
     return [rests[k : k + size + 1] for k in range(0, len(rests) - 1, size)]
 
 

@@ -11,8 +11,9 @@ import pytest
 
 from ikplan import Robot, Unreachable, load_robot, plan, solve_ik
 from ikplan.ik.closest_approach import explain_unreachable
+from ikplan.ik.solve import NoSolution, PoseSolver, surest_solver
 from ikplan.kinematics.arm import arm_of
-from ikplan.kinematics.target import pose_target
+from ikplan.kinematics.target import Target, pose_target
 from tests.planning.planar import tool, two_links
 
 EQ_27 = np.array([[-1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, 1.0, 0.0]])
@@ -194,3 +195,43 @@ def test_an_error_is_shared_between_position_and_orientation(name: str, joint: i
         except Unreachable:
             refused += 1
     assert refused > 0
+
+
+def missed_by(solver: PoseSolver, target: Target, start: np.ndarray) -> float:
+    """How far off a target the tool stays [m]."""
+    try:
+        return float(solver.solve(target, start).position_error.max())
+    except NoSolution as verdict:
+        return verdict.closest.position_error
+
+
+def test_a_verdict_in_closed_form_is_that_of_a_search() -> None:
+    robot = load_robot("ur5")
+    arm, rng = arm_of(robot), np.random.default_rng(11)
+    searching = PoseSolver(arm, "lm", tolerance_position=1e-9, tolerance_orientation=1e-9)
+    out_of_reach = 0
+    for _ in range(40):
+        pose = robot.fk(robot.random_configuration(rng))
+        target = pose_target(pose.translation * rng.uniform(0.6, 1.6), pose.rotation)
+        surest = surest_solver(searching, target)
+        assert surest.method == "closed-form"
+        told = [missed_by(solver, target, robot.home) for solver in (surest, searching)]
+        out_of_reach += told[0] > 1e-9
+        assert told[0] == pytest.approx(told[1], rel=1e-2, abs=1e-9)
+    assert 5 < out_of_reach < 35
+    position_alone = pose_target(np.array([0.3, 0.2, 0.4]))
+    assert surest_solver(searching, position_alone) is searching
+
+
+def test_the_closest_approach_is_as_near_as_a_longer_search_comes() -> None:
+    """Few steps from every seed, and more from the best: beside all the steps from all seeds."""
+    for name in ("ur5", "iiwa14", "xarm7"):
+        robot = load_robot(name)
+        arm, rng = arm_of(robot), np.random.default_rng(5)
+        for _ in range(6):
+            pose = robot.fk(robot.random_configuration(rng))
+            far = pose.translation * rng.uniform(1.3, 2.0)
+            target = pose_target(far, pose.rotation)
+            quick, _ = explain_unreachable(arm, target, robot.home, robot.home)
+            long, _ = explain_unreachable(arm, target, robot.home, robot.home, restarts=600)
+            assert quick.position_error <= 1.03 * long.position_error + 1e-6

@@ -17,6 +17,7 @@ import pinocchio as pin
 import pytest
 
 import ikplan
+from benchmarks.planning.lines import line_request, random_lines
 from ikplan import BudgetExceeded, Disconnected, Plan, Robot, Unreachable, load_robot
 from ikplan.planning import find_repairs
 from tests.measured import asked_poses, check_motion, off_polyline, waypoint_errors
@@ -330,3 +331,16 @@ def test_a_budget_that_runs_out_on_the_way_leaves_what_was_found(
         ikplan.plan({**request, "budget_s": 10.0})
     assert isinstance(caught.value, Disconnected)
     assert caught.value.repairs == []
+
+
+def test_as_many_repairs_are_looked_for_as_asked() -> None:
+    robot = load_robot("ur5")
+    line = line_request(robot, random_lines(robot, 12)[9], 1e-3)
+    every = refused(line).repairs
+    assert len(every) > 1
+    none, one = refused({**line, "repairs": 0}), refused({**line, "repairs": 1})
+    assert none.repairs == []
+    assert none.reason == one.reason
+    assert one.repairs == every[:1]
+    with pytest.raises(ikplan.InvalidRequest, match="repairs"):
+        ikplan.plan({**line, "repairs": -1})

@@ -11,7 +11,8 @@ from numpy.testing import assert_array_equal
 from benchmarks.timing.paths import KINDS, random_limits, random_waypoints
 from ikplan.joint_path import JointPath
 from ikplan.limits import JointLimits
-from ikplan.timing import time_joint_path
+from ikplan.timing import time_joint_path, what_if
+from ikplan.timing.engines.compiled_engine import CompiledEngine
 from ikplan.timing.engines.toppra_engine import ToppraEngine
 from ikplan.timing.timed_path import TimedPath
 
@@ -64,3 +65,53 @@ def test_the_same_grid_gives_the_same_speeds_by_toppra() -> None:
         for a, b in itertools.pairwise(ends):
             most = ours[a : b + 1].max()
             np.testing.assert_allclose(found[a : b + 1], ours[a : b + 1], atol=1e-6 * most)
+
+
+@pytest.mark.parametrize("kind", [k for k in KINDS if k != "duplicates"])
+@pytest.mark.parametrize("seed", range(4))
+def test_the_rows_that_are_left_out_bind_nowhere(kind: str, seed: int) -> None:
+    path, limits = stopping(kind, seed)
+    for span in time_joint_path(path, limits).spans:
+        problem = span.problem
+        assert len(problem.rests) > 0
+        all_rows = CompiledEngine().solve(problem.rows())
+        np.testing.assert_allclose(problem.compiled_solution, all_rows, rtol=1e-9)
+
+
+@pytest.mark.parametrize("kind", [k for k in KINDS if k != "duplicates"])
+def test_the_largest_ratio_of_a_span_is_that_of_its_intervals(kind: str) -> None:
+    path, limits = stopping(kind, seed=5)
+    for span in time_joint_path(path, limits).spans:
+        problem, rng = span.problem, np.random.default_rng(len(kind))
+        # Slow and fast spans, and single nodes that are far too fast.
+        x = span.x * rng.uniform(0.1, 3.0) * np.where(rng.random(len(span.x)) < 0.02, 5.0, 1.0)
+        v_ratio, a_ratio = problem.limit_ratios(x)
+        every = np.maximum(v_ratio.max(axis=1) ** 2, a_ratio.max(axis=1))
+        most = np.maximum.reduceat(every, np.concatenate([[0], problem.rests]))
+        for least in (0.0, 1.0):
+            kept = problem.kept(x, least)
+            factor = np.repeat(np.maximum(most, least), np.diff([0, *problem.rests, len(every)]))
+            assert_array_equal(kept, x / np.append(factor, factor[-1]))
+        assert problem.largest_ratio(x) == most.max()
+
+
+@pytest.mark.parametrize("kind", ["smooth", "walk", "scattered"])
+@pytest.mark.parametrize("factor", [0.7, 1.1])
+def test_a_limit_changed_is_told_as_if_every_span_were_solved_again(
+    kind: str, factor: float
+) -> None:
+    path, limits = stopping(kind, seed=1)
+    timed = time_joint_path(path, limits)
+    durations = set()
+    for limit in ("velocity", "acceleration"):
+        for joint, name in enumerate(limits.joint_names):
+            before = after = 0.0
+            for span in timed.spans:
+                changed = span.problem.within(span.problem.profile.scaled(limit, joint, factor))
+                before += span.problem.compiled_duration
+                new = changed.compiled_duration
+                after += min(new, span.problem.compiled_duration) if factor > 1.0 else new
+            told = what_if(timed, limit, name, factor).duration
+            assert told == pytest.approx(timed.duration * after / before, rel=1e-9)
+            durations.add(round(told, 9))
+    assert len(durations) > len(limits.joint_names)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
+from itertools import pairwise
 
 import numpy as np
 
@@ -14,7 +15,7 @@ from ikplan.certificate.requested.named_curves import curve_pieces
 from ikplan.certificate.requested.path import RequestedPath
 from ikplan.certificate.requested.pieces import BendPiece, Piece, helix, line
 from ikplan.certificate.requested.poses import SAME_PLACE, PathFrame, RequestedPose
-from ikplan.certificate.requested.rotations import angle_between, exp, rotation_between, unit
+from ikplan.certificate.requested.rotations import angle_between, exp, log, rotation_between, unit
 from ikplan.certificate.requested.spline import spline_items
 from ikplan.documents.curve import CurveSegment
 from ikplan.documents.segment import (
@@ -72,6 +73,23 @@ class PathReader:
         piece = line(self.at.p, end.p, None if turn is None else self.at.R, turn)
         self._append(piece, to, field, blend)
         self.at = end
+
+    def go_through(self, poses: Sequence[RequestedPose]) -> None:
+        """Append straight lines through poses; the field of each is that of its waypoint."""
+        rotations = [self.at.R, *(pose.R for pose in poses)]
+        oriented = [A is not None and B is not None for A, B in pairwise(rotations)]
+        turns = log(
+            np.array(
+                [np.eye(3) if A is None or B is None else A.T @ B for A, B in pairwise(rotations)]
+            )
+        )
+        for pose, known, turn in zip(poses, oriented, turns, strict=True):
+            end = pose.passed_from(self.at)
+            if end is not pose:
+                self.go_straight(pose, None)
+                continue
+            piece = line(self.at.p, end.p, self.at.R if known else None, turn if known else None)
+            self._append(piece, pose, None, None)
 
     def line(self, segment: LineSegment, field: str) -> None:
         """Append a line of the request."""
@@ -244,9 +262,11 @@ def _with_lead_in(
     """
     turned_items: list[PathItem] = []
     free: list[PathItem] = []
+    before: Piece | None = None  # what gave the last orientation, where R0 does not
 
     def lead(R1: Array) -> None:
-        start = R1 if R0 is None else R0
+        last = R0 if before is None else before.end(before.length).R
+        start = R1 if last is None else last
         turned_items.extend(_turned_free(free, start, rotation_between(start, R1)))
         free.clear()
 
@@ -258,13 +278,13 @@ def _with_lead_in(
                 if R1 is not None:
                     lead(R1)
             turned_items.append(item)
-            R0 = piece.end(piece.length).R
+            before = piece
             continue
         free.append(item)
         R1 = poses[item.waypoints[-1][1]].R if item.waypoints else None
         if R1 is not None:
             lead(R1)
-            R0 = R1
+            R0, before = R1, None
     return turned_items + free
 
 

@@ -99,8 +99,8 @@ class _Reader:
         if self._leaves:
             self._go_to(poses.pop(0))
         if path.interpolation == "line":
-            for pose in poses:
-                self._tool().go_straight(pose, None)
+            if poses:
+                self._tool().go_through(poses)
         elif poses:
             self._tool().spline(poses, "")
 

@@ -15,7 +15,7 @@ import numpy as np
 from ikplan.arrays import Array
 from ikplan.path.build.items import PathItem
 from ikplan.path.coincidence import COINCIDENT
-from ikplan.path.pieces.piece import Pose
+from ikplan.path.pieces.piece import Piece, Pose
 from ikplan.path.pieces.steady import line
 from ikplan.path.rotation.geodesic import shortest_turn
 from ikplan.path.rotation.so3 import exp
@@ -40,12 +40,14 @@ def lead_in_orientations(
     turned_items: list[PathItem] = []
     free_items: list[PathItem] = []
     R0 = begin.R
+    before: Piece | None = None  # what gave the last orientation, where R0 does not
 
     def lead(R1: Array, to: str) -> None:
         turn = np.zeros(3)
-        if R0 is not None:
-            turn = shortest_turn(R0, R1, (name, to), free_axis=free_axis, field=to)
-        turned_items.extend(_turning(free_items, R1 if R0 is None else R0, turn))
+        last = R0 if before is None else before.pose(1.0)[0]
+        if last is not None:
+            turn = shortest_turn(last, R1, (name, to), free_axis=free_axis, field=to)
+        turned_items.extend(_turning(free_items, R1 if last is None else last, turn))
         free_items.clear()
 
     for item in items:
@@ -55,12 +57,12 @@ def lead_in_orientations(
             if free_items:
                 lead(item.piece.pose(0.0)[0], to)
             turned_items.append(item)
-            R0, name = item.piece.pose(1.0)[0], to
+            before, name = item.piece, to
             continue
         free_items.append(item)
         if end is not None and end.pose.R is not None:
             lead(end.pose.R, to)
-            R0, name = end.pose.R, to
+            R0, before, name = end.pose.R, None, to
     return turned_items + free_items
 
 

@@ -7,7 +7,7 @@ import numpy as np
 from ikplan.arrays import Array
 from ikplan.documents.plan_request import Tolerance
 from ikplan.errors import Disconnected, Unreachable
-from ikplan.ik.solve import NoSolution, PoseSolver, unreachable
+from ikplan.ik.solve import NoSolution, PoseSolver, surest_solver, unreachable
 from ikplan.kinematics.target import Target
 from ikplan.path import ToolPath
 from ikplan.path.rotation.so3 import log
@@ -87,6 +87,7 @@ def _solved(solver: PoseSolver, target: Target, q_near: Array, tolerance: Tolera
     Raises:
         NoSolution: The target is out of reach by more than the tolerance.
     """
+    solver = surest_solver(solver, target)
     try:
         return np.asarray(solver.solve(target, q_near).q[0])
     except NoSolution as verdict:

@@ -8,7 +8,7 @@ from ikplan.arrays import Array
 from ikplan.documents.plan_request import Tolerance
 from ikplan.errors import Unreachable
 from ikplan.ik.closest_approach import ClosestApproach, within
-from ikplan.ik.solve import NoSolution, PoseSolver, target_as_data, unreachable
+from ikplan.ik.solve import NoSolution, PoseSolver, surest_solver, target_as_data, unreachable
 from ikplan.kinematics.target import Target
 from ikplan.planning.waypoints.waypoint_problem import WaypointProblem
 
@@ -33,8 +33,9 @@ def unreachable_path(
     for k in examined:
         problem.clock.check({"waypoints_solved": first})
         problem.clock.report(problem.first_row + k)
+        solver = surest_solver(problem.solver, problem.targets[k])
         try:
-            q_before = problem.solver.solve(problem.targets[k], q_before).q[0]
+            q_before = solver.solve(problem.targets[k], q_before).q[0]
         except NoSolution as verdict:
             target = problem.targets[k]
             if met_within(problem.solver, target, verdict, q_before, problem.tolerance) is None:

@@ -9,15 +9,17 @@ from ikplan.arrays import Array
 from ikplan.timing.engines.engine import checked
 from ikplan.timing.engines.rows import StageRows
 
-__all__ = ["CompiledEngine"]
+__all__ = ["FLOOR", "HIGHEST", "NO_MATTER", "CompiledEngine"]
 
 
 # A row whose coefficient of u is this much smaller than that of another bounds x alone: where it
 # binds, (1 - b x) / a would be rounding over nothing.
-_NO_MATTER = 1e-10
+NO_MATTER = 1e-10
+HIGHEST = 1e8
+"""Upper bound of every squared path velocity."""
 # The speed after an interval is kept above this share of the highest one that is controllable,
 # where rest may reach it: a motion that the highest speeds force to stop would stand still.
-_FLOOR = 1e-3
+FLOOR = 1e-3
 
 
 @kernel
@@ -50,7 +52,7 @@ def _largest_controllable(a: Array, b: Array, h: float, x_max: float, x_next: fl
         if b[r] > 0.0 and a[r] == 0.0:
             x = min(x, 1.0 / b[r])
     at_rest = _accelerations(a, b, 0.0)[1]
-    floor = min(_FLOOR * x_next, 2.0 * h * at_rest)
+    floor = min(FLOOR * x_next, 2.0 * h * at_rest)
     for _ in range(4 * a.shape[0] + 8):
         low, high, low_row, high_row = _accelerations(a, b, x)
         # Lines u = p + g x: first the rows, then those of floor <= x + 2 h u <= x_next.
@@ -76,7 +78,7 @@ def _those_that_matter(row: Array, a: Array) -> None:
     least = 0.0
     for r in range(len(row)):
         least = max(least, abs(row[r]))
-    least *= _NO_MATTER
+    least *= NO_MATTER
     for r in range(len(row)):
         a[r] = 0.0 if abs(row[r]) < least else row[r]
 
@@ -112,5 +114,5 @@ class CompiledEngine:
 
     def solve(self, rows: StageRows) -> Array:
         """Return the squared path velocity at every node; see Engine."""
-        x_max = np.minimum(rows.x_max, 1e8)
+        x_max = np.minimum(rows.x_max, HIGHEST)
         return checked(_solve(rows.s, rows.a, rows.b, x_max, *rows.ends))

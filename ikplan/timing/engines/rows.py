@@ -10,7 +10,18 @@ from ikplan._jit import kernel
 from ikplan.arrays import Array, Indices
 from ikplan.timing.limit_ratios import velocity_ratio
 
-__all__ = ["StageRows", "acceleration_rows", "natural_units", "place_rows", "velocity_bounds"]
+__all__ = [
+    "StageRows",
+    "acceleration_rows",
+    "natural_unit",
+    "natural_units",
+    "place_rows",
+    "sample_step",
+    "velocity_bounds",
+]
+
+# What is compared instead of dividing may be off by rounding.
+_ROUNDING = 1.0 - 1e-12
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,6 +52,7 @@ def acceleration_rows(
     qs0: Array,
     qss0: Array,
     qss1: Array,
+    pieces: Indices,
     upper: Array,
     lower: Array,
     a: Array,
@@ -57,18 +69,20 @@ def acceleration_rows(
         qs0: dq/ds at the starts, shape (n, dof).
         qss0: d2q/ds2 at the starts, shape (n, dof).
         qss1: d2q/ds2 at the ends, shape (n, dof).
-        upper: Upper acceleration limits, shape (n, dof).
-        lower: Lower acceleration limits, shape (n, dof), negative.
+        pieces: Piece of each interval, shape (n,).
+        upper: Upper acceleration limits of the pieces, shape (k, dof).
+        lower: Lower acceleration limits of the pieces, shape (k, dof), negative.
         a: Out: coefficients of u in rows a u + b x <= 1, in the first 6 dof columns.
         b: Out: coefficients of x.
     """
     n, dof = qs0.shape
     for i in range(n):
+        k = pieces[i]
         for j in range(dof):
             qs, c0, c1 = qs0[i, j], qss0[i, j], qss1[i, j]
             end = qs + 0.5 * h[i] * (c0 + c1)
             for side in range(2):
-                scale = 1.0 / upper[i, j] if side == 0 else 1.0 / lower[i, j]
+                scale = 1.0 / upper[k, j] if side == 0 else 1.0 / lower[k, j]
                 row = 3 * (2 * j + side)
                 a[i, row], b[i, row] = qs * scale, c0 * scale
                 a[i, row + 1] = (qs + 1.5 * h[i] * c0) * scale
@@ -86,11 +100,24 @@ def _largest_slopes(h: float, qs: float, qss0: float, qss1: float) -> tuple[floa
 
 
 @kernel
+def _may_bind(
+    h: float, qs: float, qss0: float, end: float, x0: float, x1: float, up: float, down: float
+) -> bool:
+    """Whether a joint may reach a velocity limit on an interval, x up to its values at the ends.
+
+    The Bezier coefficients of dq/ds bound it.
+    """
+    slope = max(abs(qs), abs(qs + 0.5 * h * qss0), abs(end))
+    return not slope * slope * max(x0, x1) < _ROUNDING * min(up * up, down * down)
+
+
+@kernel
 def velocity_bounds(
     h: Array,
     qs0: Array,
     qss0: Array,
     qss1: Array,
+    pieces: Indices,
     velocity: Array,
     velocity_lower: Array,
 ) -> Array:
@@ -105,8 +132,9 @@ def velocity_bounds(
         qs0: dq/ds at the starts, shape (n, dof).
         qss0: d2q/ds2 at the starts, shape (n, dof).
         qss1: d2q/ds2 at the ends, shape (n, dof).
-        velocity: Upper velocity limits, shape (n, dof).
-        velocity_lower: Lower velocity limits, shape (n, dof), negative.
+        pieces: Piece of each interval, shape (n,).
+        velocity: Upper velocity limits of the pieces, shape (k, dof).
+        velocity_lower: Lower velocity limits of the pieces, shape (k, dof), negative.
 
     Returns:
         Upper bounds of x, shape (n + 1,).
@@ -114,12 +142,16 @@ def velocity_bounds(
     n, dof = qs0.shape
     x_max = np.full(n + 1, np.inf)
     for i in range(n):
+        piece = pieces[i]
         for j in range(dof):
-            up, down = velocity[i, j], velocity_lower[i, j]
+            up, down = velocity[piece, j], velocity_lower[piece, j]
             end = qs0[i, j] + 0.5 * h[i] * (qss0[i, j] + qss1[i, j])
+            if not _may_bind(h[i], qs0[i, j], qss0[i, j], end, x_max[i], x_max[i + 1], up, down):
+                continue
             for node, qs in ((i, qs0[i, j]), (i + 1, end)):
+                limit = up if qs > 0.0 else down
                 if qs != 0.0:
-                    root = (up if qs > 0.0 else down) / qs
+                    root = limit / qs
                     x_max[node] = min(x_max[node], root * root)
             # A node where the joints stand still would else allow any speed.
             rise, fall = _largest_slopes(h[i], qs0[i, j], qss0[i, j], qss1[i, j])
@@ -133,11 +165,15 @@ def velocity_bounds(
         highest = max(x_max[i], x_max[i + 1])
         if not np.isfinite(highest):
             continue
+        piece = pieces[i]
         u = (x_max[i + 1] - x_max[i]) / (2.0 * h[i])
         for j in range(dof):
-            up, down = velocity[i, j], velocity_lower[i, j]
-            rise, fall = _largest_slopes(h[i], qs0[i, j], qss0[i, j], qss1[i, j])
+            up, down = velocity[piece, j], velocity_lower[piece, j]
+            end = qs0[i, j] + 0.5 * h[i] * (qss0[i, j] + qss1[i, j])
             # Most joints are far from their limits, and need no closer look.
+            if not _may_bind(h[i], qs0[i, j], qss0[i, j], end, x_max[i], x_max[i + 1], up, down):
+                continue
+            rise, fall = _largest_slopes(h[i], qs0[i, j], qss0[i, j], qss1[i, j])
             if max(rise / up, fall / down) ** 2 * highest > 1.0:
                 largest = velocity_ratio(
                     h[i], x_max[i], u, qs0[i, j], qss0[i, j], qss1[i, j], up, down
@@ -173,6 +209,27 @@ def place_rows(
             b[row, first + r + k] = of_x[end, k]
 
 
+def sample_step(n: int) -> int:
+    """Return the step through n rows at which some are looked at for the natural unit."""
+    return max(1, n // 64)
+
+
+def natural_unit(length: float, x_max: Array, some: Array) -> float:
+    """Return a unit of x in which speeds and accelerations are about one.
+
+    Args:
+        length: Length of the span.
+        x_max: Upper bounds of x, shape (n + 1,).
+        some: Coefficients of u of some intervals, shape (k, m).
+    """
+    finite = x_max[np.isfinite(x_max)]
+    by_velocity = _median(finite) if len(finite) else np.inf
+    slope = _median(np.abs(some).max(axis=1))
+    by_acceleration = length / slope if slope > 0.0 else np.inf
+    unit = min(by_velocity, by_acceleration)
+    return unit if np.isfinite(unit) else 1.0
+
+
 def natural_units(rows: StageRows) -> tuple[StageRows, float]:
     """Scale a problem so that lengths, speeds and accelerations are about one.
 
@@ -185,14 +242,7 @@ def natural_units(rows: StageRows) -> tuple[StageRows, float]:
         The scaled problem, and the factor that turns its x into the caller's.
     """
     length = float(rows.s[-1] - rows.s[0])
-    finite = rows.x_max[np.isfinite(rows.x_max)]
-    by_velocity = _median(finite) if len(finite) else np.inf
-    some = rows.a[:: max(1, len(rows.a) // 64)]
-    slope = _median(np.abs(some).max(axis=1))
-    by_acceleration = length / slope if slope > 0.0 else np.inf
-    unit = min(by_velocity, by_acceleration)
-    if not np.isfinite(unit):
-        unit = 1.0
+    unit = natural_unit(length, rows.x_max, rows.a[:: sample_step(len(rows.a))])
     s = (rows.s - rows.s[0]) / length
     a, b = rows.a, rows.b
     a *= unit / length

@@ -1,7 +1,8 @@
 """What is compiled for which command, and how long that takes: ``python -m benchmarks.compiling``.
 
 Every kernel is compiled anew, into a folder that is thrown away: minutes of processor time. Time is
-that of this process, of each function without those that it calls.
+that of this process, of each function without those that it calls. With ``--demo`` it is what
+``make demo`` compiles at its first run, with its helpers: the time of a first run and of a second.
 """
 
 from __future__ import annotations
@@ -10,9 +11,15 @@ import argparse
 import collections
 import gc
 import os
+import resource
+import subprocess
+import sys
 import tempfile
 import time
+from pathlib import Path
 from typing import Any
+
+_DEMO = Path(__file__).resolve().parents[1] / "examples" / "demo.py"
 
 
 def main() -> None:
@@ -22,12 +29,39 @@ def main() -> None:
     parser.add_argument("--kinds", nargs="+", default=["ik", "time", "plan"])
     parser.add_argument("--top", type=int, default=25, help="functions that are listed")
     parser.add_argument("--cache", help="a folder to keep the kernels in")
+    parser.add_argument("--demo", action="store_true", help="time a first run of the demo instead")
     options = parser.parse_args()
     os.environ["IKPLAN_KERNELS"] = ""
+    if options.demo:
+        _time_demo()
+        return
     os.environ["IKPLAN_COMPILE_AHEAD"] = "0"
     with tempfile.TemporaryDirectory() as folder:
         os.environ["IKPLAN_CACHE_DIR"] = options.cache or folder
         _measure(options)
+
+
+def _time_demo() -> None:
+    with tempfile.TemporaryDirectory() as folder:
+        environment = {**os.environ, "IKPLAN_CACHE_DIR": str(Path(folder) / "cache")}
+        times = []
+        for run in ("first", "second"):
+            before, begin = resource.getrusage(resource.RUSAGE_CHILDREN), time.monotonic()
+            subprocess.run(
+                [sys.executable, str(_DEMO)],
+                env=environment,
+                cwd=folder,
+                check=True,
+                stdout=subprocess.DEVNULL,
+                stderr=subprocess.DEVNULL,
+            )
+            wall, after = time.monotonic() - begin, resource.getrusage(resource.RUSAGE_CHILDREN)
+            spent = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
+            times.append((wall, spent))
+            print(f"{run} run: {wall:.1f} s wall, {spent:.1f} s of processors", flush=True)
+    wall, spent = (first - second for first, second in zip(*times, strict=True))
+    count = len(os.sched_getaffinity(0))
+    print(f"compiling: {wall:.1f} s wall, {spent:.1f} s of processors, of which there are {count}")
 
 
 def _measure(options: argparse.Namespace) -> None:

@@ -21,6 +21,7 @@ from typing import ParamSpec, TypeVar, cast
 import numba
 
 from ikplan._kernels.cache import cache_folder, keep, when_compiling
+from ikplan._kernels.linking import KernelCompiler, is_stable
 
 __all__ = ["cache_folder", "kernel", "leaf_kernel", "when_compiling"]
 
@@ -58,10 +59,21 @@ def leaf_kernel(function: Callable[P, R]) -> Callable[P, R]:
 
 def _compiled(function: Callable[P, R], *, counting: bool) -> Callable[P, R]:
     # Said explicitly, since a kernel compiled on behalf of a leaf would inherit its option.
-    # Nothing calls kernels from C, so that no wrapper is compiled for that.
-    dispatcher = numba.njit(nogil=True, error_model="numpy", no_cfunc_wrapper=True, _nrt=counting)(
-        function
-    )
-    if os.environ.get("NUMBA_DISABLE_JIT", "0") in ("", "0"):
-        keep(dispatcher, function)
+    # Nothing calls kernels from C, so that no wrapper is compiled for that; the one for Python is
+    # compiled where Python calls, if it can be kept apart.
+    apart = is_stable(function) and not _disabled()
+    dispatcher = numba.njit(
+        nogil=True,
+        error_model="numpy",
+        no_cfunc_wrapper=True,
+        no_cpython_wrapper=apart,
+        pipeline_class=KernelCompiler,
+        _nrt=counting,
+    )(function)
+    if not _disabled():
+        keep(dispatcher, function, wrappers_apart=apart)
     return cast("Callable[P, R]", dispatcher)
+
+
+def _disabled() -> bool:
+    return os.environ.get("NUMBA_DISABLE_JIT", "0") not in ("", "0")

@@ -25,6 +25,7 @@ RANK = {
     "_lazy": 0,
     "_version": 0,
     "arrays": 0,
+    "copying": 1,
     "errors": 0,
     "documents": 1,
     "time_budget": 1,

@@ -76,7 +76,8 @@ def pack(tmp_path_factory: pytest.TempPathFactory) -> Path:
     file = tmp_path_factory.mktemp("shipped") / packs.PACK_NAME
     generic = {"NUMBA_CPU_NAME": "generic"}
     assert builder.run(**generic)[0] == {"value": 12.0, "compiled": True}
-    assert builder.run(PACKING, str(builder.cache / "kernels"), str(file))[0] == 2
+    # Two kernels, and what Python calls one of them by.
+    assert builder.run(PACKING, str(builder.cache / "kernels"), str(file))[0] == 3
     return file
 
 
@@ -161,7 +162,7 @@ def test_a_pack_that_was_cut_short_is_none(pack: Path, tmp_path: Path, length: i
 def test_a_pack_for_any_processor_needs_no_features(pack: Path) -> None:
     data = pack.read_bytes()
     assert b'"features": []' in data[:2000]
-    assert len(packs.Pack(pack)) == 2
+    assert len(packs.Pack(pack)) == 3
 
 
 def test_a_kernel_that_is_compiled_elsewhere_is_waited_for(tmp_path: Path) -> None:
@@ -231,5 +232,7 @@ def test_two_processes_compile_a_kernel_once(tmp_path: Path) -> None:
     ]
     answers = [json.loads(process.communicate()[0])["value"] for process in both]
     assert answers == [12.0, 12.0]
-    assert len(list(user.cache.rglob("*.nbc"))) == 2
+    assert len(list(user.cache.rglob("base.scaled-*.nbc"))) == 1
+    # What Python calls the other by takes no turns.
+    assert len(list(user.cache.rglob("top.twice-*.nbc"))) in (2, 3)
     assert not list(user.cache.rglob("*.lock"))

@@ -13,10 +13,12 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from numba.core import caching
+from numba.core import caching, types
 
 from ikplan._kernels.clock import counting
+from ikplan._kernels.linking import call_out_of_line, reduced, restored
 from ikplan._kernels.pack import pack_key, shipped_pack
+from ikplan._kernels.python_calls import Wrapper, wrap_when_called
 from ikplan._kernels.sources import PACKAGE, digest_of
 from ikplan._kernels.turns import Turn, take_turn
 
@@ -77,6 +79,12 @@ class _Locator(caching._CacheLocator):  # type: ignore[misc]
 class _KernelCacheImpl(caching.CompileResultCacheImpl):  # type: ignore[misc]
     _locator_classes = (_Locator,)
 
+    def reduce(self, cres: Any) -> tuple[Any, ...]:
+        return reduced(cres)
+
+    def rebuild(self, target_context: Any, payload: tuple[Any, ...]) -> Any:
+        return restored(functools.partial(super().rebuild, target_context), payload)
+
 
 _CUT_SHORT = (EOFError, pickle.UnpicklingError)
 _UNREADABLE = (OSError, *_CUT_SHORT)
@@ -111,13 +119,17 @@ class _CacheFile(caching.IndexDataCacheFile):  # type: ignore[misc]
         return overloads
 
 
+_WRAPPER = "called from Python"
+
+
 class _KernelCache(caching.FunctionCache):  # type: ignore[misc]
     """Finds a kernel in what is shipped, then on the disk; else it is this process's to compile."""
 
     _impl_class = _KernelCacheImpl
 
-    def __init__(self, py_func: Callable[..., Any]) -> None:
+    def __init__(self, dispatcher: Any, py_func: Callable[..., Any]) -> None:
         super().__init__(py_func)
+        self._dispatcher = dispatcher
         self._cache_file = _CacheFile(
             cache_path=self._cache_path,
             filename_base=self._impl.filename_base,
@@ -144,19 +156,40 @@ class _KernelCache(caching.FunctionCache):  # type: ignore[misc]
         return taken
 
     def _shipped(self, sig: Any, target_context: Any) -> Any:
+        data = self._in_pack(sig, target_context.codegen())
+        return None if data is None else self._impl.rebuild(target_context, data)
+
+    def _in_pack(self, sig: Any, codegen: Any) -> Any:
         pack = shipped_pack()
         if pack is None:
             return None
-        code = self._index_key(sig, target_context.codegen())[2]
+        code = self._index_key(sig, codegen)[2]
         stamp = self._impl.locator.get_source_stamp()
-        data = pack.find(pack_key(self._impl.filename_base, stamp, sig, code))
-        return None if data is None else self._impl.rebuild(target_context, data)
+        return pack.find(pack_key(self._impl.filename_base, stamp, sig, code))
+
+    def load_wrapper(self, sig: Any, codegen: Any) -> Wrapper | None:
+        """Return what Python calls a kernel by, if it is kept."""
+        sig = (_WRAPPER, sig)
+        found = self._in_pack(sig, codegen)
+        if found is None:
+            found = self._cache_file.load(self._index_key(sig, codegen))
+        return found if isinstance(found, Wrapper) else None
+
+    def save_wrapper(self, sig: Any, codegen: Any, wrapper: Wrapper) -> None:
+        """Keep what Python calls a kernel by; it was just compiled."""
+        _announce()
+        try:
+            self._impl.locator.ensure_cache_path()
+            self._cache_file.save(self._index_key((_WRAPPER, sig), codegen), wrapper)
+        except OSError as error:
+            _warn_unsaved(str(error))
 
     def _lock_of(self, sig: Any) -> Path:
         name = hashlib.sha256(str(sig).encode()).hexdigest()[:16]
         return Path(self._cache_path) / f"{self._impl.filename_base}.{name}.lock"
 
     def save_overload(self, sig: Any, data: Any) -> None:
+        call_out_of_line(self._dispatcher, data)
         try:
             super().save_overload(sig, data)
         except OSError as error:
@@ -172,15 +205,22 @@ class _KernelCache(caching.FunctionCache):  # type: ignore[misc]
             turn.give_back()
 
 
-def keep(dispatcher: Any, function: Callable[..., Any]) -> None:
+def keep(dispatcher: Any, function: Callable[..., Any], *, wrappers_apart: bool) -> None:
     """Have numba find and keep what it compiles of a function here.
 
     Args:
         dispatcher: What numba made of the function.
         function: The function.
+        wrappers_apart: Whether it is compiled without what Python calls it by.
     """
-    dispatcher._cache = cache = _KernelCache(function)
-    compiled = dispatcher.compile
+    dispatcher._cache = cache = _KernelCache(dispatcher, function)
+    if wrappers_apart:
+        wrap_when_called(dispatcher, cache)
+    compiled, typed = dispatcher.compile, dispatcher.get_call_template
+
+    def widened(arguments: Any, named: Any) -> Any:
+        # One kernel for all numbers, not one for each that is written where it is called.
+        return typed([_widened(each) for each in arguments], named)
 
     def compile_in_turn(sig: Any) -> Any:
         # The collector finds nothing to free in a compiler at work, and looks for a tenth of it.
@@ -197,6 +237,12 @@ def keep(dispatcher: Any, function: Callable[..., Any]) -> None:
                 gc.enable()
 
     dispatcher.compile = compile_in_turn
+    dispatcher.get_call_template = widened
+
+
+def _widened(argument: Any) -> Any:
+    literal = isinstance(argument, (types.IntegerLiteral, types.BooleanLiteral))
+    return argument.literal_type if literal else argument
 
 
 @functools.cache

@@ -13,7 +13,9 @@ __all__ = ["PACKAGE", "digest_of", "sources_of"]
 
 PACKAGE = Path(__file__).parents[1]
 _KEEPING = Path(__file__).parent
-"""How kernels are kept changes none of them."""
+"""How kernels are kept changes none of them, but for the form."""
+_FORM = 2
+"""1: all that a kernel calls is part of it; 2: large ones are called where they are."""
 _IMPORT = re.compile(
     rb"^\s*(?:from|import) (ikplan[\w.]*)(?: import (?:\(([^)]*)\)|([\w, ]+)))?", re.MULTILINE
 )
@@ -42,7 +44,7 @@ def sources_of(path: Path) -> frozenset[Path]:
 @functools.cache
 def digest_of(path: Path) -> str:
     """Return the digest of a kernel file, of all it builds on, and of the compiler's version."""
-    digest = hashlib.sha256(numba.__version__.encode())
+    digest = hashlib.sha256(f"{numba.__version__} {_FORM}".encode())
     for source in sorted(sources_of(path)):
         digest.update(source.relative_to(PACKAGE).as_posix().encode() + b"\0")
         digest.update(source.read_bytes())

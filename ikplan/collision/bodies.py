@@ -154,7 +154,7 @@ def _chain_frames_in_joint_frames(robot: Robot, chain: Chain) -> list[pin.SE3]:
 
     The chain turns each joint's axis to z; the two differ by a constant rotation.
     """
-    q = robot.home
+    q = robot.home.copy()  # one compiled kind of arrays
     data = robot.model.createData()
     pin.forwardKinematics(robot.model, data, robot.configuration(q))
     R, p = np.empty((len(chain.prismatic) + 1, 3, 3)), np.empty((len(chain.prismatic) + 1, 3))

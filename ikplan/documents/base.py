@@ -7,6 +7,7 @@ Every model refuses unknown fields, NaN and infinities. A fault becomes an
 
 from __future__ import annotations
 
+import functools
 import hashlib
 from collections.abc import Mapping, Sequence
 from typing import Annotated, Any, NoReturn, TypeVar, get_args
@@ -24,6 +25,7 @@ from pydantic import (
     ValidationError,
     WithJsonSchema,
 )
+from pydantic.fields import FieldInfo
 
 from ikplan.documents.json_text import load_json, shortened
 from ikplan.errors import InvalidRequest, near_names
@@ -89,13 +91,21 @@ def content_hash(document: Document, *context: str) -> str:
     return hashlib.sha256(canonical).hexdigest()[:32]
 
 
+@functools.cache
+def _marked_fields(model: type[Document]) -> tuple[tuple[str, FieldInfo | None], ...]:
+    """The fields of a model; None beside those without the mark :class:`IfGiven`."""
+    return tuple(
+        (name, field if any(isinstance(mark, IfGiven) for mark in field.metadata) else None)
+        for name, field in model.model_fields.items()
+    )
+
+
 def _not_given(document: Document) -> dict[str, Any]:
     """The fields marked with :class:`IfGiven` at their default, as pydantic's ``exclude``."""
     found: dict[str, Any] = {}
-    for name, field in type(document).model_fields.items():
+    for name, marked in _marked_fields(type(document)):
         value = getattr(document, name)
-        marked = any(isinstance(mark, IfGiven) for mark in field.metadata)
-        if marked and value == field.get_default(call_default_factory=True):
+        if marked is not None and value == marked.get_default(call_default_factory=True):
             found[name] = True
         elif isinstance(value, Document) and (inner := _not_given(value)):
             found[name] = inner

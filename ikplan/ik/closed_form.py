@@ -8,6 +8,7 @@ import numpy as np
 
 from ikplan._jit import kernel, leaf_kernel
 from ikplan.arrays import Array, Flags
+from ikplan.copying import copy_into
 from ikplan.ik.levenberg_marquardt import Effort, refine
 from ikplan.ik.workspace import Workspace, new_workspace
 from ikplan.kinematics.chain import Chain
@@ -135,7 +136,7 @@ def closed_form_solutions(
         distance, angle, spent = refine(chain, target, solutions[i], lower, upper, _POLISH, w)
         evaluations += spent
         if distance <= tolerance and angle <= tolerance:
-            solutions[kept] = solutions[i]
+            copy_into(solutions[kept], solutions[i])
             kept += 1
         else:
             all_found = False

@@ -221,8 +221,9 @@ class JointPath:
     def third_derivatives(self) -> Array:
         """Return d3q/ds3 of every piece, which is constant there, shape (k, dof)."""
         pieces = np.arange(len(self.s_knots) - 1)
-        _, _, start = self.derivatives(self.s_knots[:-1], pieces)
-        _, _, end = self.derivatives(self.s_knots[1:], pieces)
+        s = self.s_knots.copy()  # one compiled kind of arrays
+        _, _, start = self.derivatives(s[:-1], pieces)
+        _, _, end = self.derivatives(s[1:], pieces)
         third: Array = (end - start) / np.diff(self.s_knots)[:, None]
         return third
 
@@ -235,8 +236,9 @@ class JointPath:
         if self.length == 0.0:
             return np.zeros(0, dtype=np.int64)
         pieces = np.arange(len(self.s_knots) - 1)
-        _, _, start = self.derivatives(self.s_knots[:-1], pieces)
-        _, _, end = self.derivatives(self.s_knots[1:], pieces)
+        s = self.s_knots.copy()  # one compiled kind of arrays
+        _, _, start = self.derivatives(s[:-1], pieces)
+        _, _, end = self.derivatives(s[1:], pieces)
         # A line has no curvature but rounding; dq/ds is about one.
         size = max(
             float(np.abs(start).max(initial=0.0)),

@@ -13,6 +13,7 @@ import numpy as np
 
 from ikplan._jit import kernel
 from ikplan.arrays import Array
+from ikplan.copying import copy_into
 from ikplan.kinematics.chain import Chain, placement_of
 
 __all__ = ["SphericalWrist", "find_wrist", "nearest_wrist", "wrist_angles"]
@@ -208,5 +209,5 @@ def nearest_wrist(
             distance += (value - near[k]) ** 2
         if (inside and not best_inside) or (inside == best_inside and distance < best_distance):
             best_inside, best_distance = inside, distance
-            out[:] = both[branch]
+            copy_into(out, both[branch])
     return best_inside

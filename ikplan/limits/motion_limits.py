@@ -58,6 +58,12 @@ class MotionLimits:
     tool_tangential: float = np.inf
 
     @property
+    def of_loads_or_tool(self) -> bool:
+        """Whether torques or the motion of the tool are limited."""
+        tool = (*self.tool_speed, *self.tool_acceleration, self.tool_tangential)
+        return self.torque is not None or bool(np.isfinite(tool).any())
+
+    @property
     def largest_acceleration(self) -> Array:
         """Largest acceleration of each joint, whichever way and whether it speeds up, (dof,)."""
         most = np.maximum(self.acceleration, -self.acceleration_lower)

@@ -1,9 +1,10 @@
 """A helper that compiles kernels beside a process that waits for them.
 
-Started as a module, with kind of the requests, name of the solver, 1 for limits of jerks, number of
-this helper and how many there are. It runs small requests of the kind, those first that use what a
-request uses last, so that it meets the process that it helps in the middle. Kernels that are being
-compiled elsewhere are waited for, not compiled twice.
+Started as a module, with kind of the requests, name of the solver, 1 for limits of jerks, 1 for
+limits of torques or of the tool, number of this helper and how many there are. It runs small
+requests of the kind, those first that use what a request uses last, so that it meets the process
+that it helps in the middle. Kernels that are being compiled elsewhere are waited for, not compiled
+twice.
 """
 
 from __future__ import annotations
@@ -14,13 +15,18 @@ import sys
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
+import numpy as np
+
 from ikplan._jit import cache_folder
 from ikplan._kernels.turns import Turn
+from ikplan.collision.checker import CollisionChecker
 from ikplan.errors import IkplanError
 from ikplan.pipeline.plan import plan
 from ikplan.pipeline.poses import solve_ik_request
 from ikplan.pipeline.retime import time_request
 from ikplan.pipeline.warm_up import small_requests
+from ikplan.robots import catalogue_robot
+from ikplan.scene.model import collision_model
 
 __all__ = ["main"]
 
@@ -31,16 +37,16 @@ def main(arguments: Sequence[str]) -> None:
     """Compile what requests of a kind use.
 
     Args:
-        arguments: Kind of the requests, name of the solver, 1 for limits of jerks, the number of
-            this helper and how many there are.
+        arguments: Kind of the requests, name of the solver, 1 for limits of jerks, 1 for limits of
+            torques or of the tool, the number of this helper and how many there are.
     """
-    kind, method, jerk, number, count = arguments
+    kind, method, jerk, loads, number, count = arguments
     try:
         turn = Turn(cache_folder() / f"helper-{number}.lock")
     except OSError:
         return  # another process has its helpers already, or nothing can be kept
     try:
-        work = _work(kind, method, jerk == "1")
+        work = _work(kind, method, jerk == "1", loads == "1")
         first = len(work) * int(number) // int(count)
         for run, request in (*work[first:], *work[:first]):
             with contextlib.suppress(IkplanError):
@@ -51,19 +57,32 @@ def main(arguments: Sequence[str]) -> None:
         turn.give_back()
 
 
-def _work(kind: str, method: str, jerk: bool) -> list[tuple[Run, dict[str, Any]]]:
+def _work(kind: str, method: str, jerk: bool, loads: bool) -> list[tuple[Run, dict[str, Any]]]:
     """Small requests, and what runs them."""
     if kind == "ik":
         return [(solve_ik_request, request) for request in small_requests("ik", method)]
-    timings = small_requests("time", jerk=jerk)
+    (timing, *_) = _as_asked(small_requests("time", jerk=jerk), loads)
     if kind == "time":
-        return [(time_request, request) for request in timings]
-    # Timing, certificate and the proof of no contact, which come last in a plan.
+        return [(time_request, timing)]
+    # Timing, certificate and the proof of no contact come last in a plan, the checks before them.
     checked: dict[str, Any] = {"scene": {"self_collision": True}}
-    return [
-        *((time_request, {**request, **checked}) for request in timings),
-        *((plan, request) for request in small_requests("plan", method)[:1]),
-    ]
+    (asked, *_) = _as_asked(small_requests("plan", method, jerk=jerk), loads)
+    return [(time_request, {**timing, **checked}), (_check, timing), (plan, asked)]
+
+
+def _as_asked(requests: list[dict[str, Any]], loads: bool) -> list[dict[str, Any]]:
+    """Return the requests with limits of torques and of the tool, or those without; else all."""
+    chosen = [each for each in requests if ("torque" in each["limits"]) == loads]
+    return chosen or requests
+
+
+def _check(request: Mapping[str, Any]) -> None:
+    """Check waypoints, and the motions between them, as planning does."""
+    robot = catalogue_robot(request["robot"])
+    q = np.array(request["waypoints"])
+    checker = CollisionChecker(robot, collision_model(robot, None))
+    checker.first_contact(q)
+    checker.contacts_on_curve(np.arange(2.0), q, (q[:1], q[1:]), None, 0.0)
 
 
 if __name__ == "__main__":

@@ -6,10 +6,11 @@ import atexit
 import os
 import subprocess
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from ikplan._jit import when_compiling
+from ikplan.limits.motion_limits import MotionLimits
 
 __all__ = ["VARIABLE", "helped_by"]
 
@@ -22,17 +23,19 @@ _arguments: list[str] = []
 _helpers: list[subprocess.Popen[bytes]] = []
 
 
-def helped_by(kind: str, method: str = "ik-ba", *, jerk: bool = False) -> None:
+def helped_by(kind: str, method: str = "ik-ba", limits: Sequence[MotionLimits] = ()) -> None:
     """Say what helpers are to compile, should this process have to compile something.
 
     Args:
         kind: Which requests follow: ik, time or plan.
         method: Name of their solver.
-        jerk: Whether they have limits of jerks.
+        limits: Their limits, which decide what timing is compiled.
     """
     if not _arguments:
         _listen(_start)
-    _arguments[:] = [kind, method, str(int(jerk))]
+    jerk = any(each.jerk is not None for each in limits)
+    loads = any(each.of_loads_or_tool for each in limits)
+    _arguments[:] = [kind, method, str(int(jerk)), str(int(loads))]
 
 
 def _listen(start: Callable[[], None]) -> None:

@@ -120,8 +120,7 @@ def make_plan(
     robot = narrowed(robot, request.limits.joints)
     limits = MotionLimits.of(robot, request.limits)
     limits_of = _segment_limits(robot, request, limits)
-    jerk = any(x.jerk is not None for x in (limits, *limits_of.values()))
-    helped_by("plan", request.ik.method, jerk=jerk)
+    helped_by("plan", request.ik.method, (limits, *limits_of.values()))
     clock = RequestBudget(request.budget_s, progress)
     start_free = request.start == "free"
     asked = None if request.start == "free" else request.start

@@ -213,8 +213,7 @@ def _made(request: TimingRequest, robot: Robot, clock: RequestBudget, known_id: 
         RequestedSegment(f"segments[{k}]", part.first, part.last, part.limits)
         for k, part in enumerate(request.segments)
     )
-    jerk = any(x.jerk is not None for x in (limits, *(s.limits for s in segments)))
-    helped_by("time", jerk=jerk)
+    helped_by("time", limits=(limits, *(s.limits for s in segments)))
     nearness = _nearness(request, robot)
     free = nearness is None
     ends = asked_ends(request, robot)

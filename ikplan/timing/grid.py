@@ -68,7 +68,7 @@ def regridded(grid: Grid, counts: Array) -> Grid:
     Returns:
         The new grid; it keeps the ends of the pieces and nothing else of the old one.
     """
-    s, pieces = _place(grid.s, grid.pieces, counts)
+    s, pieces = _place(grid.s.copy(), grid.pieces, counts)  # one compiled kind of arrays
     # A node that rounding put on its neighbour would be an interval of length zero.
     distinct = np.append(np.diff(s) > 0.0, True)
     return Grid(s[distinct], pieces[distinct[:-1]])

@@ -13,7 +13,10 @@ from typing import Any, ClassVar
 
 import pytest
 
+import ikplan
 from ikplan._kernels.turns import Turn
+from ikplan.documents.limits import LimitOptions
+from ikplan.limits.motion_limits import MotionLimits
 from ikplan.pipeline import compile_ahead, helpers
 
 
@@ -53,14 +56,16 @@ def test_each_further_processor_has_a_helper_once_something_is_compiled(
 ) -> None:
     monkeypatch.setattr(os, "sched_getaffinity", lambda _: set(range(processors)))
     helpers.helped_by("time")
-    helpers.helped_by("plan", "lm", jerk=True)
+    robot = ikplan.load_robot("iiwa14")
+    options = LimitOptions.model_validate({"jerk": 100.0, "tool_speed": 1.0})
+    helpers.helped_by("plan", "lm", (MotionLimits.of(robot, options),))
     assert len(calls) == 1
     assert Process.started == []
     calls[0]()
     assert len(Process.started) == count
     for number, (command, environment) in enumerate(Process.started):
         assert command[0] == sys.executable
-        assert command[-5:] == ["plan", "lm", "1", str(number), str(count)]
+        assert command[-6:] == ["plan", "lm", "1", "1", str(number), str(count)]
         assert importlib.util.find_spec(command[command.index("-m") + 1]) is not None
         assert environment[helpers.VARIABLE] == "0"  # a helper has no helpers
     begun: list[Any] = [*helpers._helpers]
@@ -88,13 +93,13 @@ def test_a_helper_begins_with_what_a_request_uses_last(
     kind: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     ran: list[str] = []
-    for name in ("plan", "time_request", "solve_ik_request"):
+    for name in ("plan", "time_request", "solve_ik_request", "_check"):
         monkeypatch.setattr(compile_ahead, name, lambda _, name=name: ran.append(name))
     monkeypatch.setattr(compile_ahead, "cache_folder", lambda: tmp_path)
-    compile_ahead.main([kind, "ik-ba", "0", "0", "1"])
-    assert ran == sorted(ran, reverse=True)
-    last = {"ik": "solve_ik_request", "time": "time_request", "plan": "plan"}
-    assert ran[-1] == last[kind]
+    compile_ahead.main([kind, "ik-ba", "0", "0", "0", "1"])
+    order = {"time": ["time_request"], "plan": ["time_request", "_check", "plan"]}
+    assert ran == order.get(kind, ["solve_ik_request"] * len(ran))
+    assert ran
     assert not list(tmp_path.iterdir())
 
 
@@ -105,8 +110,20 @@ def test_a_helper_leaves_the_work_to_one_that_is_there(
     monkeypatch.setattr(compile_ahead, "time_request", ran.append)
     monkeypatch.setattr(compile_ahead, "cache_folder", lambda: tmp_path)
     turn = Turn(tmp_path / "helper-0.lock")
-    compile_ahead.main(["time", "ik-ba", "0", "0", "1"])
+    compile_ahead.main(["time", "ik-ba", "0", "0", "0", "1"])
     assert ran == []
     turn.give_back()
-    compile_ahead.main(["time", "ik-ba", "0", "0", "1"])
+    compile_ahead.main(["time", "ik-ba", "0", "0", "0", "1"])
     assert ran != []
+
+
+@pytest.mark.parametrize("loads", [False, True])
+def test_a_helper_compiles_for_the_limits_that_are_asked_for(loads: bool) -> None:
+    for run, request in compile_ahead._work("plan", "ik-ba", False, loads):
+        assert ("torque" in request["limits"]) == loads, run
+
+
+def test_a_helper_checks_motions_for_contact() -> None:
+    """Of a request that is checked as a plan is, in which nothing touches."""
+    _, (check, request), _ = compile_ahead._work("plan", "ik-ba", False, False)
+    check(request)

@@ -12,6 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ikplan._jit import kernel
+from ikplan.copying import copy_into
 from ikplan.ik.metaheuristics.bounds import bound, bound_flight
 from ikplan.ik.metaheuristics.draw import signed
 from ikplan.ik.metaheuristics.population import (
@@ -92,7 +93,7 @@ def ik_ba(problem: Problem, params: IkBaParams, rng: np.random.Generator) -> Out
         for i in range(N):
             if params.variant != 0:
                 if params.variant == 3:
-                    Y[i] = X[i]
+                    copy_into(Y[i], X[i])
                 beta = rng.random()  # (5)
                 for k in range(D):
                     if params.beta == 0 and k > 0:
@@ -141,5 +142,5 @@ def _heard(
     best.evaluations[0] += 1
     if f < best.f[0] and rng.random() < A:
         best.f[0] = f
-        best.x[:] = x
+        copy_into(best.x, x)
     return f

@@ -14,6 +14,7 @@ import numpy as np
 
 from ikplan._jit import kernel
 from ikplan.arrays import Array, Flags, Indices
+from ikplan.copying import copy_into
 from ikplan.ik.metaheuristics.bounds import clip
 from ikplan.ik.objective import Objective, evaluate
 
@@ -143,7 +144,7 @@ def consider(objective: Objective, x: Array, best: Best) -> float:
     best.evaluations[0] += 1
     if f < best.f[0]:
         best.f[0] = f
-        best.x[:] = x
+        copy_into(best.x, x)
     return f
 
 
@@ -154,7 +155,7 @@ def replace_if_better(
     """Greedy selection: individual i becomes y if that is strictly better; return whether."""
     f = consider(objective, y, best)
     if f < F[i]:
-        X[i] = y
+        copy_into(X[i], y)
         F[i] = f
         return True
     return False
@@ -180,7 +181,7 @@ def draw_within(lower: Array, upper: Array, x: Array, rng: np.random.Generator) 
 def place_start(problem: Problem, X: Array) -> None:
     """Make the start configuration individual 0, unless the search starts cold."""
     if problem.warm != COLD:
-        X[0] = problem.q_s
+        copy_into(X[0], problem.q_s)
         clip(X[0], problem.lower, problem.upper)
 
 

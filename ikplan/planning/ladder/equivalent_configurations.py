@@ -13,6 +13,7 @@ import numpy as np
 
 from ikplan._jit import kernel
 from ikplan.arrays import Array, Flags, Indices
+from ikplan.copying import copy_into
 from ikplan.kinematics.arm import Arm
 from ikplan.kinematics.chain import Chain
 from ikplan.planning.ladder.motion_cost import MotionCost, posture_distance
@@ -206,7 +207,7 @@ def shortest_over_equivalents(
                         value = nearest_equivalent(value, q_before[source, d], lower[d], upper[d])
                     q_here[at, d] = value
                 here[at] = cost[j, c]
-                kept_q[begin[k] + at] = q_here[at]
+                copy_into(kept_q[begin[k] + at], q_here[at])
                 kept_parent[begin[k] + at] = source
                 at += 1
         cost_before, q_before = here, q_here
@@ -214,6 +215,6 @@ def shortest_over_equivalents(
     i = np.argmin(cost_before)
     for back in range(n):
         k = n - 1 - back
-        path[k] = kept_q[begin[k] + i]
+        copy_into(path[k], kept_q[begin[k] + i])
         i = kept_parent[begin[k] + i]
     return path

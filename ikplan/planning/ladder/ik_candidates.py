@@ -17,12 +17,13 @@ import numpy as np
 
 from ikplan._jit import kernel
 from ikplan.arrays import Array, Flags, Indices
+from ikplan.copying import copy_into
 from ikplan.ik.closed_form import closed_form_solutions, has_closed_form
 from ikplan.ik.levenberg_marquardt import Effort, Workspace, new_workspace, refine
 from ikplan.ik.restarts import nearest_turns, restart_into
 from ikplan.kinematics.chain import Chain
 from ikplan.kinematics.closed_form.branches import MOST_BRANCHES
-from ikplan.kinematics.closed_form.form import WITHOUT_FORM, ClosedForm
+from ikplan.kinematics.closed_form.form import NO_FORM, WITHOUT_FORM, ClosedForm
 from ikplan.kinematics.target import Freedom, Target, constraint_rows
 
 __all__ = ["IkCandidates", "Targets", "sample_ik_solutions", "target_at"]
@@ -49,6 +50,22 @@ class Targets(NamedTuple):
     oriented: Flags
     weight: Array
     freedom: Freedom
+
+
+class _Branches(NamedTuple):
+    """Solutions of each waypoint in closed form.
+
+    Attributes:
+        q: Branches, shape (n, 8, dof) [rad or m]; without a closed form (n, 0, dof).
+        counts: How many each waypoint has, shape (n,).
+        complete: Whether these are surely all, shape (n,).
+        evaluations: Forward-kinematics evaluations spent, shape (n,).
+    """
+
+    q: Array
+    counts: Indices
+    complete: Flags
+    evaluations: Indices
 
 
 class IkCandidates(NamedTuple):
@@ -90,7 +107,7 @@ def _keep(q: Array, spacing: float, row: Array, count: int) -> int:
     for i in range(count):
         if _apart(row[i], q) < spacing:
             return count
-    row[count] = q
+    copy_into(row[count], q)
     return count + 1
 
 
@@ -117,9 +134,38 @@ def _take(branches: Array, count: int, found: IkCandidates, k: int) -> None:
 
 
 @kernel
+def _branches_of(
+    chain: Chain,
+    form: ClosedForm,
+    targets: Targets,
+    q_start: Array,
+    lower: Array,
+    upper: Array,
+    tolerance: float,
+) -> _Branches:
+    """Find the branches of every waypoint that fixes the whole pose."""
+    n = targets.p.shape[0]
+    found = _Branches(
+        np.empty((n, MOST_BRANCHES, q_start.shape[0])),
+        np.zeros(n, dtype=np.int64),
+        np.zeros(n, dtype=np.bool_),
+        np.zeros(n, dtype=np.int64),
+    )
+    w: Workspace = new_workspace(chain)
+    for k in range(n):
+        target = target_at(targets, k)
+        if has_closed_form(form, target):
+            found.counts[k], found.complete[k], found.evaluations[k] = closed_form_solutions(
+                chain, form, target, q_start, lower, upper, tolerance, found.q[k], w
+            )
+    return found
+
+
+@kernel
 def _sample(
     chain: Chain,
     targets: Targets,
+    exact: _Branches,
     seeds: Array,
     q_start: Array,
     lower: Array,
@@ -129,7 +175,6 @@ def _sample(
     seeds_per_target: int,
     sequence_offset: float,
     tolerance: float,
-    form: ClosedForm,
 ) -> IkCandidates:
     """Find solutions of every waypoint, see :func:`sample_ik_solutions`."""
     n, dof = targets.p.shape[0], q_start.shape[0]
@@ -137,7 +182,7 @@ def _sample(
         np.empty((n, max_solutions, dof)), np.zeros(n, dtype=np.int64), np.zeros(1, dtype=np.int64)
     )
     w: Workspace = new_workspace(chain)
-    q, branches = np.empty(dof), np.empty((MOST_BRANCHES, dof))
+    q = np.empty(dof)
     spread_lower, spread_upper = lower.copy(), upper.copy()
     for d in range(dof):
         if not math.isfinite(upper[d] - lower[d]):
@@ -145,15 +190,11 @@ def _sample(
     spread = 0
     for k in range(n):
         target = target_at(targets, k)
-        branch_count = 0
-        if has_closed_form(form, target):
-            branch_count, all_found, spent = closed_form_solutions(
-                chain, form, target, q_start, lower, upper, tolerance, branches, w
-            )
-            found.evaluations[0] += spent
-            if all_found and branch_count > 0:
-                _take(branches, branch_count, found, k)
-                continue
+        branches, branch_count = exact.q[k], exact.counts[k]
+        found.evaluations[0] += exact.evaluations[k]
+        if exact.complete[k] and branch_count > 0:
+            _take(branches, branch_count, found, k)
+            continue
         redundant = dof > constraint_rows(target)
         spacing = 0.08 if redundant else 1e-4
         before = found.counts[k - 1] if k > 0 else 0
@@ -163,13 +204,13 @@ def _sample(
             if s == given + seeds_per_target and nearest <= _FAR:
                 break
             if s < before:
-                q[:] = found.q[k - 1, s]
+                copy_into(q, found.q[k - 1, s])
             elif s == before:
-                q[:] = q_start
+                copy_into(q, q_start)
             elif s < given - branch_count:
-                q[:] = seeds[k, s - before - 1]
+                copy_into(q, seeds[k, s - before - 1])
             elif s < given:
-                q[:] = branches[s - given + branch_count]
+                copy_into(q, branches[s - given + branch_count])
             else:
                 restart_into(spread, sequence_offset, spread_lower, spread_upper, q)
                 spread += 1
@@ -219,9 +260,15 @@ def sample_ik_solutions(
         The solutions, each joint at its 2 pi copy nearest to the start; those that follow the ones
         before come first, in their order.
     """
+    if form.kind == NO_FORM:  # and nothing of the closed forms is compiled
+        n, none = len(targets.p), np.zeros(len(targets.p), dtype=np.int64)
+        exact = _Branches(np.empty((n, 0, len(q_start))), none, none != 0, none)
+    else:
+        exact = _branches_of(chain, form, targets, q_start, lower, upper, tolerance)
     found: IkCandidates = _sample(
         chain,
         targets,
+        exact,
         seeds,
         q_start,
         lower,
@@ -231,6 +278,5 @@ def sample_ik_solutions(
         seeds_per_target,
         sequence_offset,
         tolerance,
-        form,
     )
     return found

@@ -12,6 +12,7 @@ import numpy as np
 
 from ikplan._jit import kernel
 from ikplan.arrays import Array, Flags, Indices
+from ikplan.copying import copy_into, copy_rows_into
 from ikplan.kinematics.chain import Chain
 from ikplan.planning.ladder.equivalent_configurations import (
     joints_with_full_turn,
@@ -188,7 +189,7 @@ def diverse_shortest_paths(
         i = j
         for back in range(middle + 1):
             k = middle - back
-            paths[found, k] = reached[k, i]
+            copy_into(paths[found, k], reached[k, i])
             i = parent[k, i]
         i = j
         for k in range(middle + 1, n):
@@ -208,8 +209,8 @@ def diverse_shortest_paths(
             paths[best].copy(), length * (1.0 + 1e-12)
         )  # fmt: skip
         for i in range(best):
-            paths[best - i] = paths[best - i - 1]
-        paths[0] = shortest
+            copy_rows_into(paths[best - i], paths[best - i - 1])
+        copy_rows_into(paths[0], shortest)
     return paths[:found]
 
 

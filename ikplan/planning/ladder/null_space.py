@@ -8,6 +8,7 @@ import numpy as np
 
 from ikplan._jit import kernel
 from ikplan.arrays import Array, Flags
+from ikplan.copying import copy_into
 
 __all__ = ["null_space_basis"]
 
@@ -59,7 +60,7 @@ def null_space_basis(Jt: Array, fixed: Flags, basis: Array) -> int:
         for d in range(dof):
             span[rank, d] = v[d] / after
         if source >= 6:
-            basis[count] = span[rank]
+            copy_into(basis[count], span[rank])
             count += 1
         rank += 1
     return count

@@ -14,6 +14,7 @@ import numpy as np
 
 from ikplan._jit import kernel
 from ikplan.arrays import Array
+from ikplan.copying import copy_into, copy_rows_into
 from ikplan.ik.levenberg_marquardt import (
     Effort,
     Workspace,
@@ -90,7 +91,7 @@ def _slide(
         if distance <= 1e-9 and angle <= 1e-9:
             return evaluations
         scale *= 0.3
-    out[:] = q
+    copy_into(out, q)
     return evaluations
 
 
@@ -145,7 +146,7 @@ def shorten_sequence(
         for k in range(n):
             residual(chain, target_at(targets, k), q[k], w.e, w)
             differentiate(chain, target_at(targets, k), w)
-            Jt[k] = w.Jt
+            copy_rows_into(Jt[k], w.Jt)
         evaluations += n
         regular, b = newton_step(
             u, length, aside, away, q, Jt, lower, upper, cost, damping, basis, rank, place, fixed
@@ -174,7 +175,7 @@ def shorten_sequence(
             if total < best:
                 gained = best - total > tolerance * best
                 best = total
-                q[:] = trial
+                copy_rows_into(q, trial)
                 break
             scale *= 0.4
         if not gained:

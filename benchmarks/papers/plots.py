@@ -85,6 +85,9 @@ def paths_3d(
             ax.plot(p[:, 0], p[:, 1], p[:, 2], style, label=name, markersize=4, **colour)
         ax.set_title(title, fontsize=9)
         ax.tick_params(labelsize=6)
+        # Room for the label of z, and no plane of a path seen from its edge.
+        ax.set_box_aspect(None, zoom=0.85)
+        ax.view_init(elev=25.0, azim=-35.0)
         # One scale for all axes: what is asked for, and a margin.
         asked = next(iter(paths.values()))
         middle = 0.5 * (asked.max(axis=0) + asked.min(axis=0))

@@ -76,9 +76,13 @@ class Sections:
             folder / "figures" if seed else self.report.parent / "figures", "figures"
         )
         document.heading(f"{experiment.name}: {experiment.title}")
-        targets = f", every {thin}th target" if thin > 1 else ""
-        document.say(f"Runs: {runs}{targets}.")
-        experiment.report(studies_of(experiment.name, thin), results, document)
+        studies = studies_of(experiment.name, thin)
+        whole = studies_of(experiment.name, 1)
+        fewer = any(a.case.count < b.case.count for a, b in zip(studies, whole, strict=True))
+        targets = f", every {thin}th target" if fewer else ""
+        most = max(series.max_runs for study in studies for series in study.series)
+        document.say(f"Runs: {min(runs, most)}{targets}.")
+        experiment.report(studies, results, document)
         folder.mkdir(parents=True, exist_ok=True)
         write_claims(folder / f"{experiment.name}.json", document.claims)
         options = f"--runs {runs}" + (f" --thin {thin}" if thin > 1 else "")

@@ -29,7 +29,7 @@ SEARCHES = [
     Series("L-SHADE, cloud", "l-shade", N, T, {"warm": "cloud"}),
     Series("CMA-ES, cold", "cma-es", N, T),
 ]
-"""All but the last are told where the arm is; about 10,000 evaluations each."""
+"""All but the last begin at the start configuration; about 10,000 evaluations each."""
 OWN = Series("ikplan", PLANNER, params={"elongation": "independent"}, paper=False, max_runs=1)
 RUNS = 5
 """Runs of each search: the targets are what the tests are over."""
@@ -107,7 +107,7 @@ def _claims(
     results: Results,
     document: Document,
 ) -> None:
-    """Whether IK-BA has the smaller value than each other search that is told where the arm is."""
+    """Whether IK-BA has the smaller value than each other search that begins at the start."""
     others = [s for s in SEARCHES[2:] if s.name != "CMA-ES, cold"]
     for value in values:
         case = f"{name}-{value}"

@@ -48,7 +48,7 @@ def test_every_target_of_a_sweep_has_its_own_start() -> None:
     moved = np.array(rows)[:, COLUMNS.index("elongation_deg")]
     q = np.array(rows)[:, len(COLUMNS) :]
     np.testing.assert_allclose(moved, np.degrees(np.linalg.norm(q - case.starts, axis=1)))
-    # A search that is told where the arm is stays near it; 327 deg is what no memory gives.
+    # A search that begins at the start stays near it; 327 deg is what no memory gives.
     assert np.median(moved) < 30.0
 
 

@@ -43,7 +43,8 @@ HOW = (
     "targets. A **maximum** that was published of one run is held to the rank of that run among "
     "ours: `larger` or `smaller` where one more run of ours would be on the published side with "
     "a probability of at most 0.05, `reproduced` where runs of ours are on both sides, "
-    "`undecided` over fewer targets than published. An "
+    "`undecided` over fewer targets than published; eleven maxima of a table are eleven such "
+    "ranks, not adjusted, so that one among them may be chance. An "
     "**order** `holds`, or `does not hold`, by a test at 0.05: Mann-Whitney over the runs, with "
     "A12, or Wilcoxon over the medians of each target; runs of two series are never paired. All "
     "tests of one line, or of one claim over three readings, are one family of Holm's. An "
@@ -130,7 +131,9 @@ class Sections:
             "`out/papers`. One solve is one row, with its joint values, in `out/papers` after a "
             "run; every table is made of these. `python -m benchmarks.papers.archive write` "
             "writes `archive/manifest.json`, the SHA-256 of the rows of every series, times left "
-            "out, and `python -m benchmarks.papers.archive verify` holds rows made anew to it.",
+            "out, and `python -m benchmarks.papers.archive verify` holds rows made anew to it. "
+            "`--seed 1` makes rows and verdicts with other random numbers, to which a report "
+            "written after that is held.",
             *([FEW.format(", ".join(few))] if few else []),
             *([ABSENT.format(", ".join(absent))] if absent else []),
             READING,
@@ -156,11 +159,12 @@ class Sections:
             checked = held_to(claims, others)
             turned = sum(c.verdict != k.verdict for c, k in zip(claims, checked, strict=True))
             document.heading(f"{name}: {find_experiment(name).title}", 3)
-            if others:
-                document.say(
-                    f"Made {len(others) + 1} times with other random numbers; {turned} of "
-                    f"{len(claims)} verdicts turned, and are undecided."
-                )
+            document.say(
+                f"Made {len(others) + 1} times, with other random numbers; {turned} of "
+                f"{len(claims)} verdicts turned, and are undecided."
+                if others
+                else "Made once: no verdict of these was held to other random numbers."
+            )
             rows = [[c.subject, c.published, c.ours, c.n, c.test, c.verdict] for c in checked]
             head = ["claim", "published", "ours", "n", "test", "verdict"]
             document.table(head, rows, words=True)

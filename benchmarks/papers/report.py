@@ -82,12 +82,17 @@ class Sections:
         fewer = any(a.case.count < b.case.count for a, b in zip(studies, whole, strict=True))
         targets = f", every {thin}th target" if fewer else ""
         most = max(series.max_runs for study in studies for series in study.series)
-        document.say(f"Runs: {min(runs, most)}{targets}.")
+        seconds = sum(float(table["cpu_seconds"].sum()) for table in results.tables.values())
+        document.say(
+            f"Runs: {min(runs, most)}{targets}. The solves took {seconds / 60.0:.1f} minutes of "
+            "processor time."
+        )
         experiment.report(studies, results, document)
         folder.mkdir(parents=True, exist_ok=True)
         write_claims(folder / f"{experiment.name}.json", document.claims)
         options = f"--runs {runs}" + (f" --thin {thin}" if thin > 1 else "")
         (folder / f"{experiment.name}.options").write_text(options)
+        (folder / f"{experiment.name}.seconds").write_text(f"{seconds:.1f}")
         if not seed:
             (folder / f"{experiment.name}.md").write_text(document.text())
 
@@ -126,14 +131,19 @@ class Sections:
         ]
         made = ", ".join(commands)
         absent = [name for name in ORDER if name not in names]
+        # The rows of E6 are those of E4 and E5.
+        seconds = sum(
+            float((self.folder / f"{name}.seconds").read_text()) for name in names if name != "E6"
+        )
         document.say(
             f"Tables and figures made by {made}; `make papers` makes a reduced one in "
-            "`out/papers`. One solve is one row, with its joint values, in `out/papers` after a "
-            "run; every table is made of these. `python -m benchmarks.papers.archive write` "
-            "writes `archive/manifest.json`, the SHA-256 of the rows of every series, times left "
-            "out, and `python -m benchmarks.papers.archive verify` holds rows made anew to it. "
-            "`--seed 1` makes rows and verdicts with other random numbers, to which a report "
-            "written after that is held.",
+            "`out/papers`, in about 5 minutes. The solves behind this report took "
+            f"{seconds / 60.0:.0f} minutes of one processor. One solve is one row, with its joint "
+            "values, in `out/papers` after a run; every table is made of these. "
+            "`python -m benchmarks.papers.archive write` writes `archive/manifest.json`, the "
+            "SHA-256 of the rows of every series, times left out, and `python -m "
+            "benchmarks.papers.archive verify` holds rows made anew to it. `--seed 1` makes rows "
+            "and verdicts with other random numbers, to which a report written after that is held.",
             *([FEW.format(", ".join(few))] if few else []),
             *([ABSENT.format(", ".join(absent))] if absent else []),
             READING,

@@ -1,9 +1,10 @@
 """Archive the rows behind the report, and hold rows made anew to it.
 
 ``python -m benchmarks.papers.archive write`` packs every row into ``OUT/rows.tar.xz`` and writes
-what is committed: ``archive/manifest.json``, the SHA-256 of the rows of every series, and
-``archive/medians.npz``, the median of each target and the mean and maximum of each run. ``verify``
-compares rows with the manifest: times are left out of the digests, all else must be equal.
+what is committed: ``archive/manifest.json``, the SHA-256 of the rows of every series, of other
+seeds too as far as there are, and ``archive/medians.npz``, the median of each target and the mean
+and maximum of each run. ``verify`` compares rows with the manifest: times are left out of the
+digests, all else must be equal.
 """
 
 from __future__ import annotations
@@ -106,7 +107,8 @@ def main() -> None:
         HERE.mkdir(exist_ok=True)
         packed = options.out / "rows.tar.xz"
         head = {"archive": packed.name, "sha256": _pack(options.out, packed)}
-        document = {"rows": head, "series": manifest_of(options.out)}
+        seeds = {f.name: manifest_of(f) for f in sorted(options.out.glob("seed-*"))}
+        document = {"rows": head, "series": manifest_of(options.out), "seeds": seeds}
         (HERE / "manifest.json").write_text(json.dumps(document, indent=0, sort_keys=True) + "\n")
         arrays: Any = _medians(options.out)
         np.savez_compressed(HERE / "medians.npz", **arrays)
@@ -114,8 +116,10 @@ def main() -> None:
         return
     if not (HERE / "manifest.json").is_file():
         parser.error("there is no archive/manifest.json: `write` makes it from the rows")
-    manifest = json.loads((HERE / "manifest.json").read_text())["series"]
-    wrong = verify(options.out, manifest)
+    manifest = json.loads((HERE / "manifest.json").read_text())
+    wrong = verify(options.out, manifest["series"])
+    for seed, series in manifest["seeds"].items():
+        wrong += [f"{seed}: {line}" for line in verify(options.out / seed, series)]
     print("\n".join(wrong) or "the rows are those of the report")
     sys.exit(bool(wrong))
 

@@ -87,7 +87,8 @@ def paths_3d(
             ax.plot(p[:, 0], p[:, 1], p[:, 2], style, label=name, markersize=4, **colour)
         ax.set_title(title, fontsize=9)
         ax.tick_params(labelsize=6)
-        ax.set_box_aspect(None, zoom=0.9)
+        ax.set_box_aspect(None, zoom=0.85)
+        ax.patch.set_visible(False)  # it would hide the label of z of the panel before
         # From here no path of the papers is seen from its edge.
         ax.view_init(elev=25.0, azim=-35.0)
         # One scale for all axes: what is asked for, and a margin.

@@ -1,9 +1,10 @@
 """Archive the rows behind the report, and hold rows made anew to it.
 
-``python -m benchmarks.papers.archive write`` packs every row into ``OUT/rows.tar.xz`` and writes
-what is committed: ``archive/manifest.json``, the SHA-256 of the rows of every series, and
-``archive/medians.npz``, the median of each target and the mean and maximum of each run. ``verify``
-compares rows with the manifest: times are left out of the digests, all else must be equal.
+``python -m benchmarks.papers.archive write`` packs every row into ``OUT/rows.tar.zst`` and writes
+what is committed: ``archive/manifest.json``, the SHA-256 of the rows of every series, of other
+seeds too as far as there are, and ``archive/medians.npz``, the median of each target and the mean
+and maximum of each run. ``verify`` compares rows with the manifest: times are left out of the
+digests, all else must be equal.
 """
 
 from __future__ import annotations
@@ -17,6 +18,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import zstandard
 
 from benchmarks.papers.report import ORDER
 from benchmarks.papers.rows import COLUMNS, read_rows
@@ -84,7 +86,11 @@ def _medians(out: Path) -> dict[str, np.ndarray]:
 def _pack(out: Path, target: Path) -> str:
     """Pack the rows, always in the same order, and return the SHA-256 of the archive."""
     seen = set()
-    with tarfile.open(target, "w:xz", preset=3) as archive:
+    with (
+        target.open("wb") as file,
+        zstandard.ZstdCompressor(6).stream_writer(file) as packed,
+        tarfile.open(fileobj=packed, mode="w|") as archive,
+    ):
         for name in ORDER:
             for _, paths in rows_of(name, out):
                 for path in paths:
@@ -104,9 +110,10 @@ def main() -> None:
     options = parser.parse_args()
     if options.what == "write":
         HERE.mkdir(exist_ok=True)
-        packed = options.out / "rows.tar.xz"
+        packed = options.out / "rows.tar.zst"
         head = {"archive": packed.name, "sha256": _pack(options.out, packed)}
-        document = {"rows": head, "series": manifest_of(options.out)}
+        seeds = {f.name: manifest_of(f) for f in sorted(options.out.glob("seed-*"))}
+        document = {"rows": head, "series": manifest_of(options.out), "seeds": seeds}
         (HERE / "manifest.json").write_text(json.dumps(document, indent=0, sort_keys=True) + "\n")
         arrays: Any = _medians(options.out)
         np.savez_compressed(HERE / "medians.npz", **arrays)
@@ -114,8 +121,10 @@ def main() -> None:
         return
     if not (HERE / "manifest.json").is_file():
         parser.error("there is no archive/manifest.json: `write` makes it from the rows")
-    manifest = json.loads((HERE / "manifest.json").read_text())["series"]
-    wrong = verify(options.out, manifest)
+    manifest = json.loads((HERE / "manifest.json").read_text())
+    wrong = verify(options.out, manifest["series"])
+    for seed, series in manifest["seeds"].items():
+        wrong += [f"{seed}: {line}" for line in verify(options.out / seed, series)]
     print("\n".join(wrong) or "the rows are those of the report")
     sys.exit(bool(wrong))
 

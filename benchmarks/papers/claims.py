@@ -129,10 +129,16 @@ def held_to(claims: Sequence[Claim], others: Sequence[Sequence[Claim]]) -> list[
     Args:
         claims: The claims of the report.
         others: The claims of reports of other seeds.
+
+    Raises:
+        ValueError: A report of another seed does not have a claim: it is of another version.
     """
     checked = []
+    by_subject = [{c.subject: c.verdict for c in other} for other in others]
     for claim in claims:
-        found = {c.verdict for other in others for c in other if c.subject == claim.subject}
+        if not all(claim.subject in verdicts for verdicts in by_subject):
+            raise ValueError(f"a report of another seed says nothing of {claim.subject!r}")
+        found = {verdicts[claim.subject] for verdicts in by_subject}
         turned = sorted(found - {claim.verdict})
         verdict = claim.verdict
         if turned and verdict != UNDECIDED:

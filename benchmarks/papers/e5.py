@@ -72,9 +72,11 @@ def report(studies: list[Study], results: Results, document: Document) -> None:
             table = results.tables[study.case.name, series.name]
             rows.append([*row, table["n_eval"].mean(), 1e3 * table["cpu_seconds"].mean()])
         table = results.tables[study.case.name, OWN.name]
-        blank: list[object] = [100.0, None, None] * len(THRESHOLDS)
+        solved: list[object] = []
+        for threshold in THRESHOLDS:
+            solved += [100.0 * (table["eps_p"] <= threshold).mean(), None, None]
         cost = [table["n_eval"].mean(), 1e3 * table["cpu_seconds"].mean()]
-        rows.append([study.case.title, OWN.name, None, *blank, *cost])
+        rows.append([study.case.title, OWN.name, None, *solved, *cost])
     head = ["trajectory", "series", "published"]
     for threshold in THRESHOLDS:
         head += [f"% to {threshold:.0e} m", "over those", "misses as 1000"]
@@ -133,6 +135,7 @@ def _claims(studies: list[Study], results: Results, document: Document) -> None:
         words = (
             f"{100 * hit.value:.0f} % ({100 * hit.low:.0f} to {100 * hit.high:.0f}) of the runs "
             f"get to 1e-5 m within {T}"
+            + ("" if met.all() else ", so that the mean is at least this")
         )
         if name in (s.name for s in REFERENCES):
             document.claim(

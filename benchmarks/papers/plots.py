@@ -76,7 +76,9 @@ def paths_3d(
     panels: Sequence[tuple[str, Mapping[str, Array]]], width: float, height: float, unit: str
 ) -> Figure:
     """Draw 3D paths: in each panel the path asked for, as dots, and those followed."""
-    figure = plt.figure(figsize=(width, height), layout="constrained")
+    figure = plt.figure(figsize=(width, height))
+    # No layout of Matplotlib's leaves room for the label of z.
+    figure.subplots_adjust(left=0.01, right=0.96, bottom=0.06, top=0.92, wspace=0.12)
     for i, (title, paths) in enumerate(panels):
         ax = figure.add_subplot(1, len(panels), i + 1, projection="3d")
         for j, (name, p) in enumerate(paths.items()):
@@ -85,6 +87,10 @@ def paths_3d(
             ax.plot(p[:, 0], p[:, 1], p[:, 2], style, label=name, markersize=4, **colour)
         ax.set_title(title, fontsize=9)
         ax.tick_params(labelsize=6)
+        ax.set_box_aspect(None, zoom=0.85)
+        ax.patch.set_visible(False)  # it would hide the label of z of the panel before
+        # From here no path of the papers is seen from its edge.
+        ax.view_init(elev=25.0, azim=-35.0)
         # One scale for all axes: what is asked for, and a margin.
         asked = next(iter(paths.values()))
         middle = 0.5 * (asked.max(axis=0) + asked.min(axis=0))

@@ -43,7 +43,8 @@ HOW = (
     "targets. A **maximum** that was published of one run is held to the rank of that run among "
     "ours: `larger` or `smaller` where one more run of ours would be on the published side with "
     "a probability of at most 0.05, `reproduced` where runs of ours are on both sides, "
-    "`undecided` over fewer targets than published. An "
+    "`undecided` over fewer targets than published; eleven maxima of a table are eleven such "
+    "ranks, not adjusted, so that one among them may be chance. An "
     "**order** `holds`, or `does not hold`, by a test at 0.05: Mann-Whitney over the runs, with "
     "A12, or Wilcoxon over the medians of each target; runs of two series are never paired. All "
     "tests of one line, or of one claim over three readings, are one family of Holm's. An "
@@ -76,13 +77,22 @@ class Sections:
             folder / "figures" if seed else self.report.parent / "figures", "figures"
         )
         document.heading(f"{experiment.name}: {experiment.title}")
-        targets = f", every {thin}th target" if thin > 1 else ""
-        document.say(f"Runs: {runs}{targets}.")
-        experiment.report(studies_of(experiment.name, thin), results, document)
+        studies = studies_of(experiment.name, thin)
+        whole = studies_of(experiment.name, 1)
+        fewer = any(a.case.count < b.case.count for a, b in zip(studies, whole, strict=True))
+        targets = f", every {thin}th target" if fewer else ""
+        most = max(series.max_runs for study in studies for series in study.series)
+        seconds = sum(float(table["cpu_seconds"].sum()) for table in results.tables.values())
+        document.say(
+            f"Runs: {min(runs, most)}{targets}. The solves took {seconds / 60.0:.1f} minutes of "
+            "processor time."
+        )
+        experiment.report(studies, results, document)
         folder.mkdir(parents=True, exist_ok=True)
         write_claims(folder / f"{experiment.name}.json", document.claims)
         options = f"--runs {runs}" + (f" --thin {thin}" if thin > 1 else "")
         (folder / f"{experiment.name}.options").write_text(options)
+        (folder / f"{experiment.name}.seconds").write_text(f"{seconds:.1f}")
         if not seed:
             (folder / f"{experiment.name}.md").write_text(document.text())
 
@@ -121,12 +131,19 @@ class Sections:
         ]
         made = ", ".join(commands)
         absent = [name for name in ORDER if name not in names]
+        # The rows of E6 are those of E4 and E5.
+        seconds = sum(
+            float((self.folder / f"{name}.seconds").read_text()) for name in names if name != "E6"
+        )
         document.say(
             f"Tables and figures made by {made}; `make papers` makes a reduced one in "
-            "`out/papers`. One solve is one row, with its joint values, in `out/papers` after a "
-            "run; every table is made of these. `python -m benchmarks.papers.archive write` "
-            "writes `archive/manifest.json`, the SHA-256 of the rows of every series, times left "
-            "out, and `python -m benchmarks.papers.archive verify` holds rows made anew to it.",
+            "`out/papers`, in about 5 minutes. The solves behind this report took "
+            f"{seconds / 60.0:.0f} minutes of one processor. One solve is one row, with its joint "
+            "values, in `out/papers` after a run; every table is made of these. "
+            "`python -m benchmarks.papers.archive write` writes `archive/manifest.json`, the "
+            "SHA-256 of the rows of every series, times left out, and `python -m "
+            "benchmarks.papers.archive verify` holds rows made anew to it. `--seed 1` makes rows "
+            "and verdicts with other random numbers, to which a report written after that is held.",
             *([FEW.format(", ".join(few))] if few else []),
             *([ABSENT.format(", ".join(absent))] if absent else []),
             READING,
@@ -152,11 +169,12 @@ class Sections:
             checked = held_to(claims, others)
             turned = sum(c.verdict != k.verdict for c, k in zip(claims, checked, strict=True))
             document.heading(f"{name}: {find_experiment(name).title}", 3)
-            if others:
-                document.say(
-                    f"Made {len(others) + 1} times with other random numbers; {turned} of "
-                    f"{len(claims)} verdicts turned, and are undecided."
-                )
+            document.say(
+                f"Made {len(others) + 1} times, with other random numbers; {turned} of "
+                f"{len(claims)} verdicts turned, and are undecided."
+                if others
+                else "Made once: no verdict of these was held to other random numbers."
+            )
             rows = [[c.subject, c.published, c.ours, c.n, c.test, c.verdict] for c in checked]
             head = ["claim", "published", "ours", "n", "test", "verdict"]
             document.table(head, rows, words=True)

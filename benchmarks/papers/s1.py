@@ -16,9 +16,9 @@ def report(studies: list[Study], results: Results, document: Document) -> None:
     document.say(
         f"iiwa 14, {COUNT} positions, the start up to so many degrees a joint from a solution, N "
         f"= 50, T = 200, about 10,000 evaluations, at most {RUNS} runs (the planner one): the "
-        "targets are what the tests are over. All but `CMA-ES, cold` are told where the arm is: "
-        "`cloud` begins normally distributed around the start with 10 deg, `warm` has it as one "
-        "individual, as IK-BA does."
+        "targets are what the tests are over. The search begins at the start configuration in all "
+        "but `CMA-ES, cold`: in `cloud` the first population is normally distributed around it "
+        "with 10 deg, in `warm` it is one individual, as in IK-BA."
     )
     report_sweep("S1", "start within, deg a joint", DISTANCES, results, document)
 

@@ -111,10 +111,11 @@ def estimate(
     """Return a statistic of all solves with a bootstrap interval over runs and targets.
 
     Args:
-        grid: Values, shape (runs, targets).
+        grid: Values, shape (runs, targets) or (runs, targets, series): all series of a run and
+            target are drawn together.
         statistic: Of an array of that shape.
     """
-    runs, targets = grid.shape
+    runs, targets = grid.shape[:2]
     rows, columns = _resampled(runs, 1), _resampled(targets, 2)
     drawn = [statistic(grid[np.ix_(i, j)]) for i, j in zip(rows, columns, strict=True)]
     low, high = _interval(np.array(drawn))
@@ -152,8 +153,7 @@ def over_targets(a: Array, b: Array) -> Comparison:
         b: The same of the second.
     """
     p, r = paired(a, b)
-    drawn = np.array([paired_effect(a[i] - b[i]) for i in _resampled(len(a), 5)])
-    low, high = _interval(0.5 * (1.0 - drawn))
+    low, high = _interval(0.5 * (1.0 - _paired_effects((a - b)[_resampled(len(a), 5)])))
     return Comparison(p, 0.5 * (1.0 - r), low, high, f"{len(a)} targets", "Wilcoxon, rank-biserial")
 
 
@@ -239,11 +239,18 @@ def paired(a: Array, b: Array) -> tuple[float, float]:
 
 def paired_effect(difference: Array) -> float:
     """Return the matched-pairs rank-biserial correlation of differences; 0 without any."""
-    difference = difference[difference != 0.0]
-    if len(difference) == 0:
-        return 0.0
-    ranks = stats.rankdata(np.abs(difference))
-    return float((ranks * np.sign(difference)).sum() / ranks.sum())
+    return float(_paired_effects(difference[None])[0])
+
+
+def _paired_effects(differences: Array) -> Array:
+    """Return the matched-pairs rank-biserial correlation of each row, shape (rows,)."""
+    zero = differences == 0.0
+    # Zeros are left out: the smallest, so the ranks of the others are less by their number.
+    ranks = stats.rankdata(np.abs(differences), axis=1) - zero.sum(axis=1, keepdims=True)
+    ranks[zero] = 0.0
+    total = ranks.sum(axis=1)
+    signed = (ranks * np.sign(differences)).sum(axis=1)
+    return np.asarray(np.divide(signed, total, out=np.zeros_like(total), where=total > 0.0))
 
 
 def friedman(series: Mapping[str, Array]) -> float:

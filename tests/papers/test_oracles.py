@@ -26,6 +26,7 @@ from benchmarks.papers.statistics import (
     over_runs,
     over_targets,
     paired,
+    paired_effect,
     share,
     summary,
     welch,
@@ -212,6 +213,28 @@ def test_the_interval_of_a_mean_covers_it_as_often_as_it_says() -> None:
         hits += e.low <= 3.0 <= e.high
     assert hits >= 90
     assert e.n == "20 runs x 20 targets"
+
+
+def test_series_of_a_run_and_a_target_are_drawn_together() -> None:
+    few = np.random.default_rng(2).random((5, 8)) + 1.0
+    e = estimate(np.stack([few, 3.0 * few], axis=2), lambda v: v[..., 1].mean() / v[..., 0].mean())
+    assert (e.value, e.low, e.high) == pytest.approx((3.0, 3.0, 3.0))
+    assert e.n == "5 runs x 8 targets"
+
+
+def test_intervals_of_effects_are_those_of_each_resample() -> None:
+    rng = np.random.default_rng(3)
+    a, b = rng.integers(0, 5, 30).astype(float), rng.integers(0, 5, 30).astype(float)
+    drawn = np.random.Generator(np.random.PCG64(5)).integers(0, 30, (1000, 30))
+    effects = [0.5 * (1.0 - paired(a[i], b[i])[1]) for i in drawn]
+    test = over_targets(a, b)
+    assert (test.low, test.high) == pytest.approx(tuple(np.quantile(effects, [0.025, 0.975])))
+
+
+def test_the_rank_biserial_correlation_leaves_out_zeros() -> None:
+    # Of |d| = 1, 2, 2: ranks 1, 2.5, 2.5; the zeros have none.
+    assert paired_effect(np.array([0.0, 1.0, -2.0, 0.0, 2.0])) == pytest.approx(1.0 / 6.0)
+    assert paired_effect(np.zeros(3)) == 0.0
 
 
 def test_a_share_has_wilsons_interval() -> None:

@@ -84,6 +84,8 @@ def test_a_verdict_that_another_seed_turns_is_undecided() -> None:
     (checked,) = held_to([claim], [[same], [turned]])
     assert checked.verdict == "undecided: reproduced; another seed: larger"
     assert held_to([claim], []) == [claim]
+    with pytest.raises(ValueError, match="says nothing of 'a'"):
+        held_to([claim], [[same], [dataclasses.replace(claim, subject="b")]])
 
 
 def test_claims_are_kept(tmp_path: Path) -> None:

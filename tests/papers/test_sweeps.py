@@ -48,7 +48,7 @@ def test_every_target_of_a_sweep_has_its_own_start() -> None:
     moved = np.array(rows)[:, COLUMNS.index("elongation_deg")]
     q = np.array(rows)[:, len(COLUMNS) :]
     np.testing.assert_allclose(moved, np.degrees(np.linalg.norm(q - case.starts, axis=1)))
-    # A search that is told where the arm is stays near it; 327 deg is what no memory gives.
+    # A search that begins at the start stays near it; 327 deg is what no memory gives.
     assert np.median(moved) < 30.0
 
 
@@ -72,8 +72,8 @@ def test_digests_leave_out_times_and_nothing_else(tmp_path: Path) -> None:
     for column in range(len(row)):
         changed = row.copy()
         changed[column] += 0.5
-        write_rows(tmp_path / "a.csv", [row], 2)
-        write_rows(tmp_path / "b.csv", [changed], 2)
+        write_rows(tmp_path / "a.csv", [row.tolist()], 2)
+        write_rows(tmp_path / "b.csv", [changed.tolist()], 2)
         a, b = (archive.digest_of([tmp_path / f"{n}.csv"]) for n in "ab")
         is_time = column < len(COLUMNS) and COLUMNS[column].endswith("seconds")
         assert (a == b) == is_time
@@ -85,12 +85,12 @@ def test_rows_that_differ_from_the_manifest_are_named(
     row = np.arange(float(len(COLUMNS) + 2))
     files = [tmp_path / f"{run:03d}.csv" for run in range(2)]
     for file in files:
-        write_rows(file, [row], 2)
+        write_rows(file, [row.tolist()], 2)
     monkeypatch.setattr(archive, "ORDER", ("X",))
     monkeypatch.setattr(archive, "rows_of", lambda _name, _out: [("X/a", files)])
     manifest = archive.manifest_of(tmp_path)
     assert archive.verify(tmp_path, manifest) == []
-    write_rows(files[1], [row + 1.0], 2)
+    write_rows(files[1], [(row + 1.0).tolist()], 2)
     assert archive.verify(tmp_path, manifest) == ["X/a: other rows"]
     files.pop()
     assert archive.verify(tmp_path, manifest) == ["X/a: 1 of 2 runs"]

@@ -25,8 +25,9 @@ _IK_BA = Solver(
     source=f"{SLIM}, section 4.2, Algorithm 2, Table 1",
     family="metaheuristic",
     notes="eps of Eq. 14 is, in words, a number in [-1, 1] from a normal distribution, which "
-    "contradicts itself. The default, also of the planner, is uniform in [-1, 1): six times the "
-    "published errors, which the refinement takes away. The preset bat-code reaches the published.",
+    "contradicts itself. The default, also of the planner, is uniform in [-1, 1): six to nine "
+    "times the published errors, which the refinement takes away. The preset bat-code reaches the "
+    "published median.",
     population=50,
     iterations=200,
     planner_population=12,

@@ -192,6 +192,8 @@ def _poses(method: str) -> list[dict[str, Any]]:
     requests += [{**asked, **target, "start": start} for target in (point, full)]
     scenes = _scenes(point["position"])
     requests += [{**asked, **full, "scene": scene} for scene in scenes]
+    known = {**asked, "robot": _BRANCHES}
+    requests += [{**known, **target} for target in _targets(catalogue_robot(_BRANCHES))]
     if any(parameter.name == "decouple" for parameter in find_solver(method).parameters):
         _, full, _ = _targets(catalogue_robot(_WRIST))
         ik = {"method": method, "params": {"decouple": True}}
@@ -236,4 +238,17 @@ def _paths(method: str) -> list[dict[str, Any]]:
         {**asked, **_blocked_line(robot)},
         {**asked, "path": {**asked["path"], "interpolation": "spline"}},
         {**asked, "path": {"waypoints": [far]}},
+        *_branches(method),
     ]
+
+
+def _branches(method: str) -> list[dict[str, Any]]:
+    """Paths of a robot with a closed form, whose branches are candidates: within reach and out."""
+    _, full, far = _targets(catalogue_robot(_BRANCHES))
+    asked: dict[str, Any] = {
+        "robot": _BRANCHES,
+        "ik": {"method": method},
+        "budget_s": _BUDGET_S,
+    }
+    asked["limits"] = {"jerk": False}
+    return [{**asked, "path": {"waypoints": waypoints}} for waypoints in ([full], [far, full])]

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from importlib.metadata import EntryPoint
 from typing import Any
 
@@ -21,15 +20,6 @@ from ikplan.robots import Robot
 @pytest.fixture(scope="module")
 def robot() -> Robot:
     return ikplan.load_robot("iiwa14")
-
-
-@pytest.fixture(autouse=True)
-def nothing_registered() -> Iterator[None]:
-    before = dict(registry._registered)
-    yield
-    registry._registered.clear()
-    registry._registered.update(before)
-    registry._installed.cache_clear()
 
 
 def descent(objective: PoseObjective, rng: np.random.Generator, step: float = 0.5) -> None:

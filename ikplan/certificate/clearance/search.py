@@ -12,7 +12,6 @@ from ikplan.certificate.clearance.bounds import joint_ranges, joint_values, moti
 from ikplan.certificate.clearance.chain import JointChain, place_joints
 from ikplan.certificate.clearance.gjk import Scratch, piece_distance
 from ikplan.certificate.clearance.shapes import PieceArrays, PiecePairs
-from ikplan.copying import copy_into
 
 __all__ = ["GROUPS", "Curve", "Findings", "Settings", "findings", "search"]
 
@@ -140,7 +139,7 @@ def search(
     count = shapes.carrier.shape[0]
     centre, bound = np.zeros((count, 3)), np.zeros((count, m + 1))
     remaining = np.zeros((_LEVELS + 1, active.shape[0]), dtype=np.int64)
-    copy_into(remaining[0], active)
+    remaining[0, :] = active
     size = np.zeros(_LEVELS + 1, dtype=np.int64)
     size[0] = active.shape[0]
     starts, ends = np.zeros(_LEVELS + settings.parts), np.zeros(_LEVELS + settings.parts)

@@ -1,13 +1,13 @@
 """What holds for every test: where its service writes, and which process runs it."""
 
-import gc
 import os
-import warnings
 from multiprocessing import forkserver
 from typing import Any
 
 import pytest
 from hypothesis import settings
+
+from tests.sockets import free_local_sockets
 
 settings.register_profile("untimed", deadline=None)
 settings.load_profile("untimed")
@@ -31,14 +31,8 @@ def pytest_configure() -> None:
 
 
 def pytest_unconfigure() -> None:
-    """Free the ends of local sockets that outlive the last test of a whole run.
-
-    They are two, of a worker's socket pairs; no file of tests leaves them by itself. Anything else
-    that is left open ends the run as an error.
-    """
-    with warnings.catch_warnings():
-        warnings.filterwarnings("ignore", r"unclosed <socket\.socket fd=\d+, family=1,")
-        gc.collect()
+    """Free what outlives the last test of a whole run."""
+    free_local_sockets()
 
 
 @pytest.hookimpl(optionalhook=True)

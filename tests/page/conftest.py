@@ -17,8 +17,16 @@ from ikplan_api.app import create_app
 from ikplan_api.settings import Settings
 from ikplan_api.store.document_store import MemoryDocumentStore
 from tests.service.conftest import ADDRESS, PortalTransport
+from tests.sockets import free_local_sockets
 
 from .browser import Visit, chromium, served
+
+
+@pytest.fixture(scope="package", autouse=True)
+def freed() -> Iterator[None]:
+    """Set up first, and so the last to end: the service and the browser have ended then."""
+    yield
+    free_local_sockets()
 
 
 @pytest.fixture(scope="package")

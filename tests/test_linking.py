@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from numba import types
 
 from ikplan._kernels.linking import Loaded, StaleKernelError
 from tests.test_jit import SOURCE, Forge
@@ -169,13 +170,25 @@ def test_a_caller_is_compiled_again_with_a_large_kernel_that_changes(
     assert package.call("once") == changed
 
 
-def test_what_was_compiled_with_another_kernel_of_that_name_is_refused() -> None:
-    loaded = Loaded("ikplan.kinematics.bounds", "clip", (), "_ZN5other")
-    with pytest.raises(Exception) as caught:  # noqa: PT011 - numba's own where it has no signature
-        loaded()
-    assert caught.type is not SystemError
-    with pytest.raises(StaleKernelError, match="remove the caller from its cache"):
-        Loaded("ikplan.kinematics.bounds", "no_such_kernel", (), "_ZN5other")()
+VALUES = types.Array(types.float64, 1, "C")
+TAKEN = (VALUES, VALUES, VALUES, types.float64, types.float64)
+
+
+@pytest.mark.parametrize(
+    ("name", "arguments"),
+    [
+        ("clip_inside", TAKEN),
+        ("clip_inside", ()),
+        ("clip_inside", (*TAKEN, types.float64)),
+        ("clip_inside", (*TAKEN[:3], types.float64, types.unicode_type)),
+        ("no_such_kernel", ()),
+    ],
+)
+def test_what_was_compiled_with_another_kernel_of_that_name_is_stale(
+    name: str, arguments: tuple[Any, ...]
+) -> None:
+    with pytest.raises(StaleKernelError, match=f"{name} is not what .* remove the caller"):
+        Loaded("ikplan.kinematics.bounds", name, arguments, "_ZN5other")()
 
 
 def test_numbers_that_are_written_where_a_kernel_is_called_make_no_kernels(

@@ -21,6 +21,7 @@ from typing import Any
 from llvmlite import binding
 from numba.core import bytecode
 from numba.core.compiler import Compiler
+from numba.core.errors import NumbaError
 from numba.core.untyped_passes import ExtractByteCode
 
 from ikplan._kernels.sources import PACKAGE, digest_of
@@ -64,18 +65,22 @@ class Loaded:
         """Load the kernel.
 
         Raises:
-            StaleKernelError: There is none of this symbol.
+            StaleKernelError: There is none of this symbol, or it takes other arguments now.
         """
-        dispatcher = _found(self.module, self.name)
-        if dispatcher is not None:
-            dispatcher.compile(self.arguments)
-            found = dispatcher.overloads.get(self.arguments)
-            if found is not None and found.fndesc.llvm_func_name == self.symbol:
-                return
-        raise StaleKernelError(
+        stale = StaleKernelError(
             f"{self.module}.{self.name} is not what its caller was compiled with: remove the "
             "caller from its cache"
         )
+        dispatcher = _found(self.module, self.name)
+        if dispatcher is None:
+            raise stale
+        try:
+            dispatcher.compile(self.arguments)
+        except (TypeError, NumbaError) as error:  # of another number, and of other types
+            raise stale from error
+        found = dispatcher.overloads.get(self.arguments)
+        if found is None or found.fndesc.llvm_func_name != self.symbol:
+            raise stale
 
 
 class KernelCompiler(Compiler):  # type: ignore[misc]

@@ -303,7 +303,7 @@ def _times(laid: Sequence[LaidRoute], known: Sequence[TimedPath | None]) -> list
 
 
 def _passing(laid: LaidRoute, timed: TimedPath) -> TimedPath:
-    """The motion that rests only where the path does: what it spends at corners is told by it."""
+    """Return the motion that rests only where the path does: it says what corners cost."""
     path = laid.joint_path
     try:
         return passing_jumps(timed, path.s_knots[list(path.rest_knots)])

@@ -99,9 +99,9 @@ class SpanProblem(SpanIntervals):
         return x
 
     def _solved_span_by_span(self, wanted: Flags, known: Array | None = None) -> Array:
-        """Solve the spans that are wanted, under limits of the joints alone.
+        """Solve the wanted spans under limits of the joints alone.
 
-        The others are as they are known.
+        The other spans keep their known solutions.
         """
         s, unit, length = self.grid.s, 1.0, 1.0
         if len(self.rests) == 0:

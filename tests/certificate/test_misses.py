@@ -24,7 +24,7 @@ def quaternion(angle: float) -> list[float]:
 @pytest.mark.parametrize("share", SHARES)
 @pytest.mark.parametrize("direction", [(1.0, 0.0, 0.0), (0.0, -1.0, 0.0), (0.0, 0.6, 0.8)])
 @pytest.mark.parametrize("row", [0, 1])
-def test_a_position_is_missed_from_the_tolerance_on(share, direction, row) -> None:
+def test_a_position_is_missed_from_the_tolerance_on(share: float, direction, row) -> None:
     tolerance = 1e-3
     asked = np.array([[0.2, 0.0, 0.0], [0.1, 0.0, 0.0]])
     asked[row] += share * tolerance * np.array(direction)
@@ -44,7 +44,7 @@ def test_a_position_is_missed_from_the_tolerance_on(share, direction, row) -> No
 
 @pytest.mark.parametrize("share", SHARES)
 @pytest.mark.parametrize("sign", [1.0, -1.0])
-def test_an_orientation_is_missed_from_the_tolerance_on(share, sign) -> None:
+def test_an_orientation_is_missed_from_the_tolerance_on(share: float, sign: float) -> None:
     tolerance, q = 0.01, 0.3
     pose = {
         "position": [0.4 * math.cos(q), 0.4 * math.sin(q), 0.0],

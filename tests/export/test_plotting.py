@@ -20,7 +20,7 @@ def plan_of(name: str) -> Plan:
 
 
 @pytest.mark.parametrize("suffix", IMAGE_SUFFIXES)
-def test_the_same_plan_gives_the_same_image(suffix: str, tmp_path: Path):
+def test_the_same_plan_gives_the_same_image(suffix: str, tmp_path: Path) -> None:
     plan = plan_of("ur5")
     images = []
     for i in range(2):
@@ -30,14 +30,14 @@ def test_the_same_plan_gives_the_same_image(suffix: str, tmp_path: Path):
     assert len(images[0]) > 5000
 
 
-def test_drawing_leaves_the_settings_of_the_program_alone(tmp_path: Path):
+def test_drawing_leaves_the_settings_of_the_program_alone(tmp_path: Path) -> None:
     before = dict(matplotlib.rcParams)
     plan_of("ur5").plot(tmp_path / "plan.png")
     assert dict(matplotlib.rcParams) == before
 
 
 @pytest.mark.parametrize("name", ["plan", "plan.bmp", "plan.json"])
-def test_an_unknown_image_suffix_lists_the_known(name: str, tmp_path: Path):
+def test_an_unknown_image_suffix_lists_the_known(name: str, tmp_path: Path) -> None:
     with pytest.raises(InvalidRequest) as caught:
         plan_of("ur5").plot(tmp_path / name)
     assert caught.value.allowed == [".png", ".svg", ".pdf"]
@@ -49,7 +49,7 @@ def curves(figure, title: str) -> list:
     return [line for line in axes.get_lines() if line.get_linestyle() == "-"]
 
 
-def test_every_sample_of_every_joint_is_drawn():
+def test_every_sample_of_every_joint_is_drawn() -> None:
     plan = plan_of("ur5")
     limits = ikplan.load_robot("ur5").velocity_limit
     figure = draw_plan(plan)
@@ -63,7 +63,7 @@ def test_every_sample_of_every_joint_is_drawn():
         assert np.allclose(velocity.get_ydata(), plan.trajectory.dq[:, j] / limits[j])
 
 
-def test_the_path_is_that_of_the_tool_where_the_tool_is_known():
+def test_the_path_is_that_of_the_tool_where_the_tool_is_known() -> None:
     plan = plan_of("ur5")
     robot = ikplan.load_robot("ur5").with_tool([0.0, 0.0, 0.2])
     for given, frame in ((None, "tip"), (robot, "tool")):
@@ -76,17 +76,17 @@ def test_the_path_is_that_of_the_tool_where_the_tool_is_known():
 
 
 @pytest.mark.parametrize("name", ["tiago", "kinova_j2s6s200", "dobot_magician"])
-def test_sliding_endless_and_coupled_joints_can_be_drawn(name: str, tmp_path: Path):
+def test_sliding_endless_and_coupled_joints_can_be_drawn(name: str, tmp_path: Path) -> None:
     plan_of(name).plot(tmp_path / "plan.png")
     assert (tmp_path / "plan.png").stat().st_size > 5000
 
 
-def test_a_robot_that_nobody_knows_is_drawn_without_limits(tmp_path: Path):
+def test_a_robot_that_nobody_knows_is_drawn_without_limits(tmp_path: Path) -> None:
     plot_plan(rest_to_rest(3, 9, ("rad", "m", "rad")), tmp_path / "plan.png")
     assert (tmp_path / "plan.png").stat().st_size > 5000
 
 
-def test_a_plan_without_motion_can_be_drawn(tmp_path: Path):
+def test_a_plan_without_motion_can_be_drawn(tmp_path: Path) -> None:
     plan = plan_of("ur5")
     motion = plan.trajectory
     still = motion.model_copy(
@@ -97,7 +97,7 @@ def test_a_plan_without_motion_can_be_drawn(tmp_path: Path):
     plan.model_copy(update={"trajectory": still}).plot(tmp_path / "plan.png")
 
 
-def test_the_certificate_is_never_rounded_in_our_favour():
+def test_the_certificate_is_never_rounded_in_our_favour() -> None:
     plan = rest_to_rest()
     certificate = plan.certificate.model_copy(update={"velocity_limit_ratio": 1.0000001})
     rows = dict(certificate_rows(plan.model_copy(update={"certificate": certificate})))

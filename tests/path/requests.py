@@ -36,7 +36,7 @@ def pose(position, rotvec=None) -> dict[str, Any]:
     return document
 
 
-def random_poses(seed: int, count: int, *, spread=0.3, turn=0.5, oriented=True):
+def random_poses(seed: int, count: int, *, spread=0.3, turn=0.5, oriented: bool = True):
     rng = np.random.default_rng(seed)
     return [
         pose(p, r if oriented else None)

@@ -29,14 +29,14 @@ rules = st.sampled_from(["constant", "follow"]) | st.builds(
 )
 
 
-def segments(kind, required, optional=None):
+def segments(kind: str, required, optional=None):
     return st.fixed_dictionaries(
         {"type": st.just(kind), **required},
         optional={"blend": st.none() | st.floats(0.0, 1.0), **(optional or {})},
     )
 
 
-def curves(kind, required, rule=rules):
+def curves(kind: str, required, rule=rules):
     return segments(
         kind,
         required,
@@ -84,7 +84,7 @@ paths = st.fixed_dictionaries(
 
 @settings(max_examples=150, deadline=None)
 @given(paths)
-def test_a_path_survives_being_written_and_read(document):
+def test_a_path_survives_being_written_and_read(document) -> None:
     path = parse(PathRequest, copy.deepcopy(document))
     again = parse(PathRequest, path.model_dump(mode="json"))
     assert again == path
@@ -93,7 +93,7 @@ def test_a_path_survives_being_written_and_read(document):
         assert read.type == asked["type"]
 
 
-def test_old_requests_mean_what_they_meant():
+def test_old_requests_mean_what_they_meant() -> None:
     path = parse(PathRequest, WAYPOINTS)
     assert (path.interpolation, path.approach, path.blend) == ("joint", "path", None)
     assert path.segments is path.begin is path.orientation_free is path.tolerance.box is None
@@ -193,14 +193,14 @@ CIRCLE = {"type": "circle", "radius": 0.1}
         ),
     ],
 )  # fmt: skip
-def test_a_wrong_field_is_named_as_it_is_written(path, field, words):
+def test_a_wrong_field_is_named_as_it_is_written(path, field: str, words: str) -> None:
     with pytest.raises(InvalidRequest) as caught:
         parse(PlanRequest, {"robot": "iiwa14", "path": path})
     assert caught.value.field == field
     assert words in caught.value.detail
 
 
-def test_every_field_of_the_language_is_described():
+def test_every_field_of_the_language_is_described() -> None:
     definitions = PlanRequest.model_json_schema()["$defs"]
     names = {name for name in definitions if name.endswith("Segment")}
     assert len(names) == 11

@@ -41,7 +41,7 @@ def path(request):
     return of_segments(CURVES[request.param])
 
 
-def test_the_parameter_is_the_arc_length(path):
+def test_the_parameter_is_the_arc_length(path) -> None:
     s = np.linspace(0.0, path.length, 403)
     assert_allclose(np.linalg.norm(path.derivatives(s).v, axis=1), 1.0, rtol=0.0, atol=1e-12)
     # Richardson's extrapolation of chords over h and h/2 leaves an error of order h^4.
@@ -56,7 +56,7 @@ def test_the_parameter_is_the_arc_length(path):
     assert_allclose((4.0 * chords[1] - chords[0]) / 3.0, 1.0, rtol=0.0, atol=2e-9)
 
 
-def test_the_derivatives_are_those_of_the_poses(path):
+def test_the_derivatives_are_those_of_the_poses(path) -> None:
     h = 1e-6
     s = np.linspace(0.0, path.length, 203)[1:-1]
     joints = np.concatenate([path.begins, path.corners])
@@ -68,7 +68,7 @@ def test_the_derivatives_are_those_of_the_poses(path):
     assert_allclose(rate, at.w, rtol=1e-5, atol=1e-4)
 
 
-def test_pieces_join_without_a_gap(path):
+def test_pieces_join_without_a_gap(path) -> None:
     ends = [piece.pose(1.0) for piece in path.pieces[:-1]]
     begins = [piece.pose(0.0) for piece in path.pieces[1:]]
     for (R0, p0), (R1, p1) in zip(ends, begins, strict=True):
@@ -78,7 +78,7 @@ def test_pieces_join_without_a_gap(path):
     assert_allclose(path.pose(0.0)[1], START.p, atol=1e-15)
 
 
-def test_the_direction_jumps_at_corners_and_nowhere_else(path):
+def test_the_direction_jumps_at_corners_and_nowhere_else(path) -> None:
     h = 1e-9
     joints = path.begins[1:-1]
     a, b = path.derivatives(joints - h), path.derivatives(joints + h)
@@ -86,7 +86,7 @@ def test_the_direction_jumps_at_corners_and_nowhere_else(path):
     assert_allclose(joints[jumps], path.corners, atol=1e-12)
 
 
-def test_poses_asked_for_are_passed_exactly(path):
+def test_poses_asked_for_are_passed_exactly(path) -> None:
     assert [w.row for w in path.waypoints] == list(range(len(path.waypoints)))
     assert (np.diff(path.waypoint_s) > 0.0).all()
     for waypoint in path.waypoints:
@@ -99,7 +99,7 @@ def test_poses_asked_for_are_passed_exactly(path):
 @pytest.mark.parametrize("name", CURVES)
 @settings(max_examples=4, deadline=None)
 @given(seeds)
-def test_a_rigid_motion_of_the_path_frame_moves_the_path(name, seed):
+def test_a_rigid_motion_of_the_path_frame_moves_the_path(name: str, seed: int) -> None:
     rng = np.random.default_rng(seed)
     M, m = exp(rng.normal(size=3)), rng.normal(size=3)
     q = quaternion_of(M).tolist()
@@ -121,7 +121,7 @@ def test_a_rigid_motion_of_the_path_frame_moves_the_path(name, seed):
 @pytest.mark.parametrize("blend", [0.0, 0.004])
 @settings(max_examples=8, deadline=None)
 @given(seeds, st.integers(2, 7))
-def test_the_way_back_is_the_same_way(interpolation, blend, seed, count):
+def test_the_way_back_is_the_same_way(interpolation: str, blend, seed: int, count: int) -> None:
     poses = random_poses(seed, count)
     more = {"blend": blend} if interpolation == "line" else {}
     there = through(poses, interpolation, None, **more)
@@ -136,7 +136,7 @@ def test_the_way_back_is_the_same_way(interpolation, blend, seed, count):
 
 @settings(max_examples=20, deadline=None)
 @given(seeds, st.integers(0, 5))
-def test_the_sign_of_a_quaternion_means_nothing(seed, flipped):
+def test_the_sign_of_a_quaternion_means_nothing(seed: int, flipped) -> None:
     poses = random_poses(seed, 6)
     other = [dict(p) for p in poses]
     other[flipped]["quaternion_xyzw"] = [-c for c in poses[flipped]["quaternion_xyzw"]]
@@ -148,7 +148,7 @@ def test_the_sign_of_a_quaternion_means_nothing(seed, flipped):
 
 @settings(max_examples=20, deadline=None)
 @given(seeds)
-def test_a_line_turns_evenly_by_the_shortest_arc(seed):
+def test_a_line_turns_evenly_by_the_shortest_arc(seed: int) -> None:
     rng = np.random.default_rng(seed)
     axis = rng.normal(size=3)
     turn = axis / np.linalg.norm(axis) * rng.uniform(0.0, math.pi - 1e-3)
@@ -159,7 +159,7 @@ def test_a_line_turns_evenly_by_the_shortest_arc(seed):
 
 @settings(max_examples=15, deadline=None)
 @given(seeds, st.floats(0.05, 0.95))
-def test_a_line_split_in_two_is_the_same_line(seed, share):
+def test_a_line_split_in_two_is_the_same_line(seed: int, share: float) -> None:
     (last,) = random_poses(seed, 1)
     whole = through([last], "line")
     R, p = whole.pose(share * whole.length)

@@ -256,7 +256,9 @@ def test_a_line_may_be_approached_from_where_it_begins() -> None:
 @pytest.mark.parametrize("start", [None, "free"])
 @pytest.mark.parametrize("interpolation", ["line", "spline"])
 @pytest.mark.parametrize("oriented", [(0, 0, 1), (0, 1, 0), (1, 0, 0), (1, 0, 1), (1, 0, 0, 1, 0)])
-def test_orientations_are_met_where_they_are_asked_for(oriented, interpolation, start) -> None:
+def test_orientations_are_met_where_they_are_asked_for(
+    oriented: bool, interpolation: str, start
+) -> None:
     robot = load_robot("panda")
     rng = np.random.default_rng(5)
     wanted = [robot.fk(robot.home + 0.15 * rng.normal(size=7)) for _ in oriented]

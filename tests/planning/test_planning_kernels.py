@@ -28,7 +28,9 @@ seeds = st.integers(0, 2**32 - 1)
 
 @settings(deadline=None)
 @given(seed=seeds, dof=st.integers(2, 9), rank=st.integers(0, 6), fixed=st.integers(0, 3))
-def test_the_tangent_basis_is_an_orthonormal_basis_of_the_null_space(seed, dof, rank, fixed):
+def test_the_tangent_basis_is_an_orthonormal_basis_of_the_null_space(
+    seed: int, dof: int, rank: int, fixed
+) -> None:
     rng = np.random.default_rng(seed)
     rank = min(rank, dof)
     J = rng.normal(size=(6, rank)) @ rng.normal(size=(rank, dof))
@@ -45,7 +47,7 @@ def test_the_tangent_basis_is_an_orthonormal_basis_of_the_null_space(seed, dof, 
 
 @settings(deadline=None)
 @given(seed=seeds, size=st.integers(1, 30), width=st.integers(0, 6))
-def test_a_band_matrix_is_solved_as_by_scipy(seed, size, width):
+def test_a_band_matrix_is_solved_as_by_scipy(seed: int, size, width: int) -> None:
     rng = np.random.default_rng(seed)
     width = min(width, size - 1)
     full = np.zeros((size, size))
@@ -70,7 +72,7 @@ def test_a_matrix_that_is_not_positive_definite_is_told() -> None:
 
 @settings(deadline=None)
 @given(seed=seeds, free=st.booleans())
-def test_the_ladder_finds_the_shortest_path_of_all(seed, free):
+def test_the_ladder_finds_the_shortest_path_of_all(seed: int, free: bool) -> None:
     rng = np.random.default_rng(seed)
     counts = rng.integers(1, 5, size=4)
     q = rng.normal(size=(4, 4, 3))
@@ -92,7 +94,7 @@ def test_the_ladder_finds_the_shortest_path_of_all(seed, free):
         assert np.abs(a - b).max() >= 1e-9
 
 
-def along(name, count, seed, step=0.25):
+def along(name: str, count: int, seed: int, step=0.25):
     """Targets that the robot passes, and where it starts."""
     robot = load_robot(name)
     rng = np.random.default_rng(seed)

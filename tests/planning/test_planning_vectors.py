@@ -177,7 +177,7 @@ REASON = "of a known arm"
         ({"length_m": {"is": 1.0, "within": 0.1}}, "no reason"),
     ],
 )
-def test_a_vector_that_states_nothing_to_check_is_refused(expect, words) -> None:
+def test_a_vector_that_states_nothing_to_check_is_refused(expect, words: str) -> None:
     with pytest.raises(ValueError, match=words):
         stated(expect)
 
@@ -196,7 +196,7 @@ def test_a_vector_that_states_nothing_to_check_is_refused(expect, words) -> None
         ("closed", {"within": 1e-6}, 0.9e-6, True),
     ],
 )
-def test_a_figure_is_held_to_its_margin(kind, figure, value, kept) -> None:
+def test_a_figure_is_held_to_its_margin(kind: str, figure, value, kept) -> None:
     assert holds(kind, figure, value) == kept
 
 

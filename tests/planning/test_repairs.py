@@ -205,7 +205,7 @@ def tilted(turn: list[float]) -> dict[str, Any]:
         ([0.4, 0.3, 0.0], "all"),
     ],
 )
-def test_the_repair_is_the_least_freedom_that_makes_a_pose_feasible(turn, free) -> None:
+def test_the_repair_is_the_least_freedom_that_makes_a_pose_feasible(turn, free: bool) -> None:
     again, _, detail = repaired(tilted(turn))["orientation_free"]
     assert again["path"]["orientation_free"] == free
     assert ("any orientation" if free == "all" else free["about"]) in detail

@@ -4,6 +4,7 @@ import copy
 import json
 from urllib.parse import quote
 
+import httpx
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
@@ -143,26 +144,26 @@ def check(answer, path: str) -> None:
     assert problem["detail"]
 
 
-def post(http, path: str, document: object):
+def post(http: httpx.Client, path: str, document: object):
     body = json.dumps(document).encode()
     return http.post(path, content=body, headers={"content-type": "application/json"})
 
 
 @CALM
 @given(document=mutated(plan_requests))
-def test_no_plan_request_is_a_500(document, http):
+def test_no_plan_request_is_a_500(document, http: httpx.Client) -> None:
     check(post(http, "/v1/plans", document), "/v1/plans")
 
 
 @CALM
 @given(document=mutated(ik_requests))
-def test_no_ik_request_is_a_500(document, http):
+def test_no_ik_request_is_a_500(document, http: httpx.Client) -> None:
     check(post(http, "/v1/ik", document), "/v1/ik")
 
 
 @CALM
 @given(document=mutated(fk_requests))
-def test_no_fk_request_is_a_500(document, http):
+def test_no_fk_request_is_a_500(document, http: httpx.Client) -> None:
     check(post(http, "/v1/fk", document), "/v1/fk")
 
 
@@ -173,13 +174,13 @@ def test_no_fk_request_is_a_500(document, http):
     | junk.map(lambda value: json.dumps(value).encode()),
     path=st.sampled_from(sorted(MODELS)),
 )
-def test_no_bytes_are_a_500(body, path, http):
+def test_no_bytes_are_a_500(body, path, http: httpx.Client) -> None:
     check(http.post(path, content=body, headers={"content-type": "application/json"}), path)
 
 
 @CALM
 @given(name=st.text(min_size=1, max_size=20), room=st.sampled_from(["robots", "plans"]))
-def test_no_name_is_a_500(name, room, http):
+def test_no_name_is_a_500(name: str, room, http: httpx.Client) -> None:
     text = name.encode("utf-8", "surrogatepass")
     answer = http.get(f"/v1/{room}/{quote(text, safe='')}")
     assert answer.status_code in (200, 404, 405)

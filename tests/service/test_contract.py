@@ -37,12 +37,12 @@ ANY_TEXT = {"create_batch"}
 """Takes whatever it is sent, and says of each line what is wrong with it."""
 
 
-def test_the_same_checks_are_left_out_as_in_the_long_run():
+def test_the_same_checks_are_left_out_as_in_the_long_run() -> None:
     assert tuple(check.__name__ for check in EXCLUDED_CHECKS) == EXCLUDED
 
 
 @pytest.mark.parametrize("operation", sorted(OPERATIONS.keys() - STREAMED))
-def test_every_answer_is_as_documented(operation, schema):
+def test_every_answer_is_as_documented(operation: str, schema) -> None:
     method, path = OPERATIONS[operation]
     excluded = [*EXCLUDED_CHECKS, *([negative_data_rejection] if operation in ANY_TEXT else [])]
 
@@ -55,11 +55,11 @@ def test_every_answer_is_as_documented(operation, schema):
     ask()
 
 
-def test_what_is_answered_can_be_followed(schema):
+def test_what_is_answered_can_be_followed(schema) -> None:
     machine = schema.as_state_machine()
 
     class Following(machine):  # type: ignore[misc, valid-type]
-        def validate_response(self, response, case, **_):  # type: ignore[no-untyped-def]
+        def validate_response(self, response, case: str, **_) -> None:  # type: ignore[no-untyped-def]
             case.validate_response(response, excluded_checks=EXCLUDED_CHECKS)
 
     Following.run(settings=settings(CALM, max_examples=10, stateful_step_count=5))

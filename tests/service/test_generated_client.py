@@ -8,6 +8,7 @@ import subprocess
 import sys
 from pathlib import Path
 
+import httpx
 import numpy as np
 import pytest
 
@@ -19,7 +20,7 @@ PACKAGE = "generated_ikplan_client"
 
 
 @pytest.fixture(scope="module")
-def generated(http, tmp_path_factory):
+def generated(http: httpx.Client, tmp_path_factory: pytest.TempPathFactory):
     """The package that openapi-python-client makes, imported."""
     folder = tmp_path_factory.mktemp("generated")
     document, config = folder / "openapi.json", folder / "config.yaml"
@@ -44,7 +45,7 @@ def part(name: str):
     return importlib.import_module(f"{PACKAGE}.{name}")
 
 
-def test_it_plans_the_helix_as_python_does(generated, live_address, client):
+def test_it_plans_the_helix_as_python_does(generated, live_address: str, client) -> None:
     document = json.loads(HELIX.read_text())
     request = part("models").PlanRequest.from_dict(document)
     with generated.Client(live_address, timeout=120.0) as made:
@@ -57,7 +58,7 @@ def test_it_plans_the_helix_as_python_does(generated, live_address, client):
     assert ikplan.PlanRequest.model_validate(document)
 
 
-def test_it_reads_problems_as_what_they_are(generated, live_address):
+def test_it_reads_problems_as_what_they_are(generated, live_address: str) -> None:
     far = part("models").IkRequest.from_dict({"robot": "iiwa14", "position": [9.0, 0.0, 0.0]})
     with generated.Client(live_address, timeout=60.0) as made:
         problem = part("api.poses.solve_ik").sync(client=made, body=far)

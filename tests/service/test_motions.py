@@ -1,5 +1,6 @@
 """Moving ends, durations, times, dwells, events and least time over HTTP and by the client."""
 
+import httpx
 import numpy as np
 import pytest
 
@@ -35,7 +36,7 @@ def test_a_timing_takes_its_time_and_begins_moving(client) -> None:
     assert np.abs(plan.dq[0] - 0.3).max() <= 1e-9
 
 
-def test_a_refusal_carries_the_nearest_feasible_values(http, client) -> None:
+def test_a_refusal_carries_the_nearest_feasible_values(http: httpx.Client, client) -> None:
     answer = http.post("/v1/timings", json={**TIMING, "limits": {"duration": 0.01}})
     assert answer.status_code == 422
     problem = answer.json()

@@ -2,6 +2,7 @@
 
 import re
 
+import httpx
 import pytest
 
 from ikplan import errors
@@ -44,7 +45,7 @@ OPERATIONS = {
 
 
 @pytest.fixture(scope="module")
-def document(http) -> dict:
+def document(http: httpx.Client) -> dict:
     return http.get("/openapi.json").json()
 
 
@@ -58,7 +59,7 @@ def nodes(value):
             yield from nodes(item)
 
 
-def test_operation_ids_are_stable(document):
+def test_operation_ids_are_stable(document) -> None:
     found = {
         operation["operationId"]: (method, path)
         for path, methods in document["paths"].items()
@@ -67,7 +68,7 @@ def test_operation_ids_are_stable(document):
     assert found == OPERATIONS
 
 
-def test_every_reference_leads_somewhere(document):
+def test_every_reference_leads_somewhere(document) -> None:
     schemas = document["components"]["schemas"]
     refs = {n["$ref"] for n in nodes(document) if isinstance(n, dict) and "$ref" in n}
     assert {ref.rpartition("/")[2] for ref in refs} <= schemas.keys()
@@ -75,7 +76,7 @@ def test_every_reference_leads_somewhere(document):
     assert not any("HTTPValidationError" in name for name in schemas)
 
 
-def test_every_error_class_has_its_problem_with_its_data():
+def test_every_error_class_has_its_problem_with_its_data() -> None:
     classes = {getattr(errors, name) for name in errors.__all__ if name[0].isupper()}
     assert PROBLEMS.keys() == {c for c in classes if not c.__subclasses__()}
     for cls, model in PROBLEMS.items():
@@ -85,7 +86,7 @@ def test_every_error_class_has_its_problem_with_its_data():
         assert schema["const"] == cls.problem_type()
 
 
-def test_every_operation_documents_its_failures(document):
+def test_every_operation_documents_its_failures(document) -> None:
     for methods in document["paths"].values():
         for operation in methods.values():
             failures = {s: r for s, r in operation["responses"].items() if s >= "4"}
@@ -94,7 +95,7 @@ def test_every_operation_documents_its_failures(document):
                 assert list(answer["content"]) == ["application/problem+json"]
 
 
-def test_every_request_field_has_a_default_or_is_required_and_is_described(document):
+def test_every_request_field_has_a_default_or_is_required_and_is_described(document) -> None:
     schemas = document["components"]["schemas"]
     for name in (
         "PlanRequest",
@@ -117,7 +118,9 @@ def test_every_request_field_has_a_default_or_is_required_and_is_described(docum
             assert "description" in schema or "$ref" in schema, where
 
 
-def test_answers_fit_the_models_they_are_documented_with(document, http, client):
+def test_answers_fit_the_models_they_are_documented_with(
+    document, http: httpx.Client, client
+) -> None:
     plan = client.plan(GOOD)
     for path, model, body in (
         ("/v1/plans", Plan, GOOD),
@@ -139,7 +142,7 @@ def test_answers_fit_the_models_they_are_documented_with(document, http, client)
     assert waypoint_errors(plan, GOOD["path"]).max() <= 1e-8
 
 
-def test_problems_fit_the_models_they_are_documented_with(http):
+def test_problems_fit_the_models_they_are_documented_with(http: httpx.Client) -> None:
     for body in ({"robot": "x"}, {**GOOD, "robot": "x"}):
         problem = http.post("/v1/plans", json=body).json()
         cls = next(c for c in PROBLEMS if c.problem_type() == problem["type"])

@@ -40,14 +40,16 @@ def trajectory(document: bytes) -> bytes:
 
 
 @pytest.mark.parametrize("spelling", SPELLINGS)
-def test_http_answers_the_bytes_that_python_makes(spelling, plan, http: httpx.Client):
+def test_http_answers_the_bytes_that_python_makes(
+    spelling: str, plan: Plan, http: httpx.Client
+) -> None:
     answer = http.post("/v1/plans", json=SPELLINGS[spelling])
     assert answer.json()["id"] == plan.id
     assert trajectory(answer.content) == trajectory(plan.model_dump_json().encode())
     assert lasting(answer.content) == lasting(plan.model_dump_json())
 
 
-def test_the_client_returns_the_plan_that_python_makes(plan, client):
+def test_the_client_returns_the_plan_that_python_makes(plan: Plan, client) -> None:
     for remote in (client.plan(GOOD), client.plan(PlanRequest(**GOOD)), client.get_plan(plan.id)):
         assert remote.id == plan.id
         assert lasting(remote.model_dump_json()) == lasting(plan.model_dump_json())
@@ -55,7 +57,7 @@ def test_the_client_returns_the_plan_that_python_makes(plan, client):
         assert encode(remote, "csv") == encode(plan, "csv")
 
 
-def test_the_twin_returns_what_the_client_returns(plan, app, client, portal):
+def test_the_twin_returns_what_the_client_returns(plan: Plan, app, client, portal) -> None:
     async def ask() -> tuple:
         transport = httpx.ASGITransport(app)
         async with AsyncClient(ADDRESS, transport=transport) as twin:
@@ -79,7 +81,9 @@ def test_the_twin_returns_what_the_client_returns(plan, app, client, portal):
     assert version == client.version()
 
 
-def test_the_command_writes_the_plan_that_python_makes(plan, tmp_path: Path, capsys):
+def test_the_command_writes_the_plan_that_python_makes(
+    plan: Plan, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     request = tmp_path / "request.json"
     request.write_text(json.dumps(GOOD))
     outputs = [tmp_path / f"plan.{suffix}" for suffix in ("json", "csv", "npz")]
@@ -92,7 +96,7 @@ def test_the_command_writes_the_plan_that_python_makes(plan, tmp_path: Path, cap
     assert written[1:] == [encode(plan, "csv"), encode(plan, "npz")]
 
 
-def test_requests_at_the_same_time_do_not_disturb_each_other(plan, app, portal):
+def test_requests_at_the_same_time_do_not_disturb_each_other(plan: Plan, app, portal) -> None:
     others = [{**GOOD, "ik": {"seed": seed}} for seed in range(4)]
 
     async def ask() -> list[Plan]:

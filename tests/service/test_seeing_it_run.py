@@ -49,7 +49,7 @@ def grown(before: dict[str, float], after: dict[str, float], name: str, **labels
     return after.get(key, 0.0) - before.get(key, 0.0)
 
 
-def test_a_plan_is_counted_with_its_stages_and_margins(http, client):
+def test_a_plan_is_counted_with_its_stages_and_margins(http: httpx.Client, client) -> None:
     before = figures(http)
     request = {**GOOD, "sampling": {"rate_hz": 101}}
     plan = client.plan(request)
@@ -69,7 +69,7 @@ def test_a_plan_is_counted_with_its_stages_and_margins(http, client):
     assert grown(before, after, "ikplan_http_request_seconds_count", **route) == 2
 
 
-def test_a_failure_is_counted_by_its_type(http, client):
+def test_a_failure_is_counted_by_its_type(http: httpx.Client, client) -> None:
     before = figures(http)
     with pytest.raises(Unreachable):
         client.ik({"robot": "iiwa14", "position": [9.0, 0.0, 0.0]})
@@ -79,7 +79,7 @@ def test_a_failure_is_counted_by_its_type(http, client):
     assert grown(before, after, "ikplan_http_request_seconds_count", **route) == 1
 
 
-def test_names_made_up_by_callers_make_no_series(http):
+def test_names_made_up_by_callers_make_no_series(http: httpx.Client) -> None:
     before = figures(http)
     for i in range(20):
         http.get(f"/v1/plans/none-{i}")
@@ -92,7 +92,7 @@ def test_names_made_up_by_callers_make_no_series(http):
     assert grown(before, after, "ikplan_http_request_seconds_count", **route) == 20
 
 
-def test_the_load_of_the_workers_is_told(http, app):
+def test_the_load_of_the_workers_is_told(http: httpx.Client, app) -> None:
     now = figures(http)
     assert now["ikplan_ready[]"] == 1.0
     assert now["ikplan_workers[]"] == app.state.planner.load.workers == 2
@@ -101,7 +101,7 @@ def test_the_load_of_the_workers_is_told(http, app):
     assert now["process_resident_memory_bytes[]"] > 1e6
 
 
-def test_tasks_that_wait_and_that_nobody_wants_any_more_are_told():
+def test_tasks_that_wait_and_that_nobody_wants_any_more_are_told() -> None:
     stand_in = StandIn()
     app = create_app(Settings(store_path=":memory:"), planner=stand_in)
 
@@ -122,7 +122,9 @@ def test_tasks_that_wait_and_that_nobody_wants_any_more_are_told():
         assert f'ikplan_tasks_total{{kind="plan",outcome="{outcome}"}} 1.0' in lines
 
 
-def test_every_request_is_logged_once_with_the_id_of_its_answer(http, caplog):
+def test_every_request_is_logged_once_with_the_id_of_its_answer(
+    http: httpx.Client, caplog: pytest.LogCaptureFixture
+) -> None:
     caplog.set_level(logging.DEBUG, logger="ikplan")
     caplog.handler.addFilter(logs.RequestFilter())
     refused = http.post("/v1/fk", content="{", headers={**JSON, "x-request-id": "cell-7.42"})
@@ -139,7 +141,7 @@ def test_every_request_is_logged_once_with_the_id_of_its_answer(http, caplog):
     assert line.levelno == logging.DEBUG
 
 
-def written(record: logging.LogRecord, monkeypatch, form: str) -> str:
+def written(record: logging.LogRecord, monkeypatch: pytest.MonkeyPatch, form: str) -> str:
     monkeypatch.setenv("IKPLAN_LOG_FORMAT", form)
     logs.RequestFilter().filter(record)
     return logs.formatter().format(record)
@@ -151,7 +153,7 @@ def record(**extra: object) -> logging.LogRecord:
     return made
 
 
-def test_the_log_is_json_a_line_or_text(monkeypatch):
+def test_the_log_is_json_a_line_or_text(monkeypatch: pytest.MonkeyPatch) -> None:
     token = logs.request_id.set("abc")
     try:
         line = written(record(status=418), monkeypatch, "json")
@@ -172,7 +174,7 @@ def test_the_log_is_json_a_line_or_text(monkeypatch):
         logs.request_id.reset(token)
 
 
-def test_the_command_logs_as_the_settings_say(monkeypatch):
+def test_the_command_logs_as_the_settings_say(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("IKPLAN_LOG_LEVEL", "error")
     config = serving._logging()
     logging.config.DictConfigurator(config)  # names what exists
@@ -184,7 +186,9 @@ def test_the_command_logs_as_the_settings_say(monkeypatch):
         load_settings()
 
 
-def test_work_is_traced_under_its_request_and_the_callers_trace(monkeypatch):
+def test_work_is_traced_under_its_request_and_the_callers_trace(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     spans, provider = InMemorySpanExporter(), TracerProvider()
     provider.add_span_processor(SimpleSpanProcessor(spans))
     monkeypatch.setattr(trace, "get_tracer_provider", lambda: provider)

@@ -48,7 +48,7 @@ def at(x: float) -> dict:
     return {**GOOD, "path": {"waypoints": [{"position": [x, 0.0, 0.5]}]}}
 
 
-def test_what_runs_gets_its_time_and_what_waits_is_put_off():
+def test_what_runs_gets_its_time_and_what_waits_is_put_off() -> None:
     async def run() -> None:
         planner = StandIn()
         app = create_app(Settings(store_path=":memory:", stop_s=100), planner=planner)
@@ -78,7 +78,7 @@ def test_what_runs_gets_its_time_and_what_waits_is_put_off():
     asyncio.run(run())
 
 
-def test_what_takes_too_long_is_not_waited_for():
+def test_what_takes_too_long_is_not_waited_for() -> None:
     async def run() -> float:
         planner = StandIn()
         app = create_app(Settings(store_path=":memory:", stop_s=0.3), planner=planner)
@@ -97,7 +97,9 @@ def test_what_takes_too_long_is_not_waited_for():
     assert 0.2 < asyncio.run(run()) < bound_s(3.0)
 
 
-def test_a_stopped_service_ends_its_streams_and_does_its_jobs_after_the_next_start(tmp_path: Path):
+def test_a_stopped_service_ends_its_streams_and_does_its_jobs_after_the_next_start(
+    tmp_path: Path,
+) -> None:
     path = str(tmp_path / "store.sqlite3")
     jobs = [json.loads(body) for _, body in zip(range(3), helices(8 * 10**6), strict=False)]
     server = Server(workers="1", store_path=path, stop_s="1")
@@ -138,7 +140,7 @@ def test_a_stopped_service_ends_its_streams_and_does_its_jobs_after_the_next_sta
         assert again.process.wait(WAIT_S) == -signal.SIGTERM
 
 
-def test_a_service_that_is_stuck_ends_all_the_same():
+def test_a_service_that_is_stuck_ends_all_the_same() -> None:
     environment = {**os.environ, "IKPLAN_STORE_PATH": ":memory:", "IKPLAN_STOP_S": "0"}
     command = [sys.executable, "-c", STUCK]
     pipes = {"stderr": subprocess.PIPE, "text": True, "env": environment}

@@ -4,6 +4,7 @@ import asyncio
 import copy
 import io
 import json
+from pathlib import Path
 
 import httpx
 import numpy as np
@@ -35,7 +36,9 @@ def without_stats(plan: Plan) -> dict:
     return plan.model_dump(mode="json", exclude={"stats"})
 
 
-def test_every_way_gives_the_same_trajectory(http, client, tmp_path, capsys):
+def test_every_way_gives_the_same_trajectory(
+    http: httpx.Client, client, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     here = ikplan.time_request(GOOD)
     assert without_stats(client.time(GOOD)) == without_stats(here)
     assert without_stats(client.time({**GOOD, "waypoints": np.array(GOOD["waypoints"])})) == (
@@ -50,7 +53,7 @@ def test_every_way_gives_the_same_trajectory(http, client, tmp_path, capsys):
     assert without_stats(Plan.load(capsys.readouterr().out)) == without_stats(here)
 
 
-def test_the_asynchronous_client_is_a_twin():
+def test_the_asynchronous_client_is_a_twin() -> None:
     app = create_app(Settings(workers=1))
 
     async def ask() -> Plan:
@@ -63,7 +66,9 @@ def test_the_asynchronous_client_is_a_twin():
     assert without_stats(asyncio.run(ask())) == without_stats(ikplan.time_request(GOOD))
 
 
-def test_the_shell_times_joint_values_and_trajectories_of_its_own(tmp_path, capsys):
+def test_the_shell_times_joint_values_and_trajectories_of_its_own(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     rows = tmp_path / "rows.json"
     rows.write_text(json.dumps(GOOD["waypoints"]))
     table = tmp_path / "plan.csv"
@@ -135,8 +140,15 @@ BAD: list[tuple[dict, type[IkplanError], str, str]] = [
     ids=[f"{b[2] or b[1].__name__}: {b[3]}" for b in BAD],
 )
 def test_a_wrong_timing_has_one_verdict(
-    document, kind, field, word, http, client, monkeypatch, capsys
-):
+    document,
+    kind: str,
+    field: str,
+    word,
+    http: httpx.Client,
+    client,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
     with pytest.raises(kind) as caught:
         ikplan.time_request(document)
     error = caught.value
@@ -168,7 +180,7 @@ def test_a_wrong_timing_has_one_verdict(
         ({"tool_speed": {"angular": 0.0}}, "limits.tool_speed.angular"),
     ],
 )
-def test_a_plan_names_the_wrong_limit(limits, field, client):
+def test_a_plan_names_the_wrong_limit(limits, field: str, client) -> None:
     document = {**GOOD_PLAN, "limits": limits}
     with pytest.raises(InvalidRequest) as here:
         ikplan.plan(document)
@@ -181,7 +193,9 @@ def test_a_plan_names_the_wrong_limit(limits, field, client):
 @pytest.mark.parametrize(
     "arguments", [["time"], ["time", "rows.json"], ["time", "ur5", "request.json"]]
 )
-def test_a_wrong_command_is_told_in_one_line(arguments, tmp_path, monkeypatch, capsys):
+def test_a_wrong_command_is_told_in_one_line(
+    arguments, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
     monkeypatch.chdir(tmp_path)
     (tmp_path / "rows.json").write_text("[[0, 0, 0, 0, 0, 0]]")
     (tmp_path / "request.json").write_text(json.dumps(GOOD))
@@ -190,7 +204,7 @@ def test_a_wrong_command_is_told_in_one_line(arguments, tmp_path, monkeypatch, c
     assert line.startswith("ikplan: invalid-request: ")
 
 
-def test_a_table_that_is_none_is_told(tmp_path, capsys):
+def test_a_table_that_is_none_is_told(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     (tmp_path / "rows.csv").write_text("1,2,three,4,5,6\n")
     assert main(["time", "ur5", str(tmp_path / "rows.csv")]) == 2
     assert "three" in capsys.readouterr().err

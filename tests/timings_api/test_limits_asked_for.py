@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -236,7 +237,7 @@ def test_the_certificate_finds_each_broken_promise(name: str) -> None:
 
 
 @pytest.mark.parametrize("suffix", [".png", ".svg"])
-def test_the_figure_of_a_timing_is_the_same_bytes_each_time(suffix, tmp_path) -> None:
+def test_the_figure_of_a_timing_is_the_same_bytes_each_time(suffix, tmp_path: Path) -> None:
     limits = {"tool_speed": {"linear": 0.3, "angular": 1.0}, "torque": True}
     plan = timed("ur5", limits)
     for i in range(2):
@@ -246,6 +247,6 @@ def test_the_figure_of_a_timing_is_the_same_bytes_each_time(suffix, tmp_path) ->
     assert len(images[0]) > 10_000
 
 
-def test_a_robot_without_inertias_has_a_figure_without_torques(tmp_path) -> None:
+def test_a_robot_without_inertias_has_a_figure_without_torques(tmp_path: Path) -> None:
     timed("iiwa14", {}).plot_timing(tmp_path / "timing.png")
     assert (tmp_path / "timing.png").stat().st_size > 10_000

@@ -55,7 +55,9 @@ def share(kind: str, layer: dict, side: str) -> np.ndarray:
 
 @pytest.mark.parametrize("kind", KINDS)
 @given(whole=asked, segment=asked, part=asked)
-def test_the_strictest_holds_in_each_direction_whichever_comes_first(kind, whole, segment, part):
+def test_the_strictest_holds_in_each_direction_whichever_comes_first(
+    kind: str, whole, segment, part
+) -> None:
     own = getattr(ROBOT, f"{kind}_limit")
     up, down = expected(kind, whole, segment, part)
     for first, second in ((segment, part), (part, segment)):

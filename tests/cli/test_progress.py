@@ -29,6 +29,7 @@ def test_a_bar_tells_stage_and_waypoints_and_leaves_nothing_behind(
 ) -> None:
     terminal = on_a_terminal(monkeypatch)
     with progress_bar() as tell:
+        assert tell is not None
         tell("ik", 1, 4)
         tell("ik", 3, 4)
         tell("timing", 0, 0)

@@ -1,6 +1,7 @@
 """Rounded corners: within their radius, smooth, and as far off as they say."""
 
 import math
+from typing import Any
 
 import numpy as np
 import pytest
@@ -18,13 +19,13 @@ ORIGIN = Pose(np.eye(3), np.zeros(3))
 L_SHAPE = [pose([0.2, 0, 0], [0, 0, 0.4]), pose([0.2, 0.2, 0], [0, 0.7, 0.4])]
 
 
-def line(position, rotvec=None, **more):
+def line(position: list[float], rotvec: list[float] | None = None, **more: Any) -> dict[str, Any]:
     return {"type": "line", "to": pose(position, rotvec), **more}
 
 
 @settings(max_examples=12, deadline=None)
 @given(seeds, st.floats(0.005, 0.1))
-def test_a_blend_keeps_within_its_radius_and_tells_its_deviation(seed: int, radius) -> None:
+def test_a_blend_keeps_within_its_radius_and_tells_its_deviation(seed: int, radius: float) -> None:
     poses = random_poses(seed, 5)
     points = np.array([p["position"] for p in poses])
     steps = np.diff(points, axis=0)
@@ -35,7 +36,9 @@ def test_a_blend_keeps_within_its_radius_and_tells_its_deviation(seed: int, radi
     along = np.linspace(0.0, path.length, 4001)
     dense = path.poses(along)
     for corner in path.corner_list:
+        assert corner.waypoint is not None
         waypoint = path.waypoints[corner.waypoint]
+        assert waypoint.R is not None
         assert not waypoint.exact
         assert waypoint.s == corner.s
         # Nearest to the corner, and by how much: against every pose of the path around it.
@@ -58,10 +61,10 @@ def test_a_blend_keeps_within_its_radius_and_tells_its_deviation(seed: int, radi
 
 
 @pytest.mark.parametrize("rounded", ["lines", "line to arc", "arc to spline", "sawtooth"])
-def test_a_blend_joins_with_the_same_direction_curvature_and_angular_rate(rounded) -> None:
+def test_a_blend_joins_with_the_same_direction_curvature_and_angular_rate(rounded: str) -> None:
     arc = {"type": "arc", "centre": [0.2, 0.3, 0.0], "angle": 1.5, "axis": [0.2, 0, 1],
            "orientation": "follow"}  # fmt: skip
-    segments = {
+    kinds: dict[str, list[dict[str, Any]]] = {
         "lines": [line([0.2, 0, 0], [0, 0, 0.4], blend=0.05), line([0.2, 0.2, 0], [0, 0.7, 0.4])],
         "line to arc": [line([0.1, 0, 0.1], [0, 0, 0.4], blend=0.05), arc],
         "arc to spline": [
@@ -71,8 +74,8 @@ def test_a_blend_joins_with_the_same_direction_curvature_and_angular_rate(rounde
             {"type": "sawtooth", "length": 0.4, "height": 0.1, "teeth": 2, "fall": 0.1,
              "blend": 0.01},
         ],
-    }[rounded]  # fmt: skip
-    path = of_segments(*segments, start=ORIGIN)
+    }  # fmt: skip
+    path = of_segments(*kinds[rounded], start=ORIGIN)
     assert len(path.corners) == 0
     joints = path.begins[1:-1]
     h = 1e-10
@@ -161,7 +164,9 @@ def test_a_blend_leaves_the_poses_of_a_spline_on_the_path() -> None:
         ),
     ],
 )
-def test_corners_that_cannot_be_rounded_are_refused_if_asked_for(segments, words: str) -> None:
+def test_corners_that_cannot_be_rounded_are_refused_if_asked_for(
+    segments: list[dict[str, Any]], words: str
+) -> None:
     with pytest.raises(InvalidRequest, match=words) as caught:
         legs({"segments": segments}, ORIGIN)
     assert caught.value.field == "path.segments[0].blend"
@@ -202,7 +207,7 @@ def hull(radius: float, back: float) -> np.ndarray:
 @given(st.floats(0.02, 0.2), st.floats(0.3, 5.5), st.floats(0.3, 1.0))
 @example(0.05, 5.0, 0.9)
 def test_a_blend_is_as_long_as_its_control_points_are_within_its_ball(
-    rho, angle: float, share: float
+    rho: float, angle: float, share: float
 ) -> None:
     """The hull of the control points has the curve in it: with them it is within the ball."""
     radius = share * rho * angle

@@ -1,5 +1,7 @@
 """What a request is taken apart into."""
 
+from typing import Any
+
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
@@ -7,14 +9,14 @@ from numpy.testing import assert_allclose
 from ikplan import InvalidRequest
 from ikplan.path import JointLeg, Pose, ToolLeg
 
-from .requests import START, fk, legs, pose, quaternion, random_poses
+from .requests import START, START_R, fk, legs, pose, quaternion, random_poses
 
 HELIX = {"type": "helix", "radius": 0.2, "rise": 0.5, "turns": 2, "phase": 0.1}
 FIRST = [0.2 * np.cos(0.1), 0.2 * np.sin(0.1), 0.0]
 LINE = {"type": "line", "to": pose([0.1, 0.2, 0.3])}
 
 
-def shape(found):
+def shape(found: list[Any]) -> list[tuple[str, list[int]]]:
     """Kind of each leg with the rows of its waypoints."""
     return [
         ("joint", [t.row for t in leg.waypoints])
@@ -26,7 +28,7 @@ def shape(found):
 
 @pytest.mark.parametrize("start", [START, None])
 @pytest.mark.parametrize("approach", ["path", "joint"])
-def test_joint_interpolation_is_one_joint_motion(start, approach) -> None:
+def test_joint_interpolation_is_one_joint_motion(start: Pose | None, approach: str) -> None:
     document = {"waypoints": random_poses(0, 3), "approach": approach}
     (leg,) = legs(document, start)
     assert isinstance(leg, JointLeg)
@@ -37,7 +39,7 @@ def test_joint_interpolation_is_one_joint_motion(start, approach) -> None:
 
 @pytest.mark.parametrize("interpolation", ["line", "spline"])
 def test_a_tool_path_begins_at_the_start_or_at_the_first_waypoint(interpolation: str) -> None:
-    document = {"waypoints": random_poses(0, 3), "interpolation": interpolation}
+    document: dict[str, Any] = {"waypoints": random_poses(0, 3), "interpolation": interpolation}
     first = np.array(document["waypoints"][0]["position"])
     (leg,) = legs(document)
     assert_allclose(leg.path.pose(0.0)[1], START.p, atol=1e-15)
@@ -109,7 +111,7 @@ def test_a_joint_approach_leads_to_the_first_point_of_a_curve_or_spline() -> Non
     found = legs({"segments": [HELIX], "approach": "joint"})
     assert shape(found) == [("joint", [0]), ("tool", [1])]
     assert_allclose(found[0].waypoints[0].pose.p, FIRST)
-    assert_allclose(found[0].waypoints[0].pose.R, START.R)
+    assert_allclose(found[0].waypoints[0].pose.R, START_R)
     spline = {"type": "spline", "through": random_poses(0, 3)}
     assert shape(legs({"segments": [spline], "approach": "joint"})) == [
         ("joint", [0]), ("tool", [1, 2]),

@@ -2,34 +2,47 @@
 
 import itertools
 import math
+from typing import Any
 
 import numpy as np
 import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose
+from numpy.typing import ArrayLike
 from scipy.spatial.transform import Rotation
 
 from ikplan import InvalidRequest
-from ikplan.path import Pose
+from ikplan.path import Pose, ToolPath
 from ikplan.path.rotation.so3 import angle_between, exp, log
 
-from .requests import START, of_segments, pose, quaternion, random_poses, seeds, through, tool_path
+from .requests import (
+    START,
+    Array,
+    of_segments,
+    pose,
+    quaternion,
+    random_poses,
+    seeds,
+    through,
+    tool_path,
+)
 
 FRAME = {"position": [0.3, -0.2, 0.5], "quaternion_xyzw": quaternion([0.4, 1.0, -0.3])}
 ORIGIN, AXES = np.array(FRAME["position"]), exp(np.array([0.4, 1.0, -0.3]))
 
 
-def curve(**fields):
+def curve(**fields: Any) -> ToolPath:
     """The curve alone, drawn in FRAME, from a free start."""
     return of_segments(
         {"frame": FRAME, "quaternion_xyzw": quaternion([1.0, 0.0, 0.2]), **fields}, start=None
     )
 
 
-def local(path, s):
+def local(path: ToolPath, s: ArrayLike) -> Array:
     """Positions in the frame of the curve."""
-    return (path.poses(s)[1] - ORIGIN) @ AXES
+    positions: Array = (path.poses(np.asarray(s))[1] - ORIGIN) @ AXES
+    return positions
 
 
 def test_a_helix_is_that_of_its_formula() -> None:
@@ -49,7 +62,7 @@ def test_a_circle_is_that_of_its_formula() -> None:
 
 
 @pytest.mark.parametrize("petals", [1, 2, 3, 5])
-def test_a_rose_is_that_of_its_formula_and_closes(petals) -> None:
+def test_a_rose_is_that_of_its_formula_and_closes(petals: int) -> None:
     path = curve(type="rose", radius=0.15, petals=petals, phase=0.3)
     x, y, z = local(path, np.linspace(0.0, path.length, 1001)).T
     assert_allclose(z, 0.0, atol=1e-14)
@@ -71,7 +84,7 @@ def test_a_sinusoid_is_that_of_its_formula() -> None:
 
 
 @pytest.mark.parametrize("fall", [0.0, 0.25, 1.0])
-def test_a_sawtooth_has_its_corners(fall) -> None:
+def test_a_sawtooth_has_its_corners(fall: float) -> None:
     path = curve(type="sawtooth", length=0.6, height=0.1, teeth=3, fall=fall)
     x = np.array([0, 1 - fall, 1, 2 - fall, 2, 3 - fall, 3]) * 0.2
     y = np.array([0, 0.1, 0, 0.1, 0, 0.1, 0])
@@ -81,7 +94,7 @@ def test_a_sawtooth_has_its_corners(fall) -> None:
 
 
 @pytest.mark.parametrize("ramp", [0.0, 0.1, 0.5])
-def test_a_trapezoid_has_its_corners(ramp) -> None:
+def test_a_trapezoid_has_its_corners(ramp: float) -> None:
     path = curve(type="trapezoid", length=0.8, height=0.1, periods=2, ramp=ramp)
     one = [(0, 0), (ramp, 0.1), (0.5, 0.1), (0.5 + ramp, 0)]
     points = {(round(0.4 * (k + x), 9), y, 0.0) for k in (0, 1) for x, y in one} | {(0.8, 0, 0)}
@@ -113,7 +126,7 @@ def test_an_arc_by_its_points_is_the_arc_by_its_centre(
 
 @settings(max_examples=25, deadline=None)
 @given(st.floats(1e-8, 1e-3))
-def test_a_flat_arc_is_exact_up_to_the_line_it_becomes(bulge) -> None:
+def test_a_flat_arc_is_exact_up_to_the_line_it_becomes(bulge: float) -> None:
     p = np.array([[0.0, 0.0, 0.0], [0.5, bulge, 0.0], [1.0, 0.0, 0.0]])
     path = of_segments(
         {"type": "arc", "via": p[1].tolist(), "to": pose(p[2])}, start=Pose(None, p[0])
@@ -139,7 +152,7 @@ def test_an_arc_through_points_on_a_line_is_the_line() -> None:
         ({"centre": [0, 0, 2], "angle": 1.0, "orientation": "free"}, "own axis"),
     ],
 )
-def test_points_that_make_no_arc_are_refused(arc, words: str) -> None:
+def test_points_that_make_no_arc_are_refused(arc: dict[str, Any], words: str) -> None:
     with pytest.raises(InvalidRequest, match=words) as caught:
         of_segments({"type": "arc", **arc}, start=Pose(None, np.zeros(3)))
     assert caught.value.field == "path.segments[0]"
@@ -224,13 +237,18 @@ def test_orientation_counts_up_to_the_last_pose_that_has_one(interpolation: str)
     assert path.oriented(float(s[2]))
     assert not path.oriented(float(s[2]) + 1e-9)
     for k in (0, 2):
-        assert_allclose(path.pose(float(s[k]))[0], path.waypoints[k].R, atol=1e-12)
+        R = path.waypoints[k].R
+        assert R is not None
+        assert_allclose(path.pose(float(s[k]))[0], R, atol=1e-12)
     assert [w.R is None for w in path.waypoints] == [k in (1, 3, 4, 5) for k in range(6)]
     # In between, the tool has turned by as much of the turn as it has come of the way.
     p = [np.array(pose["position"]) for pose in poses[:3]]
     ways = [np.linalg.norm(b - a) for a, b in itertools.pairwise(p)]
-    turn = log(path.waypoints[0].R.T @ path.waypoints[2].R)
-    half = path.waypoints[0].R @ exp(turn * ways[0] / sum(ways))
+    first, last = path.waypoints[0].R, path.waypoints[2].R
+    assert first is not None
+    assert last is not None
+    turn = log(first.T @ last)
+    half = first @ exp(turn * ways[0] / sum(ways))
     assert_allclose(path.pose(float(s[1]))[0], half, atol=1e-9)
     if interpolation == "line":
         R = path.poses(np.linspace(s[0], s[2], 41))[0]
@@ -325,7 +343,7 @@ def test_a_large_turn_on_a_short_way_does_not_swing() -> None:
 
 
 def test_orientations_that_would_swing_all_the_same_are_refused() -> None:
-    turns = [[0, 0, 0], [2.5, 0, 0], [0, 2.5, 0], [0, 0, 2.5], [-2.5, 0, 0]]
+    turns: list[list[float]] = [[0, 0, 0], [2.5, 0, 0], [0, 2.5, 0], [0, 0, 2.5], [-2.5, 0, 0]]
     uneven, even = [0.0, 0.3, 0.301, 0.302, 0.9], [0.0, 0.2, 0.4, 0.6, 0.8]
     poses = [pose([x, x * x, 0.0], turn) for x, turn in zip(uneven, turns, strict=True)]
     with pytest.raises(InvalidRequest, match="swinging") as caught:
@@ -354,7 +372,7 @@ def test_a_path_of_no_length_is_a_path() -> None:
 @given(
     seeds, st.sampled_from([1e-12, 1e-10, 1e-8, 1e-6, 1e-4]), st.sampled_from(["line", "spline"])
 )
-def test_tiny_steps_do_no_harm(seed: int, size, interpolation: str) -> None:
+def test_tiny_steps_do_no_harm(seed: int, size: float, interpolation: str) -> None:
     poses = random_poses(seed, 6, spread=size)
     poses += random_poses(seed + 1, 2)
     # A spline swings if it has to turn within nothing; the positions alone are then the test.
@@ -370,12 +388,12 @@ def test_tiny_steps_do_no_harm(seed: int, size, interpolation: str) -> None:
         assert_allclose(p, waypoint.p, atol=2e-9)
         if waypoint.R is not None:
             # Rounding of s turns the tool by as much as it turns on the way.
-            atol = 1e-12 + 1e-15 * np.linalg.norm(path.derivatives([waypoint.s]).w)
+            atol = 1e-12 + 1e-15 * float(np.linalg.norm(path.derivatives(np.array([waypoint.s])).w))
             assert_allclose(R, waypoint.R, atol=atol)
 
 
 @pytest.mark.parametrize("gap", [2e-9, 1e-5, 9e-4])
-def test_a_gap_before_a_curve_is_joined_by_a_line_however_short(gap) -> None:
+def test_a_gap_before_a_curve_is_joined_by_a_line_however_short(gap: float) -> None:
     frame = {"frame": {"position": [gap, 0.0, 0.0]}}
     wave = {"type": "sinusoid", "length": 0.1, "amplitude": 0.02, "wavelength": 0.05}
     wave |= {"orientation": "free", **frame}

@@ -72,7 +72,7 @@ def test_a_driver_that_is_killed_leaves_no_actor_and_is_resumed_to_the_same_byte
     lines = [b'{"k": %d}' % k for k in range(100)]
     to_shards(whole, lines, EchoWork(), "jsonl.zst", 8)
     before = set(actors())
-    command = [sys.executable, "-m", "tests.batch.run_echo", broken, log, "100"]
+    command = [sys.executable, "-m", "tests.batch.run_echo", str(broken), str(log), "100"]
     with subprocess.Popen([*command, "ray"], stderr=subprocess.DEVNULL) as driver:
         while len(list(broken.glob("shard-*"))) < 2:
             assert driver.poll() is None

@@ -13,6 +13,7 @@ import ikplan.plans.export
 from ikplan import InvalidRequest, Plan
 from ikplan.documents.controller import LanguageInfo
 from ikplan.plans.export import FORMATS, encode, format_for, save
+from ikplan.plans.export.formats import Format
 
 from .plans import CB3, rest_to_rest
 
@@ -98,7 +99,7 @@ def test_npz_does_not_depend_on_memory_order_clock_or_cost() -> None:
 
 
 @pytest.mark.parametrize("known", FORMATS, ids=lambda f: f.name)
-def test_the_suffix_chooses_the_format(known, tmp_path: Path) -> None:
+def test_the_suffix_chooses_the_format(known: Format, tmp_path: Path) -> None:
     languages = [LanguageInfo(name=n, variant="any") for n in NAMES[5:]]
     controller = CB3.model_copy(update={"languages": languages, "jerk": [5000.0] * 7})
     dof, robot = (7, "fr3") if known.name == "franky" else (6, "abb_irb6640_185_280")

@@ -3,6 +3,9 @@ from pathlib import Path
 import matplotlib
 import numpy as np
 import pytest
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from mpl_toolkits.mplot3d.art3d import Line3D
 
 import ikplan
 from ikplan import InvalidRequest, Plan
@@ -44,7 +47,7 @@ def test_an_unknown_image_suffix_lists_the_known(name: str, tmp_path: Path) -> N
     assert not list(tmp_path.iterdir())
 
 
-def curves(figure, title: str) -> list:
+def curves(figure: Figure, title: str) -> list[Line2D]:
     (axes,) = (a for a in figure.axes if a.get_title(loc="left") == title)
     return [line for line in axes.get_lines() if line.get_linestyle() == "-"]
 
@@ -55,7 +58,7 @@ def test_every_sample_of_every_joint_is_drawn() -> None:
     figure = draw_plan(plan)
     positions = curves(figure, "Joint positions, dots at the waypoints")
     velocities = curves(figure, "Joint velocities over their limits")
-    drawn = [line for line in positions if len(line.get_xdata()) == 60]
+    drawn = [line for line in positions if np.size(line.get_xdata()) == 60]
     assert len(drawn) == 6
     for j, (position, velocity) in enumerate(zip(drawn, velocities, strict=False)):
         assert np.array_equal(position.get_xdata(), plan.trajectory.time)
@@ -70,7 +73,8 @@ def test_the_path_is_that_of_the_tool_where_the_tool_is_known() -> None:
         figure = draw_plan(plan, robot=given)
         title = f"Path of the {frame} in the base frame [m]"
         (axes,) = (a for a in figure.axes if a.get_title(loc="left") == title)
-        path = np.array(axes.get_lines()[0].get_data_3d()).T
+        (line,) = (way for way in axes.get_lines()[:1] if isinstance(way, Line3D))
+        path = np.array(line.get_data_3d()).T
         tool = given or ikplan.load_robot("ur5")
         assert np.allclose(path[0], tool.fk(plan.trajectory.q[0]).translation)
 

@@ -1,6 +1,7 @@
 """Many poses at a time: each as it is solved alone, whatever it is solved with."""
 
 import time
+from typing import Any
 
 import numpy as np
 import pinocchio as pin
@@ -12,11 +13,12 @@ from ikplan.ik.poses.arrays import pose_arrays
 from ikplan.ik.poses.batch import solve_batch
 from ikplan.kinematics.arm import arm_of
 from ikplan.pipeline.pose_batch.request import solve_ik_batch_request, solve_ik_requests
+from ikplan.robots import Robot
 
 ROBOTS = ("iiwa14", "ur5", "z1")
 
 
-def reachable(robot, count: int, seed: int = 0):
+def reachable(robot: Robot, count: int, seed: int = 0) -> tuple[np.ndarray, list[pin.SE3]]:
     rng = np.random.default_rng(seed)
     q = np.array([robot.random_configuration(rng) for _ in range(count)])
     return q, [robot.fk(row) for row in q]
@@ -118,6 +120,7 @@ def test_a_pose_in_contact_has_finite_errors_and_a_count_whatever_the_method(met
     assert found.position_error[0] == pytest.approx(
         np.linalg.norm(T.translation - pose.translation)
     )
+    assert found.orientation_error is not None
     assert found.orientation_error[0] == pytest.approx(np.linalg.norm(error.angular), abs=1e-6)
     assert found.evaluations >= 0
 
@@ -146,7 +149,7 @@ def test_another_method_solves_each_pose_as_alone() -> None:
         ([[0.4, 0.0, 0.4]], [0.0] * 5, "start"),
     ],
 )
-def test_what_makes_no_sense_is_told_with_its_place(poses, start, field: str) -> None:
+def test_what_makes_no_sense_is_told_with_its_place(poses: Any, start: Any, field: str) -> None:
     with pytest.raises(InvalidRequest) as caught:
         ikplan.solve_ik_batch(ikplan.load_robot("ur5"), poses, start=start)
     assert caught.value.field == field
@@ -169,8 +172,10 @@ def test_a_request_of_many_poses_and_requests_of_one_have_the_same_answers() -> 
     assert isinstance(answers[4], InvalidRequest)
     assert answers[4].field == "start[0]"
     for k in (0, 1, 3, 5):
-        assert np.array_equal(answers[k].q, many.q[k])
-        assert answers[k].elongation == pytest.approx(np.linalg.norm(many.q[k] - robot.home))
+        answer = answers[k]
+        assert isinstance(answer, ikplan.IkSolution)
+        assert np.array_equal(answer.q, many.q[k])
+        assert answer.elongation == pytest.approx(np.linalg.norm(many.q[k] - robot.home))
     bare = {**single[3], "verdict": False}
     (no,) = solve_ik_requests([bare])
     assert isinstance(no, Unreachable)
@@ -181,9 +186,9 @@ def test_the_budget_of_a_batch_counts_what_its_threads_do() -> None:
     robot = ikplan.load_robot("ur5")
     _, poses = reachable(robot, 600)
     arm, asked = arm_of(robot), pose_arrays(poses)
-    told = []
+    told: list[tuple[Any, ...]] = []
 
-    def solve(threads):
+    def solve(threads: int) -> tuple[float, float]:
         told.clear()
         begin = time.process_time(), time.thread_time()
         solve_batch(

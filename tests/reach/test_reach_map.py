@@ -120,7 +120,7 @@ def test_the_command_writes_the_map_and_its_figure(
     ],
 )
 def test_what_makes_no_sense_is_refused(
-    options, field: str, capsys: pytest.CaptureFixture[str]
+    options: list[str], field: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert main(["reach", "ur5", *options]) == 2
     assert field in capsys.readouterr().err

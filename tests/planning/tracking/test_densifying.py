@@ -31,7 +31,7 @@ ROBOT = two_links()
 GUIDE = line((0.3, 0.4), (0.7, 0.1), (0.5, -0.3))
 
 
-def spline(guide, s, q) -> JointPath:
+def spline(guide: Polyline, s: np.ndarray, q: np.ndarray) -> JointPath:
     return JointPath.through(q, JointLimits.from_robot(ROBOT), rest_at=rest_points(guide, s))
 
 

@@ -4,22 +4,25 @@ from __future__ import annotations
 
 import asyncio
 import hashlib
+import hmac
 import re
 from collections.abc import Mapping
 from typing import Any
 
 import httpx
 import pytest
+from fastapi import FastAPI
+from starlette.types import Message
 
 from ikplan import AccessDenied, AsyncClient, Client, InvalidRequest, RateLimited
 from ikplan.cli import main
 from ikplan.client.api_keys import key_hash, new_key
 from ikplan_api.app import create_app
-from ikplan_api.middleware import access
 from ikplan_api.settings import Settings, load_settings
 from ikplan_api.settings.access import is_loopback
 
 from .conftest import ADDRESS
+from .stand_in import Idle
 
 KEY, OTHER = new_key(), new_key()
 KEYS = f"cell:{key_hash(KEY)}, {key_hash(OTHER)}"
@@ -33,17 +36,13 @@ def bearer(key: str) -> dict[str, str]:
     return {"authorization": f"Bearer {key}"}
 
 
-def app_with(**settings: Any):
+def app_with(**settings: Any) -> FastAPI:
     return create_app(Settings(**settings), planner=Idle())
 
 
-class Idle:
-    """A planner that nobody asks."""
-
-    ready = True
-
-
-def ask(app, *requests: tuple[str, str, Mapping[str, str]], **transport: Any):
+def ask(
+    app: FastAPI, *requests: tuple[str, str, Mapping[str, str]], **transport: Any
+) -> list[httpx.Response]:
     async def exchange() -> list[httpx.Response]:
         carrier = httpx.ASGITransport(app, **transport)
         base = transport.get("base", ADDRESS)
@@ -84,7 +83,7 @@ def test_the_command_makes_a_key_that_opens_the_service(capsys: pytest.CaptureFi
         {"x-api-key": KEY},
     ],
 )
-def test_without_a_known_key_nothing_is_told(headers) -> None:
+def test_without_a_known_key_nothing_is_told(headers: dict[str, str]) -> None:
     app = app_with(api_keys=KEYS)
     paths = ["/v1/robots", "/v1/plans/x", "/metrics", "/nowhere"]
     for answer in ask(app, *(("GET", path, headers) for path in paths)):
@@ -99,10 +98,10 @@ def test_without_a_known_key_nothing_is_told(headers) -> None:
 def test_a_body_is_not_read_before_the_key_is_known() -> None:
     statuses = []
 
-    async def receive() -> dict:
+    async def receive() -> Message:
         raise AssertionError("read")
 
-    async def send(message: dict) -> None:
+    async def send(message: Message) -> None:
         statuses.append(message.get("status"))
 
     scope = {
@@ -129,7 +128,7 @@ def test_every_hash_is_compared_whichever_key_is_shown(monkeypatch: pytest.Monke
         compared.append(known)
         return known == asked
 
-    monkeypatch.setattr(access.hmac, "compare_digest", compare)
+    monkeypatch.setattr(hmac, "compare_digest", compare)
     app = app_with(api_keys=KEYS)
     for key in (KEY, OTHER, new_key()):
         compared.clear()
@@ -146,7 +145,7 @@ def test_the_clients_show_the_key_they_are_given_or_find(monkeypatch: pytest.Mon
     app = app_with(api_keys=KEYS)
     transport = httpx.ASGITransport(app)
 
-    async def solvers(**key: str) -> list:
+    async def solvers(**key: Any) -> list[Any]:
         async with AsyncClient(ADDRESS, transport=transport, **key) as client:
             return await client.solvers()
 
@@ -255,7 +254,7 @@ def test_the_command_that_serves_refuses_too(
     ids=range(8),  # the keys are new ones in each process
 )
 def test_unsafe_settings_are_refused_by_name_without_repeating_secrets(
-    variable, value, said, monkeypatch: pytest.MonkeyPatch
+    variable: str, value: str, said: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv(variable, value)
     with pytest.raises(InvalidRequest, match=re.escape(said)) as caught:

@@ -3,6 +3,7 @@
 import io
 import json
 from pathlib import Path
+from typing import Any
 
 import httpx
 import pytest
@@ -86,9 +87,9 @@ def test_every_way_tells_the_same_error(
 
 @pytest.mark.parametrize("bad", NOT_FINITE, ids=lambda b: b.name)
 def test_what_is_not_finite_is_refused_everywhere(
-    bad,
+    bad: Bad,
     http: httpx.Client,
-    client,
+    client: Client,
     monkeypatch: pytest.MonkeyPatch,
     capsys: pytest.CaptureFixture[str],
 ) -> None:
@@ -105,7 +106,10 @@ def test_what_is_not_finite_is_refused_everywhere(
 
 @pytest.mark.parametrize("body", [b for _, b in NOT_JSON], ids=[n for n, _ in NOT_JSON])
 def test_what_is_not_json_is_refused_everywhere(
-    body, http: httpx.Client, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    body: bytes,
+    http: httpx.Client,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
 ) -> None:
     errors = [by_http(http, body, path) for path in ("/v1/plans", "/v1/ik", "/v1/fk")]
     assert {type(e) for e in errors} == {InvalidRequest}
@@ -128,14 +132,16 @@ def test_the_place_of_malformed_json_is_told(http: httpx.Client) -> None:
         ("/v1/ik", {"robot": "ur5", "position": [0.1, 0.2, 0.3], "ik": {"seed": -1}}, "ik.seed"),
     ],
 )
-def test_single_poses_name_the_wrong_field(path, document, field: str, http: httpx.Client) -> None:
+def test_single_poses_name_the_wrong_field(
+    path: str, document: dict[str, Any], field: str, http: httpx.Client
+) -> None:
     error = by_http(http, json.dumps(document).encode(), path)
     assert isinstance(error, InvalidRequest)
     assert error.field == field
 
 
 @pytest.mark.parametrize("path", ["/v1/fk", "/v1/ik", "/v1/plans"])
-def test_no_name_reaches_a_file(path, http: httpx.Client, tmp_path: Path) -> None:
+def test_no_name_reaches_a_file(path: str, http: httpx.Client, tmp_path: Path) -> None:
     urdf = tmp_path / "mine.urdf"
     urdf.write_text("<robot name='mine'/>")
     document = {

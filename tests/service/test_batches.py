@@ -6,11 +6,14 @@ import json
 import sys
 import time
 from pathlib import Path
+from typing import Any
 
 import httpx
 import pytest
+from starlette.types import Message
 
 import ikplan
+from ikplan import Client
 from ikplan.cli import main
 from ikplan_api.app import create_app
 from ikplan_api.handlers.batch_lines import NDJSON
@@ -29,12 +32,12 @@ def lines(*requests: object) -> bytes:
     return b"\n".join(json.dumps(r).encode() for r in requests)
 
 
-def at(x: float) -> dict:
+def at(x: float) -> dict[str, Any]:
     return {**GOOD, "path": {"waypoints": [{"position": [x, 0.0, 0.5]}]}}
 
 
 def test_every_line_is_answered_in_its_place_and_none_spoils_another(http: httpx.Client) -> None:
-    requests = [at(0.5), at(9.0), {"robot": "x"}, at(0.55), [1], at(0.5)]
+    requests: list[Any] = [at(0.5), at(9.0), {"robot": "x"}, at(0.55), [1], at(0.5)]
     body = lines(*requests[:3]) + b"\n\n  \n{not JSON\n" + lines(*requests[3:]) + b"\r\n"
     answer = http.post("/v1/batches", content=body, headers=HEADERS)
     assert answer.status_code == 200
@@ -98,10 +101,11 @@ def test_a_bar_shows_how_many_lines_are_done(
     assert "1 line, 50.0 %" in terminal.getvalue()
 
 
-def test_a_request_may_be_json_already(client) -> None:
+def test_a_request_may_be_json_already(client: Client) -> None:
     pretty = json.dumps(at(0.5), indent=2).encode()
     plans = list(client.batch([pretty, at(0.5)]))
-    assert plans[0].id == plans[1].id
+    first, second = (plan for plan in plans if isinstance(plan, ikplan.Plan))
+    assert first.id == second.id
     with pytest.raises(ikplan.InvalidRequest, match="blank"):
         list(client.batch([b" "]))
 
@@ -123,7 +127,7 @@ def test_a_line_that_is_longer_than_a_request_is_refused_by_itself(http: httpx.C
 @pytest.mark.parametrize(
     ("body", "status"), [(b"", 422), (b"\n \n", 422), (b"1\n" * 4, 413), (b" " * 5000, 413)]
 )
-def test_a_batch_that_is_none_or_too_long_is_refused(body, status: int) -> None:
+def test_a_batch_that_is_none_or_too_long_is_refused(body: bytes, status: int) -> None:
     app = create_app(Settings(max_batch_lines=3, max_batch_bytes=4000), planner=StandIn())
 
     async def ask() -> httpx.Response:
@@ -152,13 +156,13 @@ def test_a_batch_is_answered_as_it_goes_and_stopped_when_nobody_reads_on() -> No
     async def run() -> None:
         asked = iter([{"type": "http.request", "body": body, "more_body": False}])
 
-        async def receive() -> dict:
+        async def receive() -> Message:
             if (message := next(asked, None)) is not None:
                 return message
             await gone.wait()
             return {"type": "http.disconnect"}
 
-        async def send(message: dict) -> None:
+        async def send(message: Message) -> None:
             if message.get("body"):
                 sent.append(message["body"])
 

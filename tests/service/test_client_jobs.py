@@ -4,9 +4,12 @@ import inspect
 import json
 import time
 from collections.abc import Callable
+from typing import Any
 
 import httpx
 import pytest
+from anyio.from_thread import BlockingPortal
+from fastapi import FastAPI
 
 import ikplan
 from ikplan import (
@@ -30,7 +33,7 @@ FAR = {**GOOD, "path": {"waypoints": [{"position": [9.0, 0.0, 0.5]}]}}
 STATUS = PlanStatus(id="x", state="running", stage="ik", done=1, total=3)
 
 
-def fresh(seed: int) -> dict:
+def fresh(seed: int) -> dict[str, Any]:
     """A request that no other test makes."""
     return {**GOOD, "ik": {"seed": seed}}
 
@@ -74,7 +77,7 @@ def test_a_wrong_request_is_refused_when_it_is_submitted(client: Client) -> None
         client.submit({**GOOD, "robot": "iiwa41"})
 
 
-def test_the_asynchronous_twin_does_the_same(app, portal) -> None:
+def test_the_asynchronous_twin_does_the_same(app: FastAPI, portal: BlockingPortal) -> None:
     async def use() -> None:
         async with AsyncClient(ADDRESS, transport=httpx.ASGITransport(app)) as client:
             heard: list[PlanStatus] = []
@@ -94,13 +97,14 @@ def test_a_batch_yields_plans_and_errors_in_their_order(client: Client) -> None:
     requests = [GOOD, FAR, {**GOOD, "robot": "x"}, fresh(903)]
     results = list(client.batch(requests))
     assert [type(r) for r in results] == [Plan, Unreachable, ikplan.RobotNotFound, Plan]
+    assert isinstance(results[3], Plan)
     assert same(results[3], ikplan.plan(fresh(903)))
     with pytest.raises(ikplan.InvalidRequest, match="at least one line"):
         list(client.batch([]))
 
 
 def test_the_jobs_are_twins() -> None:
-    def public(cls) -> dict[str, list[str]]:
+    def public(cls: type) -> dict[str, list[str]]:
         methods = inspect.getmembers(cls, inspect.isfunction)
         return {n: list(inspect.signature(m).parameters) for n, m in methods if n[0] != "_"}
 
@@ -122,7 +126,7 @@ VERSION = httpx.Response(200, json={"version": "1"})
 Outcome = httpx.Response | Exception
 
 
-def version_after(*outcomes: Outcome, **options) -> tuple[Callable[[], object], list[float]]:
+def version_after(*outcomes: Outcome, **options: Any) -> tuple[Callable[[], object], list[float]]:
     """A call to a service with these outcomes, one a request, and when each was asked for."""
     asked: list[float] = []
     left = iter(outcomes)
@@ -156,7 +160,7 @@ def version_after(*outcomes: Outcome, **options) -> tuple[Callable[[], object], 
         httpx.ConnectTimeout("late"),
     ],
 )
-def test_what_may_pass_is_asked_again(outcome) -> None:
+def test_what_may_pass_is_asked_again(outcome: Outcome) -> None:
     call, asked = version_after(outcome, outcome, VERSION)
     assert call() == {"version": "1"}
     assert len(asked) == 3
@@ -178,7 +182,7 @@ def test_the_service_says_when_to_ask_again() -> None:
         (httpx.UnsupportedProtocol("what"), ServiceUnavailable),
     ],
 )
-def test_what_will_not_pass_is_not_asked_again(outcome, error) -> None:
+def test_what_will_not_pass_is_not_asked_again(outcome: Outcome, error: type[IkplanError]) -> None:
     call, asked = version_after(outcome, VERSION)
     with pytest.raises(error):
         call()

@@ -4,6 +4,8 @@ import asyncio
 import json
 import subprocess
 import sys
+from collections.abc import Callable
+from typing import Any
 
 import httpx
 import numpy as np
@@ -13,16 +15,19 @@ import ikplan
 from ikplan import AsyncClient, Client, InvalidRequest, PlanRequest, ServiceUnavailable, Unreachable
 
 ADDRESS = "http://cell-7.example:8000"
-REQUEST = {"robot": "iiwa14", "path": {"waypoints": [{"position": [0.6, 0.0, 0.4]}]}}
+REQUEST: dict[str, Any] = {
+    "robot": "iiwa14",
+    "path": {"waypoints": [{"position": [0.6, 0.0, 0.4]}]},
+}
 
 
 def answering(response: httpx.Response) -> Client:
     return Client(ADDRESS, transport=httpx.MockTransport(lambda _: response), retries=0)
 
 
-def sent(request, method: str = "plan") -> dict:
+def sent(request: Any, method: str = "plan") -> dict[str, Any]:
     """The document that a client sends for a request."""
-    bodies = []
+    bodies: list[dict[str, Any]] = []
 
     def answer(request: httpx.Request) -> httpx.Response:
         bodies.append(json.loads(request.content))
@@ -72,7 +77,9 @@ def test_a_model_goes_out_without_the_defaults_it_did_not_set() -> None:
          "path.waypoints[0].position[1]"),
     ],
 )  # fmt: skip
-def test_nan_is_refused_before_it_is_sent_and_its_field_named(change, field: str) -> None:
+def test_nan_is_refused_before_it_is_sent_and_its_field_named(
+    change: dict[str, Any], field: str
+) -> None:
     def answer(_: httpx.Request) -> httpx.Response:
         raise AssertionError("nothing may be sent")
 
@@ -83,13 +90,13 @@ def test_nan_is_refused_before_it_is_sent_and_its_field_named(change, field: str
 
 
 @pytest.mark.parametrize("request_", [None, [1], "text", {"robot": object()}, {"robot": {1, 2}}])
-def test_what_json_cannot_hold_is_an_invalid_request(request_) -> None:
+def test_what_json_cannot_hold_is_an_invalid_request(request_: Any) -> None:
     with pytest.raises(InvalidRequest):
         answering(httpx.Response(200)).plan(request_)
 
 
 def test_a_circular_request_is_an_invalid_request() -> None:
-    circular: dict = {}
+    circular: dict[str, Any] = {}
     circular["again"] = circular
     with pytest.raises(InvalidRequest, match="JSON"):
         answering(httpx.Response(200)).plan(circular)
@@ -132,7 +139,7 @@ def test_a_circular_request_is_an_invalid_request() -> None:
 )  # fmt: skip
 @pytest.mark.parametrize("method", ["plan", "ik", "fk"])
 def test_an_answer_of_something_else_is_told_with_its_address_and_status(
-    response, method: str
+    response: httpx.Response, method: str
 ) -> None:
     with pytest.raises(ServiceUnavailable) as caught:
         getattr(answering(response), method)(REQUEST)
@@ -177,7 +184,7 @@ def test_a_busy_service_says_when_to_ask_again() -> None:
         (httpx.UnsupportedProtocol("no scheme"), "not an address"),
     ],
 )
-def test_no_answer_is_service_unavailable_with_the_address(failure, words: str) -> None:
+def test_no_answer_is_service_unavailable_with_the_address(failure: Exception, words: str) -> None:
     def fail(_: httpx.Request) -> httpx.Response:
         raise failure
 
@@ -210,7 +217,9 @@ def test_what_is_no_address_is_service_unavailable(address: str) -> None:
         (lambda c: c.version(), "/version"),
     ],
 )
-def test_names_never_leave_their_place_in_the_address(call, path) -> None:
+def test_names_never_leave_their_place_in_the_address(
+    call: Callable[[Client], object], path: str
+) -> None:
     seen = []
 
     def answer(request: httpx.Request) -> httpx.Response:

@@ -19,6 +19,7 @@ import yaml
 import ikplan
 from ikplan.errors import InvalidRequest
 from ikplan_api.settings import Settings, load_settings
+from tests.present import present
 
 ROOT = Path(__file__).parents[2]
 DOCKERFILE = (ROOT / "docker/Dockerfile").read_text()
@@ -53,8 +54,13 @@ def test_the_package_is_built_from_what_is_copied() -> None:
         assert any(fnmatch.fnmatch(folder, f"{c}*") for c in copied())
 
 
+def line_of(pattern: str) -> re.Match[str]:
+    """The line of the Dockerfile that is like this."""
+    return present(re.search(pattern, RUNTIME, re.MULTILINE))
+
+
 def test_the_service_does_not_run_as_root() -> None:
-    user, group = re.search(r"^USER (\d+):(\d+)$", RUNTIME, re.MULTILINE).groups()
+    user, group = line_of(r"^USER (\d+):(\d+)$").groups()
     assert int(user) > 0
     assert f"--uid {user} --gid {group} " in RUNTIME
 
@@ -80,7 +86,7 @@ def test_every_stage_begins_with_one_base_that_a_digest_can_pin() -> None:
 
 
 def test_the_image_keeps_plans_where_its_user_may_write() -> None:
-    (volume,) = json.loads(re.search(r"^VOLUME (.+)$", RUNTIME, re.MULTILINE)[1])
+    (volume,) = json.loads(line_of(r"^VOLUME (.+)$")[1])
     store = Path(image_settings()["IKPLAN_STORE_PATH"])
     assert store.parent == Path(volume)
     assert re.search(rf"install --directory --owner 10001 .* {volume}$", RUNTIME, re.MULTILINE)
@@ -105,11 +111,12 @@ def test_the_labels_tell_the_version() -> None:
 
 
 def health_check() -> list[str]:
-    return json.loads(re.search(r"^ +CMD (\[.+\])$", RUNTIME, re.MULTILINE)[1])
+    command: list[str] = json.loads(line_of(r"^ +CMD (\[.+\])$")[1])
+    return command
 
 
 @pytest.mark.parametrize(("status", "healthy"), [(200, True), (503, False)])
-def test_the_health_check_asks_readyz(status: int, healthy) -> None:
+def test_the_health_check_asks_readyz(status: int, healthy: bool) -> None:
     asked = []
 
     class Answers(BaseHTTPRequestHandler):
@@ -152,7 +159,7 @@ def test_the_health_check_fails_where_nobody_listens() -> None:
         ("user", "10001:10001"),
     ],
 )
-def test_compose_takes_every_right_away(key: str, value) -> None:
+def test_compose_takes_every_right_away(key: str, value: object) -> None:
     (service,) = COMPOSE["services"].values()
     assert service[key] == value
 

@@ -7,6 +7,7 @@ import time
 
 import httpx
 import pytest
+from fastapi import FastAPI
 
 from .urdfs import ARM, DROPPED_MESHES, HOSTILE
 
@@ -69,7 +70,7 @@ def test_five_megabytes_are_not_read_to_the_end(form: str, http: httpx.Client) -
 
 
 def test_nothing_hostile_reaches_the_process_that_builds(
-    http: httpx.Client, app, monkeypatch: pytest.MonkeyPatch
+    http: httpx.Client, app: FastAPI, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     async def build(*_: object, **__: object) -> None:
         raise AssertionError("reached")

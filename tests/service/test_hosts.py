@@ -6,6 +6,7 @@ from typing import Any
 
 import httpx
 import pytest
+from fastapi import FastAPI
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -16,10 +17,11 @@ from ikplan_api.http.security_headers import SECURITY_HEADERS
 from ikplan_api.middleware.hosts import host_name
 from ikplan_api.settings import Settings, load_settings
 
-from .test_access import KEY, KEYS, Idle, ask, bearer
+from .stand_in import Idle
+from .test_access import KEY, KEYS, ask, bearer
 
 
-def app_with(**settings: Any):
+def app_with(**settings: Any) -> FastAPI:
     return create_app(Settings(store_path=":memory:", **settings), planner=Idle())
 
 

@@ -3,10 +3,12 @@
 import asyncio
 import json
 import re
+from typing import Any
 
 import httpx
 import numpy as np
 import pytest
+from starlette.types import Message
 
 import ikplan
 from ikplan import InvalidRequest
@@ -94,7 +96,7 @@ def test_version_and_health(http: httpx.Client) -> None:
     ],
 )
 def test_what_is_not_there_is_a_problem_too(
-    method: str, path, status: int, http: httpx.Client
+    method: str, path: str, status: int, http: httpx.Client
 ) -> None:
     answer = http.request(method, path)
     assert answer.status_code == status
@@ -116,7 +118,7 @@ def test_what_is_not_there_is_a_problem_too(
         ("/docs", "GET"),
     ],
 )
-def test_a_wrong_method_is_told_the_right_ones(path, methods, http: httpx.Client) -> None:
+def test_a_wrong_method_is_told_the_right_ones(path: str, methods: str, http: httpx.Client) -> None:
     answer = http.request("PATCH", path)
     assert (answer.status_code, answer.headers["allow"]) == (405, methods)
 
@@ -127,7 +129,7 @@ def test_a_wrong_method_is_told_the_right_ones(path, methods, http: httpx.Client
      "application/jsonx", "*/*"],
 )  # fmt: skip
 def test_a_body_that_does_not_say_it_is_json_is_refused(
-    content_type: str, http: httpx.Client
+    content_type: str | None, http: httpx.Client
 ) -> None:
     headers = {} if content_type is None else {"content-type": content_type}
     answer = http.post("/v1/plans", content=json.dumps(GOOD).encode(), headers=headers)
@@ -175,15 +177,16 @@ def test_a_body_that_is_too_long_is_refused_by_its_announced_length(http: httpx.
 
 def raw_exchange(headers: list[tuple[bytes, bytes]], chunk: bytes) -> tuple[int, int]:
     """Send a body of 100 chunks straight to an app; return the status and what it read."""
-    read, statuses = 0, []
+    read = 0
+    statuses: list[Any] = []
 
-    async def receive() -> dict:
+    async def receive() -> Message:
         nonlocal read
         read += len(chunk)
         more = read < 100 * len(chunk)
         return {"type": "http.request", "body": chunk, "more_body": more}
 
-    async def send(message: dict) -> None:
+    async def send(message: Message) -> None:
         statuses.append(message.get("status"))
 
     scope = {
@@ -205,7 +208,7 @@ def test_a_streamed_body_is_read_only_up_to_the_limit() -> None:
 @pytest.mark.parametrize(
     ("length", "status"), [(b"9" * 5000, 413), (b"-1", 422), (b"x", 422), (b"1", 422)]
 )
-def test_an_announced_length_is_not_believed(length, status: int) -> None:
+def test_an_announced_length_is_not_believed(length: bytes, status: int) -> None:
     assert raw_exchange([(b"content-length", length)], b" ")[0] == status
 
 
@@ -224,7 +227,7 @@ def test_a_plain_request_id_of_the_caller_is_kept_and_any_other_replaced(
     kept = http.get("/livez", headers={"x-request-id": "cell-7.plan_42"})
     assert kept.headers["x-request-id"] == "cell-7.plan_42"
     for odd in ("a b", "x" * 65, "<script>", "é"):
-        answer = http.get("/livez", headers={"x-request-id": odd.encode()})
+        answer = http.get("/livez", headers={b"x-request-id": odd.encode()})
         assert re.fullmatch(r"[0-9a-f]{32}", answer.headers["x-request-id"])
 
 
@@ -236,7 +239,7 @@ def test_settings_come_from_the_environment(monkeypatch: pytest.MonkeyPatch) -> 
 
 @pytest.mark.parametrize(("name", "value"), [("IKPLAN_WORKERS", "-1"), ("IKPLAN_PORT", "x")])
 def test_a_wrong_setting_names_its_variable(
-    name: str, value, monkeypatch: pytest.MonkeyPatch
+    name: str, value: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv(name, value)
     with pytest.raises(InvalidRequest, match=name) as caught:

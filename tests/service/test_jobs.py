@@ -16,6 +16,7 @@ from ikplan_api.app import create_app
 from ikplan_api.jobs.plan_jobs import PlanJobs
 from ikplan_api.settings import Settings
 from ikplan_api.store.plan_store import StoreFault
+from tests.present import present
 
 from .bad_requests import GOOD
 from .conftest import ADDRESS
@@ -47,7 +48,7 @@ def served(
     return asyncio.run(run())
 
 
-async def until(true: Callable[[], object]) -> None:
+async def until(true: Callable[..., object]) -> None:
     while not true():
         await asyncio.sleep(0.005)
 
@@ -64,8 +65,8 @@ def test_the_id_is_the_plans_own_and_known_before_it_is_made(http: httpx.Client)
 
 
 @pytest.mark.parametrize("prefer", ["respond-async", "wait=5, Respond-Async;x=1"])
-def test_a_job_is_accepted_polled_and_found(prefer) -> None:
-    async def use(planner, http: httpx.AsyncClient, jobs) -> None:
+def test_a_job_is_accepted_polled_and_found(prefer: str) -> None:
+    async def use(planner: StandIn, http: httpx.AsyncClient, jobs: PlanJobs) -> None:
         accepted = await http.post("/v1/plans", json=GOOD, headers={"prefer": prefer})
         assert accepted.status_code == 202
         place = accepted.headers["location"]
@@ -75,7 +76,7 @@ def test_a_job_is_accepted_polled_and_found(prefer) -> None:
             "id": GOOD_ID, "state": "queued", "stage": None, "done": 0, "total": 0,
         }  # fmt: skip
         await until(lambda: planner.progress)
-        planner.progress[0]("ik", 2, 5)
+        present(planner.progress[0])("ik", 2, 5)
         polled = await http.get(place)
         assert polled.status_code == 202
         assert "preference-applied" not in polled.headers
@@ -97,7 +98,7 @@ def test_a_job_is_accepted_polled_and_found(prefer) -> None:
 
 
 def test_a_wrong_request_is_refused_before_it_is_accepted() -> None:
-    async def use(planner, http: httpx.AsyncClient, _) -> None:
+    async def use(planner: StandIn, http: httpx.AsyncClient, _: PlanJobs) -> None:
         answer = await http.post("/v1/plans", json={**GOOD, "robot": "x"}, headers=ASYNC)
         assert answer.json()["type"] == "urn:ikplan:robot-not-found"
         assert not planner.asked
@@ -110,7 +111,7 @@ def test_a_job_that_fails_tells_why_and_is_tried_again_when_asked_again() -> Non
         "too far", waypoint=0, position_error=1.0, orientation_error=None, q=[0.0], reason="far"
     )
 
-    async def use(planner, http: httpx.AsyncClient, jobs) -> None:
+    async def use(planner: StandIn, http: httpx.AsyncClient, jobs: PlanJobs) -> None:
         place = (await http.post("/v1/plans", json=GOOD, headers=ASYNC)).headers["location"]
         await until(lambda: planner.asked)
         planner.fail(error)
@@ -131,7 +132,7 @@ def test_a_job_that_fails_tells_why_and_is_tried_again_when_asked_again() -> Non
 def test_an_unforeseen_fault_of_a_job_is_told_without_its_details(
     caplog: pytest.LogCaptureFixture,
 ) -> None:
-    async def use(planner, http: httpx.AsyncClient, jobs) -> httpx.Response:
+    async def use(planner: StandIn, http: httpx.AsyncClient, jobs: PlanJobs) -> httpx.Response:
         place = (await http.post("/v1/plans", json=GOOD, headers=ASYNC)).headers["location"]
         await until(lambda: planner.asked)
         planner.fail(ZeroDivisionError("secret"))
@@ -145,7 +146,7 @@ def test_an_unforeseen_fault_of_a_job_is_told_without_its_details(
 
 
 def test_a_request_in_flight_twice_is_planned_once() -> None:
-    async def use(planner, http: httpx.AsyncClient, _) -> None:
+    async def use(planner: StandIn, http: httpx.AsyncClient, _: PlanJobs) -> None:
         first, second = ask(http), ask(http)
         accepted = await http.post("/v1/plans", json=GOOD, headers=ASYNC)
         assert accepted.status_code == 202
@@ -157,15 +158,17 @@ def test_a_request_in_flight_twice_is_planned_once() -> None:
     served(use)
 
 
-def test_a_plan_is_answered_before_it_is_kept_and_forgotten_after_that() -> None:
-    async def use(planner, http: httpx.AsyncClient, jobs) -> None:
+def test_a_plan_is_answered_before_it_is_kept_and_forgotten_after_that(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    async def use(planner: StandIn, http: httpx.AsyncClient, jobs: PlanJobs) -> None:
         put, written = jobs._store.put, asyncio.Event()
 
         async def slowly(plan_id: str, document: bytes, **about: Any) -> None:
             await written.wait()
             await put(plan_id, document, **about)
 
-        jobs._store.put = slowly
+        monkeypatch.setattr(jobs._store, "put", slowly)
         asking = ask(http)
         await until(lambda: planner.asked)
         planner.answer()
@@ -183,7 +186,7 @@ def test_a_plan_is_answered_before_it_is_kept_and_forgotten_after_that() -> None
 
 
 def test_a_larger_budget_is_not_bound_by_a_smaller_one_in_flight() -> None:
-    async def use(planner, http: httpx.Client, _) -> None:
+    async def use(planner: StandIn, http: httpx.AsyncClient, _: PlanJobs) -> None:
         small, large = ask(http, budget_s=1.0), ask(http, budget_s=2.0)
         await until(lambda: planner.asked)
         await asyncio.sleep(0.02)
@@ -197,7 +200,7 @@ def test_a_larger_budget_is_not_bound_by_a_smaller_one_in_flight() -> None:
 
 
 def test_a_caller_who_leaves_frees_the_worker_unless_another_waits() -> None:
-    async def use(planner, http: httpx.Client, _) -> None:
+    async def use(planner: StandIn, http: httpx.AsyncClient, _: PlanJobs) -> None:
         first, second = ask(http), ask(http)
         await until(lambda: planner.asked)
         first.cancel()
@@ -214,7 +217,7 @@ def test_a_caller_who_leaves_frees_the_worker_unless_another_waits() -> None:
 
 
 def test_a_caller_who_leaves_does_not_end_a_job() -> None:
-    async def use(planner, http: httpx.AsyncClient, jobs) -> None:
+    async def use(planner: StandIn, http: httpx.AsyncClient, jobs: PlanJobs) -> None:
         waiting = ask(http)
         await until(lambda: planner.asked)
         place = (await http.post("/v1/plans", json=GOOD, headers=ASYNC)).headers["location"]
@@ -229,7 +232,7 @@ def test_a_caller_who_leaves_does_not_end_a_job() -> None:
 
 
 def test_a_job_is_cancelled_and_forgotten_and_a_plan_too() -> None:
-    async def use(planner, http: httpx.AsyncClient, _) -> None:
+    async def use(planner: StandIn, http: httpx.AsyncClient, _: PlanJobs) -> None:
         place = (await http.post("/v1/plans", json=GOOD, headers=ASYNC)).headers["location"]
         await until(lambda: planner.asked)
         assert (await http.delete(place)).status_code == 204
@@ -248,7 +251,7 @@ def test_a_job_is_cancelled_and_forgotten_and_a_plan_too() -> None:
 
 
 def test_who_waits_for_a_cancelled_job_gets_the_plan_all_the_same() -> None:
-    async def use(planner, http: httpx.AsyncClient, _) -> None:
+    async def use(planner: StandIn, http: httpx.AsyncClient, _: PlanJobs) -> None:
         place = (await http.post("/v1/plans", json=GOOD, headers=ASYNC)).headers["location"]
         waiting = ask(http)
         await asyncio.sleep(0.02)
@@ -260,7 +263,7 @@ def test_who_waits_for_a_cancelled_job_gets_the_plan_all_the_same() -> None:
 
 
 def test_no_job_is_accepted_without_room() -> None:
-    async def use(planner, http: httpx.AsyncClient, _) -> None:
+    async def use(planner: StandIn, http: httpx.AsyncClient, _: PlanJobs) -> None:
         other = [{"position": [0.5, 0.0, 0.4]}]
         waiting = ask(http, path={"waypoints": other})
         await until(lambda: planner.asked)
@@ -274,7 +277,7 @@ def test_no_job_is_accepted_without_room() -> None:
 
 
 def test_a_busy_service_still_answers_what_it_has_and_reads_nothing_new() -> None:
-    async def use(planner, http: httpx.Client, jobs) -> None:
+    async def use(planner: StandIn, http: httpx.AsyncClient, jobs: PlanJobs) -> None:
         first = ask(http)
         await until(lambda: planner.asked)
         planner.answer()
@@ -305,13 +308,13 @@ async def events(http: httpx.AsyncClient, place: str) -> list[tuple[str, dict[st
 
 
 def test_a_job_is_watched_to_its_end() -> None:
-    async def use(planner, http: httpx.AsyncClient, _) -> None:
+    async def use(planner: StandIn, http: httpx.AsyncClient, _: PlanJobs) -> None:
         place = (await http.post("/v1/plans", json=GOOD, headers=ASYNC)).headers["location"]
         watching = asyncio.create_task(events(http, place))
         await until(lambda: planner.asked)
         for done in range(3):
             await asyncio.sleep(0.02)
-            planner.progress[0]("ik", done, 3)
+            present(planner.progress[0])("ik", done, 3)
         await asyncio.sleep(0.02)
         planner.answer()
         told = await watching
@@ -328,7 +331,7 @@ def test_a_job_is_watched_to_its_end() -> None:
 def test_the_watch_of_a_job_ends_with_what_became_of_it() -> None:
     error = BudgetExceeded("late", stage="ik", budget_s=1.0)
 
-    async def use(planner, http: httpx.AsyncClient, _) -> None:
+    async def use(planner: StandIn, http: httpx.AsyncClient, _: PlanJobs) -> None:
         place = (await http.post("/v1/plans", json=GOOD, headers=ASYNC)).headers["location"]
         watching = asyncio.create_task(events(http, place))
         await until(lambda: planner.asked)
@@ -356,14 +359,14 @@ def test_jobs_outlive_a_restart_and_are_done_in_their_order(tmp_path: Path) -> N
     ]
     places = []
 
-    async def accept(planner, http: httpx.AsyncClient, _) -> None:
+    async def accept(planner: StandIn, http: httpx.AsyncClient, _: PlanJobs) -> None:
         for request in requests:
             answer = await http.post("/v1/plans", json=request, headers=ASYNC)
             places.append(answer.headers["location"])
         planner.answer(b'{"plan": 0}')
         await until(lambda: len(planner.asked) == 5 and planner.load.running == 4)
 
-    async def go_on(planner, http: httpx.AsyncClient, jobs) -> None:
+    async def go_on(planner: StandIn, http: httpx.AsyncClient, jobs: PlanJobs) -> None:
         await until(lambda: len(planner.asked) == 4)
         assert [json.loads(document) for document in planner.asked] == requests[1:]
         for _ in range(4):
@@ -374,7 +377,7 @@ def test_jobs_outlive_a_restart_and_are_done_in_their_order(tmp_path: Path) -> N
             assert (await http.get(place)).status_code == 200
         assert (await http.get(places[0])).json() == {"plan": 0}
 
-    async def rest(planner, http: httpx.AsyncClient, _) -> None:
+    async def rest(planner: StandIn, http: httpx.AsyncClient, _: PlanJobs) -> None:
         await asyncio.sleep(0.02)
         assert not planner.asked
         assert (await http.get(places[4])).status_code == 200
@@ -390,7 +393,7 @@ def test_with_a_full_disk_plans_are_answered_and_jobs_are_not_accepted(
     async def full(*_: object) -> None:
         raise StoreFault("database or disk is full")
 
-    async def use(planner, http: httpx.AsyncClient, jobs) -> None:
+    async def use(planner: StandIn, http: httpx.AsyncClient, jobs: PlanJobs) -> None:
         monkeypatch.setattr(jobs._store, "put", full)
         monkeypatch.setattr(jobs._store, "accept", full)
         refused = await http.post("/v1/plans", json=GOOD, headers=ASYNC)
@@ -411,7 +414,7 @@ def test_with_a_full_disk_plans_are_answered_and_jobs_are_not_accepted(
 def test_a_timing_is_a_job_like_a_plan() -> None:
     request = {"robot": "ur5", "waypoints": [[0.0] * 6, [0.1] * 6]}
 
-    async def use(planner, http: httpx.AsyncClient, jobs) -> None:
+    async def use(planner: StandIn, http: httpx.AsyncClient, jobs: PlanJobs) -> None:
         accepted = await http.post("/v1/timings", json=request, headers=ASYNC)
         assert accepted.status_code == 202
         await until(lambda: planner.asked)
@@ -427,7 +430,7 @@ def test_a_plan_may_not_take_longer_than_the_operator_allows(
 ) -> None:
     limits = []
 
-    async def use(planner, http: httpx.Client, _) -> None:
+    async def use(planner: StandIn, http: httpx.AsyncClient, _: PlanJobs) -> None:
         run = planner.run
 
         async def noting(*args: Any, **how: Any) -> Any:

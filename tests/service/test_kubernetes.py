@@ -2,6 +2,7 @@
 
 import re
 from pathlib import Path
+from typing import Any
 
 import httpx
 import kubernetes_validate
@@ -10,6 +11,7 @@ import yaml
 
 import ikplan
 from ikplan_api.settings import Settings
+from tests.present import present
 
 ROOT = Path(__file__).parents[2]
 OBJECTS = list(yaml.safe_load_all((ROOT / "docker/kubernetes.yaml").read_text()))
@@ -22,12 +24,12 @@ OLDEST = "1.30"
 
 
 def from_image(pattern: str) -> str:
-    return re.search(pattern, DOCKERFILE, re.MULTILINE)[1]
+    return present(re.search(pattern, DOCKERFILE, re.MULTILINE))[1]
 
 
 @pytest.mark.parametrize("version", [OLDEST, kubernetes_validate.latest_version()])
 @pytest.mark.parametrize("document", OBJECTS, ids=lambda document: document["kind"])
-def test_every_object_fits_its_schema(document, version) -> None:
+def test_every_object_fits_its_schema(document: dict[str, Any], version: str) -> None:
     kubernetes_validate.validate(document, version, strict=True)
 
 

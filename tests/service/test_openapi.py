@@ -1,11 +1,13 @@
 """The document that other people's tools read."""
 
 import re
+from collections.abc import Iterator
+from typing import Any
 
 import httpx
 import pytest
 
-from ikplan import errors
+from ikplan import Client, errors
 from ikplan.documents.pose_results import FkResult, IkBatchSolution, IkSolution
 from ikplan.plans.plan import Plan
 from ikplan_api.http.schemas import PROBLEMS
@@ -45,11 +47,12 @@ OPERATIONS = {
 
 
 @pytest.fixture(scope="module")
-def document(http: httpx.Client) -> dict:
-    return http.get("/openapi.json").json()
+def document(http: httpx.Client) -> dict[str, Any]:
+    read: dict[str, Any] = http.get("/openapi.json").json()
+    return read
 
 
-def nodes(value):
+def nodes(value: Any) -> Iterator[Any]:
     yield value
     if isinstance(value, dict):
         for item in value.values():
@@ -59,7 +62,7 @@ def nodes(value):
             yield from nodes(item)
 
 
-def test_operation_ids_are_stable(document) -> None:
+def test_operation_ids_are_stable(document: dict[str, Any]) -> None:
     found = {
         operation["operationId"]: (method, path)
         for path, methods in document["paths"].items()
@@ -68,7 +71,7 @@ def test_operation_ids_are_stable(document) -> None:
     assert found == OPERATIONS
 
 
-def test_every_reference_leads_somewhere(document) -> None:
+def test_every_reference_leads_somewhere(document: dict[str, Any]) -> None:
     schemas = document["components"]["schemas"]
     refs = {n["$ref"] for n in nodes(document) if isinstance(n, dict) and "$ref" in n}
     assert {ref.rpartition("/")[2] for ref in refs} <= schemas.keys()
@@ -86,7 +89,7 @@ def test_every_error_class_has_its_problem_with_its_data() -> None:
         assert schema["const"] == cls.problem_type()
 
 
-def test_every_operation_documents_its_failures(document) -> None:
+def test_every_operation_documents_its_failures(document: dict[str, Any]) -> None:
     for methods in document["paths"].values():
         for operation in methods.values():
             failures = {s: r for s, r in operation["responses"].items() if s >= "4"}
@@ -95,7 +98,9 @@ def test_every_operation_documents_its_failures(document) -> None:
                 assert list(answer["content"]) == ["application/problem+json"]
 
 
-def test_every_request_field_has_a_default_or_is_required_and_is_described(document) -> None:
+def test_every_request_field_has_a_default_or_is_required_and_is_described(
+    document: dict[str, Any],
+) -> None:
     schemas = document["components"]["schemas"]
     for name in (
         "PlanRequest",
@@ -119,7 +124,7 @@ def test_every_request_field_has_a_default_or_is_required_and_is_described(docum
 
 
 def test_answers_fit_the_models_they_are_documented_with(
-    document, http: httpx.Client, client
+    document: dict[str, Any], http: httpx.Client, client: Client
 ) -> None:
     plan = client.plan(GOOD)
     for path, model, body in (

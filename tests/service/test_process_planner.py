@@ -30,6 +30,7 @@ from ikplan_api.telemetry.load import Load
 from ikplan_api.workers.attempts import Attempts
 from ikplan_api.workers.process_planner import ProcessPlanner
 from tests.measured import waypoint_errors
+from tests.present import present
 
 from .bad_requests import GOOD
 from .conftest import ADDRESS
@@ -49,7 +50,10 @@ SLOW = json.dumps({**json.loads(LONG), "ik": {"population": 100, "iterations": 1
 
 
 def use(
-    scenario: Callable[[ProcessPlanner], Awaitable[Any]], workers: int = 1, queued: int = 10, **how
+    scenario: Callable[[ProcessPlanner], Awaitable[Any]],
+    workers: int = 1,
+    queued: int = 10,
+    **how: Any,
 ) -> Any:
     """Run a scenario with a planner of its own, and end that."""
 
@@ -73,7 +77,7 @@ class Begun(asyncio.Event):
         return lambda *_: self.set()
 
 
-async def until(true: Callable[[], bool]) -> None:
+async def until(true: Callable[..., bool]) -> None:
     async with asyncio.timeout(WAIT_S):
         while not true():
             await asyncio.sleep(0.01)
@@ -92,7 +96,7 @@ def alive(pid: int) -> bool:
         {**GOOD, "start": [0.0]},
     ],
 )
-def test_an_error_crosses_the_border_as_itself(request_) -> None:
+def test_an_error_crosses_the_border_as_itself(request_: dict[str, Any]) -> None:
     async def fail(planner: ProcessPlanner) -> IkplanError:
         with pytest.raises(IkplanError) as caught:
             await planner.run("plan", json.dumps(request_).encode())
@@ -215,7 +219,7 @@ def test_a_plan_that_waits_for_a_processor_is_stopped_when_its_wall_time_runs_ou
 def test_a_plan_without_enough_memory_is_told_so_and_the_next_has_it_again() -> None:
     async def fresh(planner: ProcessPlanner) -> int:
         status = Path(f"/proc/{planner.pids[0]}/status").read_text()
-        return int(re.search(r"VmData:\s+(\d+) kB", status)[1]) * 1024
+        return int(present(re.search(r"VmData:\s+(\d+) kB", status))[1]) * 1024
 
     limit = use(fresh) + 30 * 2**20
 
@@ -268,7 +272,9 @@ def test_progress_is_told_by_stage_and_waypoint() -> None:
     assert len(set(done)) > 2
 
 
-def busy_service(queued: int, scenario: Callable[[ProcessPlanner, AsyncClient], Awaitable[Any]]):
+def busy_service(
+    queued: int, scenario: Callable[[ProcessPlanner, AsyncClient], Awaitable[Any]]
+) -> Any:
     """A service whose only worker is halted until the scenario lets it go on."""
 
     async def run(planner: ProcessPlanner) -> Any:

@@ -68,7 +68,9 @@ V1 = f"12:memory:{SCOPE}\n4:cpu,cpuacct:{SCOPE}\n1:name=systemd:{SCOPE}\n"
         ("nonsense\n", {}, 8),
     ],
 )
-def test_the_quota_of_a_container_counts(membership, files, wanted, tmp_path: Path) -> None:
+def test_the_quota_of_a_container_counts(
+    membership: str, files: dict[str, str], wanted: int, tmp_path: Path
+) -> None:
     assert count(tmp_path, membership, files) == wanted
 
 

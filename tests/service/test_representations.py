@@ -13,7 +13,11 @@ import httpx
 import numpy as np
 import pytest
 import zstandard
+from anyio.from_thread import BlockingPortal
+from fastapi import FastAPI
+from starlette.types import Message
 
+from ikplan import Client
 from ikplan.plans.export import FORMATS, encode
 from ikplan.plans.plan import Plan
 from ikplan_api.middleware.install import COMPRESSED_FROM
@@ -29,7 +33,7 @@ UR5 = {
 
 
 @pytest.fixture(scope="module")
-def plan(client) -> Plan:
+def plan(client: Client) -> Plan:
     return client.plan(GOOD)
 
 
@@ -78,14 +82,16 @@ def test_a_timing_has_the_same_forms_and_a_program_where_the_arm_has_one(
         ("text/csv; header=present", "csv"),
     ],
 )
-def test_the_preferred_form_is_answered(accept, name: str, http: httpx.Client, plan: Plan) -> None:
+def test_the_preferred_form_is_answered(
+    accept: str, name: str, http: httpx.Client, plan: Plan
+) -> None:
     answer = http.get(f"/v1/plans/{plan.id}", headers={"accept": accept})
     assert answer.headers["content-type"].partition(";")[0] == NAMES[name]
 
 
 @pytest.mark.parametrize("accept", ["image/png", "text/html", "application/json;q=0", "nonsense"])
 def test_another_form_is_refused_with_those_there_are(
-    accept, http: httpx.Client, plan: Plan
+    accept: str, http: httpx.Client, plan: Plan
 ) -> None:
     for answer in (
         http.get(f"/v1/plans/{plan.id}", headers={"accept": accept}),
@@ -127,22 +133,25 @@ class Served(NamedTuple):
     pieces: int
 
 
+Ask = Callable[[str, str], Served]
+
+
 @pytest.fixture(scope="module")
-def served(app, portal) -> Callable[[str, str], Served]:
+def served(app: FastAPI, portal: BlockingPortal) -> Ask:
     """An answer as it is sent: compressed, in pieces."""
 
     def ask(path: str, coding: str) -> Served:
-        sent: list[dict] = []
+        sent: list[Message] = []
 
         asked = iter([{"type": "http.request", "body": b"", "more_body": False}])
 
-        async def receive() -> dict:
+        async def receive() -> Message:
             for message in asked:
                 return message
             await asyncio.sleep(60)
             raise AssertionError("nobody hangs up")
 
-        async def send(message: dict) -> None:
+        async def send(message: Message) -> None:
             sent.append(message)
 
         scope = {
@@ -175,27 +184,29 @@ def listing(http: httpx.Client) -> bytes:
         ("gzip;q=0", None),
     ],
 )
-def test_an_answer_is_compressed_as_asked(coding: str, applied, served, listing) -> None:
+def test_an_answer_is_compressed_as_asked(
+    coding: str, applied: str | None, served: Ask, listing: bytes
+) -> None:
     answer = served("/v1/robots", coding)
     assert answer.headers.get("content-encoding") == applied
-    body = {
+    decoders: dict[str | None, Callable[[bytes], bytes]] = {
         None: lambda b: b,
         "gzip": gzip.decompress,
         "zstd": lambda b: zstandard.ZstdDecompressor().decompressobj().decompress(b),
-    }[applied](answer.body)
-    assert body == listing
+    }
+    assert decoders[applied](answer.body) == listing
     assert len(listing) > 20 * COMPRESSED_FROM
     if applied:
         assert len(answer.body) < 0.5 * len(listing)
         assert "accept-encoding" in answer.headers["vary"].lower()
 
 
-def test_short_answers_are_left_alone(served) -> None:
+def test_short_answers_are_left_alone(served: Ask) -> None:
     assert "content-encoding" not in served("/livez", "gzip").headers
 
 
 def test_long_plans_are_compressed_piece_by_piece_and_whole(
-    served, client, http: httpx.Client
+    served: Ask, client: Client, http: httpx.Client
 ) -> None:
     request = {**GOOD, "sampling": {"rate_hz": 5000}}
     plan = client.plan(request)

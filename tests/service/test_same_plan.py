@@ -3,12 +3,15 @@
 import asyncio
 import json
 from pathlib import Path
+from typing import Any
 
 import httpx
 import pytest
+from anyio.from_thread import BlockingPortal
+from fastapi import FastAPI
 
 import ikplan
-from ikplan import AsyncClient, Plan, PlanRequest
+from ikplan import AsyncClient, Client, Plan, PlanRequest
 from ikplan.cli import main
 from ikplan.plans.export import encode
 
@@ -28,7 +31,7 @@ def plan() -> Plan:
     return ikplan.plan(GOOD)
 
 
-def lasting(document: bytes | str) -> dict:
+def lasting(document: bytes | str) -> dict[str, Any]:
     """A plan's document without ``stats``, whose seconds are those of the clock."""
     return {key: value for key, value in json.loads(document).items() if key != "stats"}
 
@@ -49,7 +52,7 @@ def test_http_answers_the_bytes_that_python_makes(
     assert lasting(answer.content) == lasting(plan.model_dump_json())
 
 
-def test_the_client_returns_the_plan_that_python_makes(plan: Plan, client) -> None:
+def test_the_client_returns_the_plan_that_python_makes(plan: Plan, client: Client) -> None:
     for remote in (client.plan(GOOD), client.plan(PlanRequest(**GOOD)), client.get_plan(plan.id)):
         assert remote.id == plan.id
         assert lasting(remote.model_dump_json()) == lasting(plan.model_dump_json())
@@ -57,8 +60,10 @@ def test_the_client_returns_the_plan_that_python_makes(plan: Plan, client) -> No
         assert encode(remote, "csv") == encode(plan, "csv")
 
 
-def test_the_twin_returns_what_the_client_returns(plan: Plan, app, client, portal) -> None:
-    async def ask() -> tuple:
+def test_the_twin_returns_what_the_client_returns(
+    plan: Plan, app: FastAPI, client: Client, portal: BlockingPortal
+) -> None:
+    async def ask() -> tuple[Any, ...]:
         transport = httpx.ASGITransport(app)
         async with AsyncClient(ADDRESS, transport=transport) as twin:
             made = await twin.plan(GOOD)
@@ -96,7 +101,9 @@ def test_the_command_writes_the_plan_that_python_makes(
     assert written[1:] == [encode(plan, "csv"), encode(plan, "npz")]
 
 
-def test_requests_at_the_same_time_do_not_disturb_each_other(plan: Plan, app, portal) -> None:
+def test_requests_at_the_same_time_do_not_disturb_each_other(
+    plan: Plan, app: FastAPI, portal: BlockingPortal
+) -> None:
     others = [{**GOOD, "ik": {"seed": seed}} for seed in range(4)]
 
     async def ask() -> list[Plan]:

@@ -11,6 +11,7 @@ import sys
 import threading
 import time
 from pathlib import Path
+from typing import Any
 
 import httpx
 
@@ -20,6 +21,7 @@ from benchmarks.service.server import Server, serving
 from ikplan_api.app import create_app
 from ikplan_api.settings import Settings
 from tests.measured import waypoint_errors
+from tests.present import present
 
 from .bad_requests import GOOD
 from .conftest import ADDRESS
@@ -44,7 +46,7 @@ if __name__ == "__main__":
 """
 
 
-def at(x: float) -> dict:
+def at(x: float) -> dict[str, Any]:
     return {**GOOD, "path": {"waypoints": [{"position": [x, 0.0, 0.5]}]}}
 
 
@@ -63,8 +65,8 @@ def test_what_runs_gets_its_time_and_what_waits_is_put_off() -> None:
                 while len(planner.asked) < 4:
                     await asyncio.sleep(0.005)
                 assert json.loads(planner.asked[1]) == at(0.51)
-                planner.progress[1]("ik", 1, 2)
-                assert state["stop"]() == 100
+                present(planner.progress[1])("ik", 1, 2)
+                assert present(state)["stop"]() == 100
                 await asyncio.sleep(0.01)
                 assert [json.loads(d) for d in planner.cancelled] == [at(0.52), at(0.53)]
                 planner.answer()
@@ -90,7 +92,7 @@ def test_what_takes_too_long_is_not_waited_for() -> None:
                 await http.post("/v1/plans", json=at(0.5), headers=ASYNC)
                 while not planner.asked:
                     await asyncio.sleep(0.005)
-                planner.progress[0]("ik", 1, 2)
+                present(planner.progress[0])("ik", 1, 2)
                 begin = time.monotonic()
             return time.monotonic() - begin
 
@@ -143,7 +145,7 @@ def test_a_stopped_service_ends_its_streams_and_does_its_jobs_after_the_next_sta
 def test_a_service_that_is_stuck_ends_all_the_same() -> None:
     environment = {**os.environ, "IKPLAN_STORE_PATH": ":memory:", "IKPLAN_STOP_S": "0"}
     command = [sys.executable, "-c", STUCK]
-    pipes = {"stderr": subprocess.PIPE, "text": True, "env": environment}
+    pipes: dict[str, Any] = {"stderr": subprocess.PIPE, "text": True, "env": environment}
     with subprocess.Popen(command, **pipes) as process:
         assert process.stderr is not None
         address = process.stderr.readline().split()[3]

@@ -18,14 +18,15 @@ from ikplan_api.store.lock_holder import lock_holder
 from ikplan_api.store.plan_store import Job, StoreFault
 from ikplan_api.store.recent_plans import RecentPlans
 from ikplan_api.store.sqlite_plans import IN_MEMORY, SqlitePlanStore
+from tests.present import present
 
 JOB = Job("j", "plan", b"{}", None, 10.0)
 
 
 def use(
-    scenario: Callable[[SqlitePlanStore], Awaitable[Any]], path: object = IN_MEMORY, **limits
+    scenario: Callable[[SqlitePlanStore], Awaitable[Any]], path: object = IN_MEMORY, **limits: Any
 ) -> Any:
-    bounds = {"max_plans": 100, "max_bytes": 10**6, "max_age_s": 3600.0, **limits}
+    bounds: dict[str, Any] = {"max_plans": 100, "max_bytes": 10**6, "max_age_s": 3600.0, **limits}
 
     async def run() -> Any:
         store = SqlitePlanStore(str(path), **bounds)
@@ -155,7 +156,7 @@ def test_a_second_service_on_the_same_file_says_whose_it_is(
         "c.execute('PRAGMA locking_mode = EXCLUSIVE'); c.execute('BEGIN IMMEDIATE'); "
         "c.execute('CREATE TABLE t (x)'); print('held', flush=True); sys.stdin.read()"
     )
-    pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE, "text": True}
+    pipes: dict[str, Any] = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE, "text": True}
     with subprocess.Popen([sys.executable, "-c", hold, path], **pipes) as process:
         assert process.stdout is not None
         assert process.stdout.readline() == "held\n"
@@ -170,7 +171,7 @@ def test_a_second_service_on_the_same_file_says_whose_it_is(
 
 
 @pytest.mark.parametrize("path", ["/proc/nowhere/store", "/dev/null/store", "/"])
-def test_a_place_that_cannot_be_used_is_named_with_its_setting(path) -> None:
+def test_a_place_that_cannot_be_used_is_named_with_its_setting(path: str) -> None:
     async def never(_: SqlitePlanStore) -> None:
         raise AssertionError
 
@@ -197,7 +198,7 @@ def test_a_full_disk_loses_nothing_that_was_kept(tmp_path: Path) -> None:
         connection = store._connection
         assert connection is not None
         async with connection.execute("PRAGMA page_count") as cursor:
-            (pages,) = await cursor.fetchone()
+            (pages,) = present(await cursor.fetchone())
         await connection.execute(f"PRAGMA max_page_count = {pages + 2}")
         for name in ("b", "c"):
             with pytest.raises(StoreFault, match="full"):

@@ -5,13 +5,14 @@ import copy
 import io
 import json
 from pathlib import Path
+from typing import Any
 
 import httpx
 import numpy as np
 import pytest
 
 import ikplan
-from ikplan import AsyncClient, InvalidRequest, Plan, RobotNotFound, TimingFailed
+from ikplan import AsyncClient, Client, InvalidRequest, Plan, RobotNotFound, TimingFailed
 from ikplan.cli import main
 from ikplan.errors import IkplanError, error_from_problem
 from ikplan_api.app import create_app
@@ -20,7 +21,7 @@ from ikplan_api.settings import Settings
 from .bad_requests import GOOD as GOOD_PLAN
 from .conftest import ADDRESS
 
-GOOD = {
+GOOD: dict[str, Any] = {
     "robot": "ur5",
     "waypoints": [
         [0.0, -1.57, 1.57, 0.0, 1.0, 0.0],
@@ -32,12 +33,12 @@ GOOD = {
 }
 
 
-def without_stats(plan: Plan) -> dict:
+def without_stats(plan: Plan) -> dict[str, Any]:
     return plan.model_dump(mode="json", exclude={"stats"})
 
 
 def test_every_way_gives_the_same_trajectory(
-    http: httpx.Client, client, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    http: httpx.Client, client: Client, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     here = ikplan.time_request(GOOD)
     assert without_stats(client.time(GOOD)) == without_stats(here)
@@ -81,16 +82,16 @@ def test_the_shell_times_joint_values_and_trajectories_of_its_own(
     assert again.duration > 1.3 * first.duration
 
 
-def changed(*path: str | int, to: object) -> dict:
+def changed(*path: str | int, to: object) -> dict[str, Any]:
     document = copy.deepcopy(GOOD)
-    place = document
+    place: Any = document
     for key in path[:-1]:
         place = place.setdefault(key, {}) if isinstance(place, dict) else place[key]
     place[path[-1]] = to
     return document
 
 
-BAD: list[tuple[dict, type[IkplanError], str, str]] = [
+BAD: list[tuple[dict[str, Any], type[IkplanError], str, str]] = [
     (changed("limits", "velocity", to=0.0), InvalidRequest, "limits.velocity", "greater"),
     (changed("limits", "velocity", to=[1.0, -1.0, 1, 1, 1, 1]), InvalidRequest,
      "limits.velocity[1]", "greater"),
@@ -140,12 +141,12 @@ BAD: list[tuple[dict, type[IkplanError], str, str]] = [
     ids=[f"{b[2] or b[1].__name__}: {b[3]}" for b in BAD],
 )
 def test_a_wrong_timing_has_one_verdict(
-    document,
-    kind: str,
+    document: dict[str, Any],
+    kind: type[IkplanError],
     field: str,
-    word,
+    word: str,
     http: httpx.Client,
-    client,
+    client: Client,
     monkeypatch: pytest.MonkeyPatch,
     capsys: pytest.CaptureFixture[str],
 ) -> None:
@@ -154,6 +155,7 @@ def test_a_wrong_timing_has_one_verdict(
     error = caught.value
     assert word in error.detail
     if field:
+        assert isinstance(error, InvalidRequest)
         assert error.field == field
     problem = http.post("/v1/timings", json=document)
     assert problem.headers["content-type"] == "application/problem+json"
@@ -168,7 +170,7 @@ def test_a_wrong_timing_has_one_verdict(
     assert main(["time", "-"]) == (1 if isinstance(error, TimingFailed) else 2)
     line, *repairs = capsys.readouterr().err.splitlines()
     assert line == f"ikplan: {error.slug}: {' '.join(error.detail.split())}"
-    assert len(repairs) == (len(error.repairs) + 1 if error.data.get("repairs") else 0)
+    assert len(repairs) == (len(error.data["repairs"]) + 1 if error.data.get("repairs") else 0)
 
 
 @pytest.mark.parametrize(
@@ -180,7 +182,7 @@ def test_a_wrong_timing_has_one_verdict(
         ({"tool_speed": {"angular": 0.0}}, "limits.tool_speed.angular"),
     ],
 )
-def test_a_plan_names_the_wrong_limit(limits, field: str, client) -> None:
+def test_a_plan_names_the_wrong_limit(limits: dict[str, Any], field: str, client: Client) -> None:
     document = {**GOOD_PLAN, "limits": limits}
     with pytest.raises(InvalidRequest) as here:
         ikplan.plan(document)
@@ -194,7 +196,10 @@ def test_a_plan_names_the_wrong_limit(limits, field: str, client) -> None:
     "arguments", [["time"], ["time", "rows.json"], ["time", "ur5", "request.json"]]
 )
 def test_a_wrong_command_is_told_in_one_line(
-    arguments, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    arguments: list[str],
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
 ) -> None:
     monkeypatch.chdir(tmp_path)
     (tmp_path / "rows.json").write_text("[[0, 0, 0, 0, 0, 0]]")

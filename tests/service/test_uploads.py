@@ -6,6 +6,7 @@ import contextlib
 import json
 from collections.abc import AsyncIterator, Iterator
 from pathlib import Path
+from typing import Any
 
 import httpx
 import numpy as np
@@ -35,7 +36,7 @@ def arm(client: Client) -> Iterator[str]:
     client.delete_robot(name)
 
 
-def test_an_upload_is_described_listed_and_answered_again(http: httpx.Client, arm) -> None:
+def test_an_upload_is_described_listed_and_answered_again(http: httpx.Client, arm: str) -> None:
     again = http.post("/v1/robots", json={"urdf": ARM, "title": "Arm"})
     assert again.status_code == 200
     assert again.headers["location"] == f"/v1/robots/{arm}"
@@ -55,7 +56,7 @@ def test_a_urdf_can_be_sent_as_it_is(http: httpx.Client) -> None:
     assert http.delete(f"/v1/robots/{info['name']}").status_code == 204
 
 
-def test_every_request_can_name_it(client, arm) -> None:
+def test_every_request_can_name_it(client: Client, arm: str) -> None:
     local = robot_from_urdf(ARM)
     pose = local.fk(Q)
     assert np.array_equal(client.fk({"robot": arm, "q": Q}).position, pose.translation)
@@ -63,7 +64,9 @@ def test_every_request_can_name_it(client, arm) -> None:
     solution = client.ik({"robot": arm, "position": target["position"], "start": Q})
     reached = local.fk(solution.q).translation
     assert np.linalg.norm(reached - pose.translation) <= 1e-6
-    path = {"waypoints": [{"position": pose.translation}, {"position": local.fk([0] * 6)}]}
+    path: dict[str, Any] = {
+        "waypoints": [{"position": pose.translation}, {"position": local.fk([0] * 6)}]
+    }
     path["waypoints"][1]["position"] = local.fk([v + 0.1 for v in Q]).translation
     plan = client.plan({"robot": arm, "start": Q, "path": path})
     check_motion(plan.trajectory, local, ends=(Q, plan.waypoints.q[-1]))
@@ -76,14 +79,16 @@ def test_every_request_can_name_it(client, arm) -> None:
     check_motion(timed.trajectory, local, ends=(Q, [0.0] * 6))
 
 
-def test_torques_of_a_robot_without_inertias_are_refused_with_the_reason(client, arm) -> None:
+def test_torques_of_a_robot_without_inertias_are_refused_with_the_reason(
+    client: Client, arm: str
+) -> None:
     request = {"robot": arm, "waypoints": [Q, [0.0] * 6], "limits": {"torque": True}}
     with pytest.raises(ikplan.InvalidRequest, match=r"link 'l1' .on joint 'j1'. has no mass"):
         client.time(request)
 
 
 def test_a_forgotten_robot_is_not_found_and_neither_is_one_never_seen(
-    client, http: httpx.Client
+    client: Client, http: httpx.Client
 ) -> None:
     name = client.upload_robot(chain(3))["name"]
     client.delete_robot(name)
@@ -120,13 +125,18 @@ def test_the_catalogue_cannot_be_deleted(http: httpx.Client) -> None:
     ],
 )
 def test_a_wrong_upload_is_told_what_is_wrong(
-    http: httpx.Client, query, headers, body, status: int, said
+    http: httpx.Client,
+    query: str,
+    headers: dict[str, str],
+    body: str | bytes,
+    status: int,
+    said: str,
 ) -> None:
     answer = http.post(f"/v1/robots{query}", content=body, headers=headers)
     assert (answer.status_code, said in answer.json()["detail"]) == (status, True), answer.text
 
 
-def test_the_client_raises_what_python_raises(client) -> None:
+def test_the_client_raises_what_python_raises(client: Client) -> None:
     broken = ARM.replace('lower="-2.5"', 'lower="3"')
     with pytest.raises(InvalidRobot) as local:
         ikplan.robots.robot_from_urdf(broken, name="robot")
@@ -216,7 +226,7 @@ def test_64_joints_are_built(http: httpx.Client) -> None:
 
 
 def test_the_command_uploads_the_robot_of_a_file(
-    live_address: str, client, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    live_address: str, client: Client, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     urdf, rows, out = (tmp_path / name for name in ("arm.urdf", "rows.json", "timed.json"))
     urdf.write_text(ARM)

@@ -27,7 +27,7 @@ def pytest_configure() -> None:
     def preload_all(names: list[str]) -> None:
         preload([*dict.fromkeys([*WARM, *names])])
 
-    forkserver.set_forkserver_preload = preload_all
+    setattr(forkserver, "set_forkserver_preload", preload_all)  # noqa: B010 a method, to mypy
 
 
 def pytest_unconfigure() -> None:
@@ -42,7 +42,7 @@ def pytest_xdist_make_scheduler(config: pytest.Config, log: Any) -> Any:
         return None
     from xdist.scheduler import LoadFileScheduling
 
-    class Scheduling(LoadFileScheduling):
+    class Scheduling(LoadFileScheduling):  # type: ignore[misc]
         def _split_scope(self, nodeid: str) -> str:
             return PAGE if nodeid.startswith(PAGE) else str(super()._split_scope(nodeid))
 

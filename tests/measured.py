@@ -111,4 +111,5 @@ def off_polyline(points: Array, corners: ArrayLike) -> Array:
 def off_circle(points: Array, centre: ArrayLike, radius: float) -> Array:
     """Distance of points, shape (m, 3), from a circle parallel to the xy plane [m]."""
     off = points - np.asarray(centre)
-    return np.hypot(np.hypot(off[:, 0], off[:, 1]) - radius, off[:, 2])
+    distance: Array = np.hypot(np.hypot(off[:, 0], off[:, 1]) - radius, off[:, 2])
+    return distance

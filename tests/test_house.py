@@ -222,8 +222,8 @@ def test_modules_of_the_service_that_strings_name_exist() -> None:
     for name, file in modules().items():
         for node in ast.walk(ast.parse(file.read_text())):
             if isinstance(node, ast.Constant) and isinstance(node.value, str):
-                path = re.fullmatch(r"(ikplan_api(?:\.\w+)+)(?::\w+)?", node.value)
-                named |= {(name, path[1])} if path else set()
+                found = re.fullmatch(r"(ikplan_api(?:\.\w+)+)(?::\w+)?", node.value)
+                named |= {(name, found[1])} if found else set()
     assert {"ikplan.cli.serving", "ikplan_api.workers.worker_slot"} <= {name for name, _ in named}
     for name, path in named:
         module, _, attribute = path.rpartition(".")

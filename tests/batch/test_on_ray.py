@@ -40,7 +40,7 @@ def actors() -> Iterator[int]:
             yield int(stat.parent.name)
 
 
-def test_rows_are_those_of_local_workers_also_where_an_actor_is_killed():
+def test_rows_are_those_of_local_workers_also_where_an_actor_is_killed() -> None:
     local = answers_of(LocalExecutor(EchoWork(), 2), LINES, 4)
     assert local[7].slug == "worker-lost"
     before = set(actors())
@@ -64,13 +64,15 @@ def test_rows_are_those_of_local_workers_also_where_an_actor_is_killed():
     assert killed
 
 
-def test_a_driver_that_is_killed_leaves_no_actor_and_is_resumed_to_the_same_bytes(tmp_path):
+def test_a_driver_that_is_killed_leaves_no_actor_and_is_resumed_to_the_same_bytes(
+    tmp_path: Path,
+) -> None:
     whole, broken, log = tmp_path / "whole", tmp_path / "broken", tmp_path / "log"
     log.mkdir()
     lines = [b'{"k": %d}' % k for k in range(100)]
     to_shards(whole, lines, EchoWork(), "jsonl.zst", 8)
     before = set(actors())
-    command = [sys.executable, "-m", "tests.batch.run_echo", broken, log, "100"]
+    command = [sys.executable, "-m", "tests.batch.run_echo", str(broken), str(log), "100"]
     with subprocess.Popen([*command, "ray"], stderr=subprocess.DEVNULL) as driver:
         while len(list(broken.glob("shard-*"))) < 2:
             assert driver.poll() is None
@@ -87,7 +89,7 @@ def test_a_driver_that_is_killed_leaves_no_actor_and_is_resumed_to_the_same_byte
     assert all((broken / n).read_bytes() == (whole / n).read_bytes() for n in names)
 
 
-def test_the_cluster_listens_on_loopback_only():
+def test_the_cluster_listens_on_loopback_only() -> None:
     executor = RayExecutor(EchoWork(), 1)
     import ray  # after the executor, which decides how it listens
 

@@ -147,4 +147,5 @@ def _against(robot: Robot, pose: Document) -> list[float]:
     R = pin.Quaternion(np.array(pose["quaternion_xyzw"])).toRotationMatrix()
     R0 = robot.fk(START).rotation
     turn = R0 @ pin.log3(R0.T @ R)
-    return (-turn / math.sqrt(float(turn @ turn))).tolist()  # type: ignore[no-any-return]
+    axis: list[float] = (-turn / math.sqrt(float(turn @ turn))).tolist()
+    return axis

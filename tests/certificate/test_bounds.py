@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -72,7 +73,9 @@ def test_no_joint_path_of_the_catalogue_undercuts_it(name: str) -> None:
 
 @given(chains, st.integers(0, 2**32 - 1))
 @settings(max_examples=60, deadline=None)
-def test_no_joint_path_of_any_chain_undercuts_it(parts, seed: int) -> None:
+def test_no_joint_path_of_any_chain_undercuts_it(
+    parts: tuple[Sequence[Joint], Joint, Joint], seed: int
+) -> None:
     robot = robot_from_urdf(urdf_of(*parts))
     rng = np.random.default_rng(seed)
     q = rng.uniform(-2.9, 2.9, (5, robot.dof))

@@ -16,7 +16,7 @@ import ikplan
 from ikplan import CertificateViolated, load_robot
 from ikplan.certificate import Claim, certify
 from ikplan.documents.limits import LimitOptions
-from ikplan.documents.plan_request import PlanRequest
+from ikplan.documents.plan_request import PathRequest, PlanRequest
 from ikplan.joint_path import JointPath
 from ikplan.limits import JointLimits
 from ikplan.limits.motion_limits import MotionLimits
@@ -24,7 +24,7 @@ from ikplan.robots import Robot
 from ikplan.timing import on_grid, sample, time_joint_path
 
 DOWN = [1.0, 0.0, 0.0, 0.0]
-REQUEST = {
+REQUEST: dict[str, Any] = {
     "robot": "iiwa14",
     "path": {
         "frame": {"position": [0.1, -0.05, 0.1], "quaternion_xyzw": [0.0, 0.0, 0.1, 0.995]},
@@ -58,7 +58,10 @@ def honest() -> Claim:
         np.array(robot.home),
         np.array(plan.waypoints.q),
         np.array(plan.waypoints.time),
-        *(np.array(a) for a in (t.time, t.q, t.dq, t.ddq)),
+        np.array(t.time),
+        np.array(t.q),
+        np.array(t.dq),
+        np.array(t.ddq),
         limits_of(robot),
     )
 
@@ -67,13 +70,20 @@ def limits_of(robot: Robot, **options: float) -> MotionLimits:
     return MotionLimits.of(robot, LimitOptions.model_validate(options))
 
 
+def path_of(c: Claim) -> PathRequest:
+    """The path of a claim that is of one."""
+    assert c.path is not None
+    return c.path
+
+
 def test_an_honest_plan_is_certified_with_figures_that_pinocchio_confirms(honest: Claim) -> None:
     c = certify(honest)
     robot = honest.robot
-    frame = honest.path.frame
+    path = path_of(honest)
+    frame = path.frame
     T = pin.XYZQUATToSE3(np.array([*frame.position, *frame.quaternion_xyzw]))
     distances, turns = [], []
-    for q, w in zip(honest.waypoint_q, honest.path.waypoints, strict=True):
+    for q, w in zip(honest.waypoint_q, path.waypoints or (), strict=True):
         have, want = robot.fk(q), T.act(np.array(w.position))
         distances.append(np.linalg.norm(have.translation - want))
         if w.quaternion_xyzw:
@@ -90,6 +100,7 @@ def test_an_honest_plan_is_certified_with_figures_that_pinocchio_confirms(honest
     assert c.acceleration_limit_ratio == pytest.approx(acceleration.max())
     half, middle = (robot.upper - robot.lower) / 2, (robot.upper + robot.lower) / 2
     assert c.position_limit_ratio == pytest.approx((np.abs(honest.q - middle) / half).max())
+    assert honest.q_start is not None
     steps = np.diff(np.vstack([honest.q_start, honest.waypoint_q]), axis=0)
     assert c.elongation_sum == pytest.approx(np.linalg.norm(steps, axis=1).sum())
     assert 0.0 < c.elongation_lower_bound <= c.elongation_sum
@@ -105,7 +116,8 @@ def test_joint_waypoints_have_no_pose_errors(honest: Claim) -> None:
     assert c.elongation_lower_bound == c.elongation_sum
 
 
-def changed(a: np.ndarray, where: Any, by: Any) -> np.ndarray:
+def changed(a: np.ndarray | None, where: Any, by: Any) -> np.ndarray:
+    assert a is not None
     b = a.copy()
     b[where] += by
     return b
@@ -120,18 +132,21 @@ def scaled_time(c: Claim, k: float) -> Claim:
 
 def elsewhere(c: Claim, metres: float) -> Claim:
     """The same motion for a path that is somewhere else."""
-    frame = c.path.frame
+    path = path_of(c)
+    frame = path.frame
     moved = frame.model_copy(update={"position": [frame.position[0] + metres, *frame.position[1:]]})
-    return replace(c, path=c.path.model_copy(update={"frame": moved}))
+    return replace(c, path=path.model_copy(update={"frame": moved}))
 
 
 def turned(c: Claim) -> Claim:
     """The same motion for a path with one waypoint turned by 0.02 rad."""
-    first = c.path.waypoints[0].model_copy(
+    path = path_of(c)
+    assert path.waypoints is not None
+    first = path.waypoints[0].model_copy(
         update={"quaternion_xyzw": [np.cos(0.01), np.sin(0.01), 0.0, 0.0]}
     )
-    waypoints = [first, *c.path.waypoints[1:]]
-    return replace(c, path=c.path.model_copy(update={"waypoints": waypoints}))
+    waypoints = [first, *path.waypoints[1:]]
+    return replace(c, path=path.model_copy(update={"waypoints": waypoints}))
 
 
 def cut(c: Claim, row: int) -> Claim:
@@ -239,8 +254,9 @@ def test_a_tolerance_covers_what_it_says(honest: Claim) -> None:
     missed = elsewhere(honest, 1e-3)
     with pytest.raises(CertificateViolated, match="missed"):
         certify(missed)
-    wide = missed.path.tolerance.model_copy(update={"position": 1.001e-3})
-    path = missed.path.model_copy(update={"tolerance": wide})
+    path = path_of(missed)
+    wide = path.tolerance.model_copy(update={"position": 1.001e-3})
+    path = path.model_copy(update={"tolerance": wide})
     c = certify(replace(missed, path=path))
     assert c.max_position_error == pytest.approx(1e-3, rel=1e-6)
 

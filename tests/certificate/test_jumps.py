@@ -47,7 +47,7 @@ def test_the_motion_itself_is_one() -> None:
 
 @pytest.mark.parametrize("sign", [1.0, -1.0])
 @pytest.mark.parametrize("share", FREE + JUMPS)
-def test_a_position_jumps_from_half_a_t_squared_on(share, sign) -> None:
+def test_a_position_jumps_from_half_a_t_squared_on(share: float, sign: float) -> None:
     """From constant speed, an acceleration of a moves a joint by a t^2 / 2 within a step."""
     found = violations(moved("q", sign * share * 0.5 * A * DT**2))
     assert any("positions jump" in words for words in found) == (share > 1.0)
@@ -56,13 +56,13 @@ def test_a_position_jumps_from_half_a_t_squared_on(share, sign) -> None:
 
 @pytest.mark.parametrize("sign", [1.0, -1.0])
 @pytest.mark.parametrize("share", FREE + JUMPS)
-def test_a_velocity_jumps_from_a_t_on(share, sign) -> None:
+def test_a_velocity_jumps_from_a_t_on(share: float, sign: float) -> None:
     found = violations(moved("dq", sign * share * A * DT))
     assert any("velocities jump" in words for words in found) == (share > 1.0)
 
 
 @pytest.mark.parametrize("share", FREE + JUMPS)
-def test_a_waypoint_between_samples_is_as_near_as_the_acceleration_lets_it_be(share) -> None:
+def test_a_waypoint_between_samples_is_as_near_as_the_acceleration_lets_it_be(share: float) -> None:
     """Half way between two samples: a (t / 2)^2 / 2 to either side of where the speed leads."""
     made = cruising()
     middle = 0.5 * (made.time[CRUISE] + made.time[CRUISE + 1])
@@ -77,7 +77,7 @@ def test_a_waypoint_between_samples_is_as_near_as_the_acceleration_lets_it_be(sh
 
 
 @pytest.mark.parametrize("share", FREE + JUMPS)
-def test_a_hidden_jump_to_elsewhere_is_found_at_its_two_ends_only(share) -> None:
+def test_a_hidden_jump_to_elsewhere_is_found_at_its_two_ends_only(share: float) -> None:
     """All samples from one on are elsewhere, and the last waypoint with them."""
     by = share * 0.5 * A * DT**2
     made = moved("q", by, slice(CRUISE, None))

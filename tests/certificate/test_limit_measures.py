@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
@@ -158,7 +159,7 @@ def test_what_is_not_limited_is_not_measured() -> None:
     assert exceeded == []
 
 
-MEASURES = {
+MEASURES: dict[str, Callable[..., np.ndarray]] = {
     "jerk": lambda _robot, _q, _dq, ddq: jerk_ratios(TIME, ddq, np.ones(7)),
     "torque": lambda robot, q, dq, ddq: torque_ratios(
         robot, q, dq, ddq, np.ones(7), 0.0, np.zeros(3)
@@ -175,7 +176,8 @@ def test_a_limit_of_a_joint_is_broken_beyond_rounding(kind: str, over: float, br
     most = MEASURES[kind](robot, q, dq, ddq)
     row, joint = np.unravel_index(most.argmax(), most.shape)
     limit = np.full(7, most[row, joint] / (1.0 + over))
-    limits = replace(PLAIN, **{kind: limit})
+    changed: dict[str, Any] = {kind: limit}
+    limits = replace(PLAIN, **changed)
     found, exceeded = measured_limits(robot, limits, TIME, q, dq, ddq)
     assert found["jerk_limited"] == (kind == "jerk")
     assert set(found) == {*ALWAYS, f"{kind}_limit_ratio", f"{kind}_limit_at"}
@@ -203,7 +205,8 @@ def test_a_limit_of_the_tool_is_broken_beyond_rounding(
     )
     row = int(most.argmax())
     limit = tuple(value * most[row] / (1.0 + over) for value in one)
-    limits = replace(PLAIN, **{f"tool_{kind}": limit})
+    changed: dict[str, Any] = {f"tool_{kind}": limit}
+    limits = replace(PLAIN, **changed)
     found, exceeded = measured_limits(robot, limits, TIME, q, dq, ddq)
     assert set(found) == {*ALWAYS, f"tool_{kind}_ratio", f"tool_{kind}_time"}
     assert found[f"tool_{kind}_ratio"] == pytest.approx(1.0 + over, rel=1e-12)

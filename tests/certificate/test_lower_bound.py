@@ -21,7 +21,7 @@ from tests.kinematics.synthetic import Joint, robot_of
 
 SLIDER = robot_of([Joint("prismatic", axis=(1, 0, 0))])
 WHEEL = robot_of([Joint("revolute", axis=(0, 0, 1))])
-EXACT = {"rel": 3e-12, "abs": 0.0}
+EXACT: dict[str, Any] = {"rel": 3e-12, "abs": 0.0}
 """Nearer to the closed form than the rounding that the bound leaves room for, three times."""
 
 

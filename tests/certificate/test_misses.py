@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 import pytest
@@ -24,7 +25,9 @@ def quaternion(angle: float) -> list[float]:
 @pytest.mark.parametrize("share", SHARES)
 @pytest.mark.parametrize("direction", [(1.0, 0.0, 0.0), (0.0, -1.0, 0.0), (0.0, 0.6, 0.8)])
 @pytest.mark.parametrize("row", [0, 1])
-def test_a_position_is_missed_from_the_tolerance_on(share, direction, row) -> None:
+def test_a_position_is_missed_from_the_tolerance_on(
+    share: float, direction: tuple[float, float, float], row: int
+) -> None:
     tolerance = 1e-3
     asked = np.array([[0.2, 0.0, 0.0], [0.1, 0.0, 0.0]])
     asked[row] += share * tolerance * np.array(direction)
@@ -44,7 +47,7 @@ def test_a_position_is_missed_from_the_tolerance_on(share, direction, row) -> No
 
 @pytest.mark.parametrize("share", SHARES)
 @pytest.mark.parametrize("sign", [1.0, -1.0])
-def test_an_orientation_is_missed_from_the_tolerance_on(share, sign) -> None:
+def test_an_orientation_is_missed_from_the_tolerance_on(share: float, sign: float) -> None:
     tolerance, q = 0.01, 0.3
     pose = {
         "position": [0.4 * math.cos(q), 0.4 * math.sin(q), 0.0],
@@ -73,7 +76,7 @@ def test_the_least_motion_counts_what_both_ends_of_a_way_were_missed_by() -> Non
 
 
 def test_the_least_turning_counts_what_both_ends_of_a_way_were_missed_by() -> None:
-    def asked(angle: float, reached: float) -> dict:
+    def asked(angle: float, reached: float) -> dict[str, Any]:
         position = [0.4 * math.cos(reached), 0.4 * math.sin(reached), 0.0]
         return {"position": position, "quaternion_xyzw": quaternion(angle)}
 

@@ -13,6 +13,7 @@ from ikplan import CertificateViolated, load_robot
 from ikplan.certificate.requested import read_motion
 from ikplan.documents.path import PathRequest
 from ikplan.planning.moves import move_planner
+from ikplan.planning.moves.rounding import round_way
 from tests.moves.cells import moving, pose, turned
 
 ROBOT = "ur5"
@@ -41,7 +42,7 @@ def test_a_move_that_ends_elsewhere_is_refused(
 ) -> None:
     request = moving(ROBOT, [{"type": "move", **target}])
     assert ikplan.plan(request).certificate.valid
-    monkeypatch.setattr(move_planner, "round_way", _ending_elsewhere(move_planner.round_way))
+    monkeypatch.setattr(move_planner, "round_way", _ending_elsewhere(round_way))
     with pytest.raises(CertificateViolated, match="waypoint 0"):
         ikplan.plan(request)
 

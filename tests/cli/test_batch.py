@@ -77,7 +77,9 @@ def json_lines(*requests: object) -> bytes:
     return b"\n".join(json.dumps(r).encode() for r in requests)
 
 
-def test_every_line_is_answered_in_its_place_and_none_spoils_another(run):
+def test_every_line_is_answered_in_its_place_and_none_spoils_another(
+    run: Callable[..., Done],
+) -> None:
     body = json_lines(GOOD[0], FAR) + b"\n\n  \n{not JSON\r\n" + json_lines(*GOOD[1:], [1])
     done = run("batch", "-", "--workers", "2", given=body)
     assert done.code == 1
@@ -97,7 +99,7 @@ def test_every_line_is_answered_in_its_place_and_none_spoils_another(run):
     assert said == ["ikplan: 3 of 7 requests have no plan: 2 invalid-request, 1 unreachable"]
 
 
-def test_a_batch_for_the_robot_of_a_file(run, tmp_path):
+def test_a_batch_for_the_robot_of_a_file(run: Callable[..., Done], tmp_path: Path) -> None:
     urdf, requests, out = (tmp_path / name for name in ("two.urdf", "in.jsonl", "out.jsonl"))
     urdf.write_text(URDF)
     document = {"start": [0.0, 0.1], "path": {"waypoints": [{"position": [0.4, 0.2, 0.0]}]}}
@@ -114,7 +116,7 @@ def test_a_batch_for_the_robot_of_a_file(run, tmp_path):
         )
 
 
-def test_a_worker_that_is_killed_from_outside_costs_no_line():
+def test_a_worker_that_is_killed_from_outside_costs_no_line() -> None:
     waypoints = [{"position": [0.4, 0.01 * i, 0.4]} for i in range(50)]
     search = {"population": 400, "iterations": 400}
     slow = {**REQUEST, "path": {"waypoints": waypoints}, "ik": search, "budget_s": 100}
@@ -127,7 +129,9 @@ def test_a_worker_that_is_killed_from_outside_costs_no_line():
     assert json.loads(statuses) == [200] * len(lines)
 
 
-def test_a_batch_in_shards_that_is_killed_is_resumed_to_the_same_bytes(run, tmp_path):
+def test_a_batch_in_shards_that_is_killed_is_resumed_to_the_same_bytes(
+    run: Callable[..., Done], tmp_path: Path
+) -> None:
     requests, whole, broken = tmp_path / "in.jsonl", tmp_path / "whole", tmp_path / "broken"
     waypoints = [{"position": [0.4, -0.2 + 0.02 * k, 0.4]} for k in range(20)]
     asked = [{**REQUEST, "path": {"waypoints": [w]}} for w in waypoints]
@@ -162,7 +166,7 @@ def test_a_batch_in_shards_that_is_killed_is_resumed_to_the_same_bytes(run, tmp_
     )
 
 
-def test_moves_timings_and_poses_are_answered_like_plans(run):
+def test_moves_timings_and_poses_are_answered_like_plans(run: Callable[..., Done]) -> None:
     move = {"robot": "ur5", "start": [0, -1.5, 1.5, 0, 1, 0], "goal": [0.5, -1.2, 1.2, 0, 1, 0]}
     wrong = {"robot": "ur5", "goals": []}
     timing = {"robot": "ur5", "waypoints": [move["start"], move["goal"]]}
@@ -203,8 +207,12 @@ def test_moves_timings_and_poses_are_answered_like_plans(run):
     ],
 )
 def test_a_batch_that_cannot_be_done_is_one_line_that_helps(
-    arguments, words, tmp_path, monkeypatch, capsys
-):
+    arguments: list[str],
+    words: str,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
     monkeypatch.chdir(tmp_path)
     Path("requests.jsonl").write_bytes(json_lines(*GOOD))
     assert main(["batch", *arguments]) == (3 if "--server" in arguments else 2)

@@ -5,7 +5,9 @@ import json
 import os
 import subprocess
 import sys
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -22,11 +24,13 @@ REQUEST = {
     "path": {"waypoints": [{"position": [0.6, 0.0, 0.4]}, {"position": [0.6, 0.1, 0.4]}]},
     "sampling": {"rate_hz": 50},
 }
+Command = Callable[..., str]
+
 POINT = ["--position", "0.4", "0", "0.4"]
 
 
 @pytest.fixture
-def run(capsys):
+def run(capsys: pytest.CaptureFixture[str]) -> Command:
     """Run a command that must succeed; return what it wrote on standard output."""
 
     def go(*arguments: object) -> str:
@@ -37,7 +41,7 @@ def run(capsys):
 
 
 @pytest.fixture
-def fail(capsys):
+def fail(capsys: pytest.CaptureFixture[str]) -> Command:
     """Run a command that must fail; return its one line."""
 
     def go(*arguments: object, code: int = 2) -> str:
@@ -67,14 +71,14 @@ def urdf(tmp_path: Path) -> Path:
     return file
 
 
-def test_robots_lists_the_catalogue(run):
+def test_robots_lists_the_catalogue(run: Command) -> None:
     listing = run("robots")
     assert [line.split()[0] for line in listing.splitlines()[1:]] == ikplan.robot_names()
     names = [r["name"] for r in json.loads(run("robots", "--json"))["robots"]]
     assert names == ikplan.robot_names()
 
 
-def test_a_robot_is_described_with_limits_in_degrees_and_metres(run):
+def test_a_robot_is_described_with_limits_in_degrees_and_metres(run: Command) -> None:
     robot = ikplan.load_robot("tiago")
     text = run("robots", "tiago")
     for name, slides, upper in zip(robot.joint_names, robot.prismatic, robot.upper, strict=True):
@@ -92,11 +96,11 @@ def test_a_robot_is_described_with_limits_in_degrees_and_metres(run):
         assert f"- {pair['pair'][0]}, {pair['pair'][1]}: {pair['reason']}" in text.splitlines()
 
 
-def test_a_robot_of_a_file_is_described_too(run, urdf):
+def test_a_robot_of_a_file_is_described_too(run: Command, urdf: Path) -> None:
     assert "slide" in run("robots", urdf, "--base", "base", "--tip", "tip")
 
 
-def test_solvers_are_listed_and_described(run):
+def test_solvers_are_listed_and_described(run: Command) -> None:
     assert "ik-ba" in run("solvers")
     assert "fmax" in run("solvers", "ik-ba")
     assert json.loads(run("solvers", "ik-ba", "--json"))["name"] == "ik-ba"
@@ -108,7 +112,7 @@ def test_solvers_are_listed_and_described(run):
     ["-0.1", "-1.2", "1.5", "0", "1", "0.3"],
     ["-1e-3", "-1.2e+0", "+1.5", "-0", "-.5", "-5."],
 ])  # fmt: skip
-def test_fk_takes_negative_numbers_in_every_spelling(q, run):
+def test_fk_takes_negative_numbers_in_every_spelling(q: list[str], run: Command) -> None:
     document = json.loads(run("fk", "ur5", *q, "--json"))
     pose = ikplan.load_robot("ur5").fk([float(v) for v in q])
     assert np.array_equal(document["position"], pose.translation)
@@ -116,7 +120,7 @@ def test_fk_takes_negative_numbers_in_every_spelling(q, run):
     assert np.allclose([float(v) for v in shown[-3:]], pose.translation, atol=1e-6)
 
 
-def test_ik_reaches_the_pose(run):
+def test_ik_reaches_the_pose(run: Command) -> None:
     target = ["--position", "-0.4", "-1e-1", "0.4", "--quaternion", "0", "-1", "0", "0"]
     options = ["--start", "-3", "-1.2", "1.5", "-1.5", "-1.5", "0", "--method", "lm", "--seed", "3"]
     document = json.loads(run("ik", "ur5", *target, *options, "--json"))
@@ -126,7 +130,7 @@ def test_ik_reaches_the_pose(run):
     assert all(f"{v:.6f}" in text for v in document["q"])
 
 
-def test_plan_writes_what_it_says(run, request_file, tmp_path):
+def test_plan_writes_what_it_says(run: Command, request_file: Path, tmp_path: Path) -> None:
     written = [tmp_path / f"plan.{s}" for s in ("json", "csv", "npz")]
     options = [word for file in written for word in ("-o", file)]
     text = run("plan", request_file, *options, "--plot", tmp_path / "plan.png")
@@ -140,13 +144,15 @@ def test_plan_writes_what_it_says(run, request_file, tmp_path):
     assert (tmp_path / "plan.png").read_bytes().startswith(b"\x89PNG")
 
 
-def test_plan_reads_standard_input_and_prints_the_document(run, monkeypatch):
+def test_plan_reads_standard_input_and_prints_the_document(
+    run: Command, monkeypatch: pytest.MonkeyPatch
+) -> None:
     stream = io.TextIOWrapper(io.BytesIO(json.dumps(REQUEST).encode()))
     monkeypatch.setattr("sys.stdin", stream)
     assert ikplan.Plan.load(run("plan", "-", "--json")).robot == "iiwa14"
 
 
-def test_plan_for_the_robot_of_a_file(run, urdf, tmp_path):
+def test_plan_for_the_robot_of_a_file(run: Command, urdf: Path, tmp_path: Path) -> None:
     request = tmp_path / "request.json"
     path = {"waypoints": [{"position": [0.4, 0.2, 0.0]}]}
     request.write_text(json.dumps({"robot": "any", "start": [0.0, 0.1], "path": path}))
@@ -160,7 +166,9 @@ def test_plan_for_the_robot_of_a_file(run, urdf, tmp_path):
     assert np.allclose(plan.waypoints.q[-1], [np.arctan2(y, x), np.hypot(x, y) - 0.3], atol=1e-6)
 
 
-def test_a_joint_path_is_timed_for_the_robot_of_a_file(run, fail, urdf, tmp_path):
+def test_a_joint_path_is_timed_for_the_robot_of_a_file(
+    run: Command, fail: Command, urdf: Path, tmp_path: Path
+) -> None:
     rows, document = tmp_path / "rows.csv", tmp_path / "request.json"
     rows.write_text("0,0.1\n1,0.4\n")
     waypoints = [[0.0, 0.1], [1.0, 0.4]]
@@ -184,12 +192,12 @@ def test_a_joint_path_is_timed_for_the_robot_of_a_file(run, fail, urdf, tmp_path
     assert unreachable.startswith("service-unavailable")
 
 
-def test_schema_is_the_requests(run):
+def test_schema_is_the_requests(run: Command) -> None:
     assert json.loads(run("schema")) == json_schema()
 
 
 @pytest.mark.parametrize("option", ["--help", "--version"])
-def test_help_and_version_are_printed(option, capsys):
+def test_help_and_version_are_printed(option: str, capsys: pytest.CaptureFixture[str]) -> None:
     with pytest.raises(SystemExit) as caught:
         main([option])
     assert caught.value.code == 0
@@ -224,13 +232,17 @@ def test_help_and_version_are_printed(option, capsys):
         (["serve", "--host", "203.0.113.7"], "file-error", "cannot listen on 203.0.113.7"),
     ],
 )  # fmt: skip
-def test_a_mistake_is_one_line_that_helps(arguments, slug, words, fail):
+def test_a_mistake_is_one_line_that_helps(
+    arguments: list[str], slug: str, words: str, fail: Command
+) -> None:
     line = fail(*arguments, code=1 if slug == "unreachable" else 2)
     assert line.startswith(f"{slug}: ")
     assert words in line
 
 
-def test_mistakes_with_files_are_one_line_too(fail, request_file, urdf):
+def test_mistakes_with_files_are_one_line_too(
+    fail: Command, request_file: Path, urdf: Path
+) -> None:
     assert fail("plan", request_file, "-o", "/no/such/folder/plan.json").startswith("file-error")
     nowhere = ("--server", "http://127.0.0.1:1")
     line = fail("plan", request_file, "--robot", urdf, *nowhere, code=3)
@@ -254,30 +266,37 @@ def test_mistakes_with_files_are_one_line_too(fail, request_file, urdf):
         (('velocity="2"', 'velocity="0"'), "shoulder"),
     ],
 )
-def test_a_bad_robot_file_is_one_line_that_names_the_joint(change, words, fail, request_file, urdf):
+def test_a_bad_robot_file_is_one_line_that_names_the_joint(
+    change: tuple[str, str], words: str, fail: Command, request_file: Path, urdf: Path
+) -> None:
     urdf.write_text(URDF.replace(*change))
     line = fail("plan", request_file, "--robot", urdf, "--base", "base", "--tip", "tip")
     assert line.startswith("invalid-robot: ")
     assert words in line
 
 
-def test_a_tip_that_is_not_there_lists_those_that_are(fail, request_file, urdf):
+def test_a_tip_that_is_not_there_lists_those_that_are(
+    fail: Command, request_file: Path, urdf: Path
+) -> None:
     line = fail("plan", request_file, "--robot", urdf, "--base", "base", "--tip", "tipp")
     assert line.startswith("invalid-robot: ")
     assert "tipp" in line
     assert "arm" in line
 
 
-def test_what_cannot_be_shown_is_not_shown(fail):
+def test_what_cannot_be_shown_is_not_shown(fail: Command) -> None:
     line = fail("robots", "ur\x1b[31m5\nx")
     assert "\x1b" not in line
 
 
-def command(*arguments: str, **options: object) -> subprocess.Popen[bytes]:
-    return subprocess.Popen([sys.executable, "-m", "ikplan", *arguments], **options)
+def command(*arguments: str, **options: Any) -> subprocess.Popen[bytes]:
+    started: subprocess.Popen[bytes] = subprocess.Popen(
+        [sys.executable, "-m", "ikplan", *arguments], **options
+    )
+    return started
 
 
-def test_a_reader_that_leaves_early_is_no_error():
+def test_a_reader_that_leaves_early_is_no_error() -> None:
     reading, writing = os.pipe()
     os.close(reading)
     with command("schema", stdout=writing, stderr=subprocess.PIPE) as process:
@@ -287,7 +306,7 @@ def test_a_reader_that_leaves_early_is_no_error():
     assert said == b""
 
 
-def test_output_fits_a_terminal_that_knows_only_ascii():
+def test_output_fits_a_terminal_that_knows_only_ascii() -> None:
     environment = {**os.environ, "PYTHONIOENCODING": "ascii"}
     pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE}
     with command("robots", "nö", env=environment, **pipes) as process:

@@ -3,6 +3,7 @@
 import io
 import json
 import sys
+from pathlib import Path
 
 import pytest
 
@@ -23,9 +24,12 @@ def on_a_terminal(monkeypatch: pytest.MonkeyPatch) -> Terminal:
     return made
 
 
-def test_a_bar_tells_stage_and_waypoints_and_leaves_nothing_behind(monkeypatch):
+def test_a_bar_tells_stage_and_waypoints_and_leaves_nothing_behind(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     terminal = on_a_terminal(monkeypatch)
     with progress_bar() as tell:
+        assert tell is not None
         tell("ik", 1, 4)
         tell("ik", 3, 4)
         tell("timing", 0, 0)
@@ -36,13 +40,15 @@ def test_a_bar_tells_stage_and_waypoints_and_leaves_nothing_behind(monkeypatch):
     assert shown.rpartition("\r")[0].rpartition("\r")[2].strip() == ""
 
 
-def test_where_nobody_looks_nothing_is_shown(capsys):
+def test_where_nobody_looks_nothing_is_shown(capsys: pytest.CaptureFixture[str]) -> None:
     with progress_bar() as tell:
         assert tell is None
     assert capsys.readouterr().err == ""
 
 
-def test_a_plan_made_on_a_terminal_shows_its_progress(monkeypatch, tmp_path):
+def test_a_plan_made_on_a_terminal_shows_its_progress(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
     terminal = on_a_terminal(monkeypatch)
     file = tmp_path / "request.json"
     file.write_text(json.dumps(REQUEST))

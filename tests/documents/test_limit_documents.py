@@ -72,8 +72,8 @@ def test_a_rate_of_the_tool_is_a_number_or_two(name: str) -> None:
         assert getattr(rate, other) is None
         for value in just_outside(1e-6, 1e9):
             assert refused({name: {part: value}}).field == f"{name}.{part}"
-    for value in (True, [1.0], "1"):
-        assert refused({name: value}).field == name
+    for wrong in (True, [1.0], "1"):
+        assert refused({name: wrong}).field == name
 
 
 def test_a_payload_has_a_mass_and_a_place() -> None:

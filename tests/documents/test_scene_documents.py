@@ -101,7 +101,7 @@ def test_ids_without_scene_fixed_joints_and_geometry_are_as_they_were() -> None:
 
 @pytest.mark.parametrize(("model", "document"), [(PlanRequest, PLAN), (TimingRequest, TIMING)])
 def test_a_scene_fixed_joints_and_geometry_count_in_the_id(
-    model: type[PlanRequest], document: dict[str, Any]
+    model: type[PlanRequest] | type[TimingRequest], document: dict[str, Any]
 ) -> None:
     geometry = [{"name": "gripper", "shape": BOX}]
     changes: list[dict[str, Any]] = [

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from mpl_toolkits.mplot3d.art3d import Poly3DCollection  # type: ignore[import-untyped]
+from mpl_toolkits.mplot3d.art3d import Poly3DCollection
 
 import ikplan
 from ikplan import load_robot

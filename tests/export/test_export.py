@@ -13,6 +13,7 @@ import ikplan.plans.export
 from ikplan import InvalidRequest, Plan
 from ikplan.documents.controller import LanguageInfo
 from ikplan.plans.export import FORMATS, encode, format_for, save
+from ikplan.plans.export.formats import Format
 
 from .plans import CB3, rest_to_rest
 
@@ -36,7 +37,7 @@ SUFFIXES = [
 ]
 
 
-def test_json_is_the_document_of_the_plan():
+def test_json_is_the_document_of_the_plan() -> None:
     plan = rest_to_rest()
     document = encode(plan, "json")
     assert document == plan.model_dump_json().encode()
@@ -44,7 +45,7 @@ def test_json_is_the_document_of_the_plan():
     assert json.loads(document)["stats"]["ik_evaluations"] == 7
 
 
-def test_csv_reads_back_exactly():
+def test_csv_reads_back_exactly() -> None:
     plan = rest_to_rest(dof=3, samples=17)
     rows = list(csv.reader(io.StringIO(encode(plan, "csv").decode())))
     table = np.array([[float(cell) for cell in row] for row in rows[1:]])
@@ -55,7 +56,7 @@ def test_csv_reads_back_exactly():
     assert np.array_equal(table[:, 7:], motion.ddq)
 
 
-def test_csv_header_names_joints_and_units():
+def test_csv_header_names_joints_and_units() -> None:
     plan = rest_to_rest(dof=2, units=("rad", "m"))
     titles = next(csv.reader(io.StringIO(encode(plan, "csv").decode())))
     assert titles == [
@@ -69,7 +70,7 @@ def test_csv_header_names_joints_and_units():
     ]
 
 
-def test_npz_reads_back_without_pickle(tmp_path: Path):
+def test_npz_reads_back_without_pickle(tmp_path: Path) -> None:
     plan = rest_to_rest()
     save(plan, tmp_path / "plan.npz")
     with np.load(tmp_path / "plan.npz", allow_pickle=False) as arrays:
@@ -82,7 +83,7 @@ def test_npz_reads_back_without_pickle(tmp_path: Path):
     assert certificate == plan.certificate.model_dump(mode="json")
 
 
-def test_npz_does_not_depend_on_memory_order_clock_or_cost():
+def test_npz_does_not_depend_on_memory_order_clock_or_cost() -> None:
     plan = rest_to_rest()
     motion = plan.trajectory
     fortran = motion.model_copy(update={"q": np.asfortranarray(motion.q)})
@@ -98,7 +99,7 @@ def test_npz_does_not_depend_on_memory_order_clock_or_cost():
 
 
 @pytest.mark.parametrize("known", FORMATS, ids=lambda f: f.name)
-def test_the_suffix_chooses_the_format(known, tmp_path: Path):
+def test_the_suffix_chooses_the_format(known: Format, tmp_path: Path) -> None:
     languages = [LanguageInfo(name=n, variant="any") for n in NAMES[5:]]
     controller = CB3.model_copy(update={"languages": languages, "jerk": [5000.0] * 7})
     dof, robot = (7, "fr3") if known.name == "franky" else (6, "abb_irb6640_185_280")
@@ -109,7 +110,7 @@ def test_the_suffix_chooses_the_format(known, tmp_path: Path):
         assert target.read_bytes() == known.encode(plan) == encode(plan, known.name)
 
 
-def test_names_suffixes_and_media_types_are_unambiguous():
+def test_names_suffixes_and_media_types_are_unambiguous() -> None:
     for values in (
         [f.name for f in FORMATS],
         [s for f in FORMATS for s in f.suffixes],
@@ -119,7 +120,7 @@ def test_names_suffixes_and_media_types_are_unambiguous():
 
 
 @pytest.mark.parametrize("name", ["plan.xlsx", "plan", "json", ".jsonx"])
-def test_an_unknown_suffix_lists_the_formats_and_writes_nothing(name: str, tmp_path: Path):
+def test_an_unknown_suffix_lists_the_formats_and_writes_nothing(name: str, tmp_path: Path) -> None:
     with pytest.raises(InvalidRequest, match=re.escape(", ".join(SUFFIXES))) as caught:
         save(rest_to_rest(), tmp_path / name)
     assert caught.value.allowed == SUFFIXES
@@ -129,18 +130,18 @@ def test_an_unknown_suffix_lists_the_formats_and_writes_nothing(name: str, tmp_p
     assert caught.value.allowed == NAMES
 
 
-def test_a_format_is_chosen_without_touching_the_disk():
+def test_a_format_is_chosen_without_touching_the_disk() -> None:
     assert format_for("/no/such/folder/plan.CSV").name == "csv"
 
 
-def test_formats_do_not_import_the_documents_they_write():
+def test_formats_do_not_import_the_documents_they_write() -> None:
     for source in Path(ikplan.plans.export.__file__).parent.glob("*.py"):
         tree = ast.parse(source.read_text())
         at_run_time = [n for n in tree.body if isinstance(n, ast.ImportFrom)]
         assert "ikplan.plans.plan" not in {n.module for n in at_run_time}, source.name
 
 
-def test_ros_messages_read_back_to_the_nanosecond():
+def test_ros_messages_read_back_to_the_nanosecond() -> None:
     plan = rest_to_rest(3, 17, ("rad", "m", "rad"))
     message = json.loads(encode(plan, "ros"))
     assert list(message) == ["header", "joint_names", "points"]
@@ -155,7 +156,7 @@ def test_ros_messages_read_back_to_the_nanosecond():
         assert np.array_equal(back, getattr(plan.trajectory, rows))
 
 
-def test_a_name_chooses_the_format_whatever_the_suffix(tmp_path: Path):
+def test_a_name_chooses_the_format_whatever_the_suffix(tmp_path: Path) -> None:
     plan = rest_to_rest()
     plan.save(tmp_path / "plan.txt", format="csv")
     assert (tmp_path / "plan.txt").read_bytes() == encode(plan, "csv")

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
 
@@ -20,7 +22,7 @@ PROGRAMS = [
 ENDS = ["start_velocity", "end_velocity"]
 
 
-def moving(name: str, **ends: list[float]) -> ikplan.Plan:
+def moving(name: str, **ends: Any) -> ikplan.Plan:
     robot = ikplan.load_robot(name)
     return ikplan.time_path(robot, robot.home + 0.1 * np.arange(3)[:, None], **ends)
 

@@ -181,4 +181,5 @@ def test_a_plan_that_stands_still_is_a_program_that_stands_still() -> None:
     plan = ikplan.time_path(robot, [robot.home])
     played = play(encode(plan, "urscript").decode(), 0.008)
     assert played.time == []
+    assert played.approach is not None
     np.testing.assert_allclose(played.approach, robot.home, atol=1e-9)

@@ -40,7 +40,7 @@ def test_motions_are_modal_and_feeds_are_tool_speeds() -> None:
     found = moves(
         "%\n(a part)\nN10 G21 G0 X10 Y0 Z5\nN20 G1 Z-1 F300\nX20\nY7.5 F600 ; side\nG0 Z5\n"
     )
-    ends = [[10, 0, -1], [20, 0, -1], [20, 7.5, -1], [20, 7.5, 5]]
+    ends: list[list[float]] = [[10, 0, -1], [20, 0, -1], [20, 7.5, -1], [20, 7.5, 5]]
     np.testing.assert_allclose([end for end, _, _ in found], ends, atol=1e-9)
     assert [speed for _, _, speed in found] == pytest.approx([0.005, 0.005, 0.01, None])
 
@@ -178,6 +178,7 @@ def test_a_program_is_planned_along_its_moves(
         "scene": {"self_collision": False},
     }
     plan = ikplan.plan(request)
+    assert plan.certificate.max_path_deviation is not None
     assert plan.certificate.max_path_deviation < 1e-4
     out = tmp_path / "plan.json"
     words = [str(file), "--robot", "xarm7", "--start", "free", "--frame", "0.3", "0", "0.2"]

@@ -39,8 +39,8 @@ def reference(
     X = np.array([[LOW + rng.random() * (HIGH - LOW) for _ in range(D)] for _ in range(N)])
     X[0] = Q_S
     V = np.zeros((N, D))
-    f_best, best = min((value(kind, x), tuple(x)) for x in X)
-    best = np.array(best)
+    f_best, first = min((value(kind, x), tuple(x)) for x in X)
+    best = np.array(first)
     history, evaluations = [f_best], N
 
     def consider(x: Any) -> None:
@@ -97,7 +97,12 @@ def test_a_run_is_that_of_the_equations(kind: int, variant: str, noise: str, acc
     N, T = 6, 8
     for seed, eps_scale in ((1, 1.0), (2, 0.15)):
         task = problem(3, N, T, kind=kind, low=LOW, high=HIGH, q_s=Q_S, warm=1)
-        options = {"variant": variant, "noise": noise, "accept": accept, "eps_scale": eps_scale}
+        options: dict[str, Any] = {
+            "variant": variant,
+            "noise": noise,
+            "accept": accept,
+            "eps_scale": eps_scale,
+        }
         out = run("ik-ba", task, seed, **options)
         best, history, evaluations = reference(seed, kind, N, T, **options)
         np.testing.assert_allclose(out.x, best, rtol=1e-9, atol=1e-12)
@@ -109,7 +114,7 @@ def test_a_run_is_that_of_the_equations(kind: int, variant: str, noise: str, acc
 @pytest.mark.parametrize(("beta", "draws"), [("bat", "component"), ("component", "bat")])
 def test_one_random_number_a_bat(variant: str, beta: str, draws: str) -> None:
     task = problem(3, 6, 8, low=LOW, high=HIGH, q_s=Q_S, warm=1)
-    options = {"variant": variant, "beta": beta, "draws": draws}
+    options: dict[str, Any] = {"variant": variant, "beta": beta, "draws": draws}
     out = run("ik-ba", task, 3, **options)
     best, history, _ = reference(3, SPHERE, 6, 8, **options)
     np.testing.assert_allclose(out.x, best, rtol=1e-9, atol=1e-12)

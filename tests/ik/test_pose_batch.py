@@ -1,6 +1,7 @@
 """Many poses at a time: each as it is solved alone, whatever it is solved with."""
 
 import time
+from typing import Any
 
 import numpy as np
 import pinocchio as pin
@@ -12,18 +13,19 @@ from ikplan.ik.poses.arrays import pose_arrays
 from ikplan.ik.poses.batch import solve_batch
 from ikplan.kinematics.arm import arm_of
 from ikplan.pipeline.pose_batch.request import solve_ik_batch_request, solve_ik_requests
+from ikplan.robots import Robot
 
 ROBOTS = ("iiwa14", "ur5", "z1")
 
 
-def reachable(robot, count, seed=0):
+def reachable(robot: Robot, count: int, seed: int = 0) -> tuple[np.ndarray, list[pin.SE3]]:
     rng = np.random.default_rng(seed)
     q = np.array([robot.random_configuration(rng) for _ in range(count)])
     return q, [robot.fk(row) for row in q]
 
 
 @pytest.mark.parametrize("name", ROBOTS)
-def test_every_reachable_pose_is_reached_by_pinocchio(name):
+def test_every_reachable_pose_is_reached_by_pinocchio(name: str) -> None:
     robot = ikplan.load_robot(name)
     _, poses = reachable(robot, 300)
     found = ikplan.solve_ik_batch(robot, poses)
@@ -37,7 +39,7 @@ def test_every_reachable_pose_is_reached_by_pinocchio(name):
 
 
 @pytest.mark.parametrize("name", ROBOTS)
-def test_a_pose_is_solved_as_it_is_alone_in_any_batch_on_any_number_of_threads(name):
+def test_a_pose_is_solved_as_it_is_alone_in_any_batch_on_any_number_of_threads(name: str) -> None:
     robot = ikplan.load_robot(name)
     q, poses = reachable(robot, 200)
     starts = np.clip(q + 0.1, robot.lower, robot.upper)
@@ -56,7 +58,7 @@ def test_a_pose_is_solved_as_it_is_alone_in_any_batch_on_any_number_of_threads(n
     )
 
 
-def test_poses_in_every_form_have_the_same_answer():
+def test_poses_in_every_form_have_the_same_answer() -> None:
     robot = ikplan.load_robot("ur5")
     _, poses = reachable(robot, 20)
     matrices = np.array([pose.homogeneous for pose in poses])
@@ -72,7 +74,7 @@ def test_poses_in_every_form_have_the_same_answer():
 
 
 @pytest.mark.parametrize("name", ["iiwa14", "ur5"])
-def test_a_pose_out_of_reach_is_refused_with_a_reason_or_by_a_bare_no(name):
+def test_a_pose_out_of_reach_is_refused_with_a_reason_or_by_a_bare_no(name: str) -> None:
     robot = ikplan.load_robot(name)
     _, poses = reachable(robot, 3)
     poses[1] = pin.SE3(poses[1].rotation, np.array([3.0, 0.0, 0.5]))
@@ -90,7 +92,7 @@ def test_a_pose_out_of_reach_is_refused_with_a_reason_or_by_a_bare_no(name):
     assert np.array_equal(explained.q[1], alone.value.q)
 
 
-def test_solutions_in_contact_are_replaced_or_refused():
+def test_solutions_in_contact_are_replaced_or_refused() -> None:
     robot = ikplan.load_robot("ur5")
     start = robot.home
     pose = robot.fk(start)
@@ -106,7 +108,7 @@ def test_solutions_in_contact_are_replaced_or_refused():
 
 
 @pytest.mark.parametrize("method", ["lm", "ik-ba", "newton-raphson"])
-def test_a_pose_in_contact_has_finite_errors_and_a_count_whatever_the_method(method):
+def test_a_pose_in_contact_has_finite_errors_and_a_count_whatever_the_method(method: str) -> None:
     robot = ikplan.load_robot("ur5")
     pose = robot.fk(robot.home)
     ball = {"name": "ball", "shape": {"type": "sphere", "radius": 0.03}}
@@ -118,11 +120,12 @@ def test_a_pose_in_contact_has_finite_errors_and_a_count_whatever_the_method(met
     assert found.position_error[0] == pytest.approx(
         np.linalg.norm(T.translation - pose.translation)
     )
+    assert found.orientation_error is not None
     assert found.orientation_error[0] == pytest.approx(np.linalg.norm(error.angular), abs=1e-6)
     assert found.evaluations >= 0
 
 
-def test_another_method_solves_each_pose_as_alone():
+def test_another_method_solves_each_pose_as_alone() -> None:
     robot = ikplan.load_robot("ur5")
     _, poses = reachable(robot, 2)
     found = ikplan.solve_ik_batch(robot, poses, method="ik-ba", seed=3)
@@ -146,13 +149,13 @@ def test_another_method_solves_each_pose_as_alone():
         ([[0.4, 0.0, 0.4]], [0.0] * 5, "start"),
     ],
 )
-def test_what_makes_no_sense_is_told_with_its_place(poses, start, field):
+def test_what_makes_no_sense_is_told_with_its_place(poses: Any, start: Any, field: str) -> None:
     with pytest.raises(InvalidRequest) as caught:
         ikplan.solve_ik_batch(ikplan.load_robot("ur5"), poses, start=start)
     assert caught.value.field == field
 
 
-def test_a_request_of_many_poses_and_requests_of_one_have_the_same_answers():
+def test_a_request_of_many_poses_and_requests_of_one_have_the_same_answers() -> None:
     robot = ikplan.load_robot("ur5")
     _, placed = reachable(robot, 6)
     rows = [pin.SE3ToXYZQUAT(pose).tolist() for pose in placed]
@@ -169,21 +172,23 @@ def test_a_request_of_many_poses_and_requests_of_one_have_the_same_answers():
     assert isinstance(answers[4], InvalidRequest)
     assert answers[4].field == "start[0]"
     for k in (0, 1, 3, 5):
-        assert np.array_equal(answers[k].q, many.q[k])
-        assert answers[k].elongation == pytest.approx(np.linalg.norm(many.q[k] - robot.home))
+        answer = answers[k]
+        assert isinstance(answer, ikplan.IkSolution)
+        assert np.array_equal(answer.q, many.q[k])
+        assert answer.elongation == pytest.approx(np.linalg.norm(many.q[k] - robot.home))
     bare = {**single[3], "verdict": False}
     (no,) = solve_ik_requests([bare])
     assert isinstance(no, Unreachable)
     assert "no verdict was asked for" in no.reason
 
 
-def test_the_budget_of_a_batch_counts_what_its_threads_do():
+def test_the_budget_of_a_batch_counts_what_its_threads_do() -> None:
     robot = ikplan.load_robot("ur5")
     _, poses = reachable(robot, 600)
     arm, asked = arm_of(robot), pose_arrays(poses)
-    told = []
+    told: list[tuple[Any, ...]] = []
 
-    def solve(threads):
+    def solve(threads: int) -> tuple[float, float]:
         told.clear()
         begin = time.process_time(), time.thread_time()
         solve_batch(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import re
+from typing import Any
 
 import numpy as np
 import pinocchio as pin
@@ -26,7 +27,7 @@ def helix_point(k: int) -> np.ndarray:
     return np.array([0.60 + 0.20 * math.cos(a), 0.20 * math.sin(a), 0.10 + 0.50 * k / 19.0])
 
 
-def verdict(robot: Robot, pose: object, **options: object) -> Unreachable:
+def verdict(robot: Robot, pose: Any, **options: Any) -> Unreachable:
     with pytest.raises(Unreachable) as caught:
         solve_ik(robot, pose, **options)
     error = caught.value
@@ -61,6 +62,7 @@ def test_three_points_of_the_printed_helix_are_beyond_the_elbow(method: str) -> 
         # The orientation held, the tool stays off by just what the elbow lacks.
         missing = distances[k] - 0.82
         assert error.position_error == pytest.approx(missing, abs=1e-4)
+        assert error.orientation_error is not None
         assert error.orientation_error < 1e-4
         told = re.search(r"([\d.]+) mm too far", error.reason)
         assert told is not None
@@ -135,7 +137,9 @@ def test_the_verdict_is_the_same_every_time() -> None:
         ((-2.9, 2.9), (-2.9, 2.9), (1.1, 0.2)),
     ],
 )
-def test_the_limits_named_are_those_that_bind(shoulder, elbow, target) -> None:
+def test_the_limits_named_are_those_that_bind(
+    shoulder: tuple[float, float], elbow: tuple[float, float], target: tuple[float, float]
+) -> None:
     """Closest of a dense grid; a named limit a little wider brings the tool closer."""
 
     def closest(a: tuple[float, float], b: tuple[float, float]) -> float:
@@ -160,7 +164,7 @@ def test_the_limits_named_are_those_that_bind(shoulder, elbow, target) -> None:
         at = [abs(q[joint] - bound) <= 1e-6 for bound in bounds]
         assert (joint in limits) == any(at)
         if joint in limits:
-            wider = tuple(b + 0.05 * (2 * k - 1) * at[k] for k, b in enumerate(bounds))
+            wider = (bounds[0] - 0.05 * at[0], bounds[1] + 0.05 * at[1])
             both = (wider, elbow) if joint == 0 else (shoulder, wider)
             assert miss(*both)[0] < distance - 1e-3
 
@@ -180,7 +184,7 @@ def test_an_error_is_shared_between_position_and_orientation(name: str, joint: i
         off = pin.log6(robot.fk(q).actInv(T)).vector
         if np.linalg.norm(off[:3]) > 1e-4:
             continue
-        tolerance = {"tolerance_position": 1e-4, "tolerance_orientation": 1e-3}
+        tolerance: dict[str, Any] = {"tolerance_position": 1e-4, "tolerance_orientation": 1e-3}
         found = solve_ik(robot, T, start=q, method="lm", **tolerance)
         assert found.position_error <= 1e-4
         assert found.orientation_error is not None

@@ -16,7 +16,7 @@ from ikplan.kinematics.chain import aligning_rotation
 from ikplan.kinematics.forward import rotation_log
 from ikplan.robots import Robot, load_robot
 
-from .synthetic import chains, pinocchio_pose, robot_of, urdf_of
+from .synthetic import Joint, chains, pinocchio_pose, robot_of, urdf_of
 
 
 def random_tool(robot: Robot, rng: np.random.Generator) -> Robot:
@@ -59,7 +59,9 @@ def test_a_batch_may_be_empty() -> None:
 
 @given(chains, st.integers(0, 2**32 - 1))
 @settings(max_examples=80, deadline=None)
-def test_any_chain_of_any_axes_equals_pinocchio(parts, seed: int) -> None:
+def test_any_chain_of_any_axes_equals_pinocchio(
+    parts: tuple[list[Joint], Joint, Joint], seed: int
+) -> None:
     joints, base, tip = parts
     document = urdf_of(joints, base, tip)
     robot = robot_of(joints, base, tip)
@@ -67,7 +69,7 @@ def test_any_chain_of_any_axes_equals_pinocchio(parts, seed: int) -> None:
     q = rng.uniform(-2.9, 2.9, robot.dof)
     chain = chain_of(robot)
     R, p = forward(chain, q)
-    want = pinocchio_pose(document, robot, q)
+    want = pinocchio_pose(document, robot, q.tolist())
     np.testing.assert_allclose(R, want.rotation, rtol=0, atol=1e-12)
     np.testing.assert_allclose(p, want.translation, rtol=0, atol=1e-12)
     np.testing.assert_allclose(jacobian(chain, q), robot.jacobian(q), rtol=0, atol=1e-12)
@@ -89,7 +91,7 @@ def test_the_jacobian_is_the_derivative_of_the_kernels_pose(name: str) -> None:
 
 @given(st.tuples(*[st.floats(-1.0, 1.0)] * 3).filter(lambda a: np.linalg.norm(a) > 1e-3))
 @settings(deadline=None)
-def test_an_alignment_turns_z_onto_the_axis(axis) -> None:
+def test_an_alignment_turns_z_onto_the_axis(axis: tuple[float, ...]) -> None:
     unit = np.array(axis) / np.linalg.norm(axis)
     Q = aligning_rotation(unit)
     np.testing.assert_allclose(Q[:, 2], unit, rtol=0, atol=1e-15)
@@ -100,7 +102,7 @@ def test_an_alignment_turns_z_onto_the_axis(axis) -> None:
 def turned(axis: np.ndarray, angle: float) -> np.ndarray:
     """Rodrigues' rotation, with 1 - cos written so that it keeps its digits."""
     K = pin.skew(axis)
-    return np.eye(3) + math.sin(angle) * K + 2.0 * math.sin(0.5 * angle) ** 2 * K @ K
+    return np.asarray(np.eye(3) + math.sin(angle) * K + 2.0 * math.sin(0.5 * angle) ** 2 * K @ K)
 
 
 SMALL = [10.0**-k for k in range(1, 17)]

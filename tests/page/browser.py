@@ -81,6 +81,9 @@ class NoPlanner:
     ready = False
     load = Load(0, 0, 0)
 
+    def check_capacity(self) -> None:
+        pass
+
     async def run(self, kind: str, document: bytes, **_: object) -> TaskResult:
         raise AssertionError(f"{kind} was asked for: {document!r}")
 

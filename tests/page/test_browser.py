@@ -11,6 +11,7 @@ import time
 import urllib.parse
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import httpx
 import numpy as np
@@ -271,7 +272,7 @@ CURVES = {
 
 @pytest.mark.parametrize("kind", CURVES)
 def test_where_a_curve_cannot_be_followed_is_drawn(visit: Open, kind: str) -> None:
-    path: dict = {"segments": [CURVES[kind]]}
+    path: dict[str, Any] = {"segments": [CURVES[kind]]}
     if kind == "arc":
         path["begin"] = {"position": [0.5, -0.3, 0.3], "quaternion_xyzw": DOWN}
     else:
@@ -285,6 +286,7 @@ def test_where_a_curve_cannot_be_followed_is_drawn(visit: Open, kind: str) -> No
     before = near_colour(page, RED)
     page.click("#plan")
     expect(page.locator("#result .verdict")).to_contain_text("Shown: ")
+    assert isinstance(caught.value, ikplan.Unreachable | ikplan.Disconnected)
     place = catalogue_robot("ur5").fk(caught.value.q).translation
     np.testing.assert_allclose(tool(page), place, atol=1e-6)
     assert drawn(lambda: near_colour(page, RED) > before + 100)
@@ -304,7 +306,7 @@ def test_an_arm_that_gets_no_further_is_shown_where_it_stands(visit: Open) -> No
     assert drawn(lambda: near_colour(page, RED) > 100)
 
 
-def slow(seed: int) -> dict:
+def slow(seed: int) -> dict[str, Any]:
     """A request whose search takes a while."""
     return {
         "robot": "iiwa14",

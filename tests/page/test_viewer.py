@@ -61,7 +61,7 @@ def moment(frame: Frame) -> np.ndarray[Any, Any]:
 
 def half_way(plan: Plan) -> np.ndarray[Any, Any]:
     q = plan.q[(len(plan.time) - 1) // 2]
-    return ikplan.load_robot("ur5").fk(q).translation
+    return np.array(ikplan.load_robot("ur5").fk(q).translation)
 
 
 def test_a_notebook_shows_the_arm_where_the_plan_has_it(plan: Plan, blank: Page) -> None:

@@ -14,6 +14,7 @@ from ikplan.errors import InvalidRobot
 from ikplan.robots import catalogue_robot, catalogue_visual, folders, robot_from_urdf, robot_names
 from ikplan.robots.urdf.meshes import find_mesh
 from ikplan.robots.urdf.visual import robot_visual
+from tests.present import present
 
 GOOD_URI = "package://example-robot-data/robots/xarm_description/meshes/xarm7/visual/link1.stl"
 GOOD_PATH = "xarm_description/meshes/xarm7/visual/link1.stl"
@@ -136,8 +137,8 @@ def test_shapes_and_colours_are_kept_and_nothing_else() -> None:
     assert [element.tag for element in visual.iter()] == [
         "visual", "origin", "geometry", "box", "material", "color",
     ]  # fmt: skip
-    assert visual.find("origin").attrib == {"xyz": "1.0 2.0 3.0", "rpy": "0.0 0.0 0.0"}  # type: ignore[union-attr]
-    assert visual.find("material/color").attrib == {"rgba": "0.0 0.0 1.0 1.0"}  # type: ignore[union-attr]
+    assert present(visual.find("origin")).attrib == {"xyz": "1.0 2.0 3.0", "rpy": "0.0 0.0 0.0"}
+    assert present(visual.find("material/color")).attrib == {"rgba": "0.0 0.0 1.0 1.0"}
 
 
 @pytest.mark.parametrize("uri", BAD_URIS[1:5])

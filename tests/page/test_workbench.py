@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 import pytest
@@ -31,7 +32,7 @@ def page(visit: Open) -> Page:
     return visit("helix_iiwa14", width=1280, height=800)
 
 
-def begin(page: Page, request: dict) -> None:
+def begin(page: Page, request: dict[str, Any]) -> None:
     """Take up a document and wait for its arm."""
     write(page, request)
     page.wait_for_selector(f"#stage[data-robot={request['robot']}][data-meshes=ready]")

@@ -1,6 +1,7 @@
 """Rounded corners: within their radius, smooth, and as far off as they say."""
 
 import math
+from typing import Any
 
 import numpy as np
 import pytest
@@ -18,13 +19,13 @@ ORIGIN = Pose(np.eye(3), np.zeros(3))
 L_SHAPE = [pose([0.2, 0, 0], [0, 0, 0.4]), pose([0.2, 0.2, 0], [0, 0.7, 0.4])]
 
 
-def line(position, rotvec=None, **more):
+def line(position: list[float], rotvec: list[float] | None = None, **more: Any) -> dict[str, Any]:
     return {"type": "line", "to": pose(position, rotvec), **more}
 
 
 @settings(max_examples=12, deadline=None)
 @given(seeds, st.floats(0.005, 0.1))
-def test_a_blend_keeps_within_its_radius_and_tells_its_deviation(seed, radius):
+def test_a_blend_keeps_within_its_radius_and_tells_its_deviation(seed: int, radius: float) -> None:
     poses = random_poses(seed, 5)
     points = np.array([p["position"] for p in poses])
     steps = np.diff(points, axis=0)
@@ -35,7 +36,9 @@ def test_a_blend_keeps_within_its_radius_and_tells_its_deviation(seed, radius):
     along = np.linspace(0.0, path.length, 4001)
     dense = path.poses(along)
     for corner in path.corner_list:
+        assert corner.waypoint is not None
         waypoint = path.waypoints[corner.waypoint]
+        assert waypoint.R is not None
         assert not waypoint.exact
         assert waypoint.s == corner.s
         # Nearest to the corner, and by how much: against every pose of the path around it.
@@ -58,10 +61,10 @@ def test_a_blend_keeps_within_its_radius_and_tells_its_deviation(seed, radius):
 
 
 @pytest.mark.parametrize("rounded", ["lines", "line to arc", "arc to spline", "sawtooth"])
-def test_a_blend_joins_with_the_same_direction_curvature_and_angular_rate(rounded):
+def test_a_blend_joins_with_the_same_direction_curvature_and_angular_rate(rounded: str) -> None:
     arc = {"type": "arc", "centre": [0.2, 0.3, 0.0], "angle": 1.5, "axis": [0.2, 0, 1],
            "orientation": "follow"}  # fmt: skip
-    segments = {
+    kinds: dict[str, list[dict[str, Any]]] = {
         "lines": [line([0.2, 0, 0], [0, 0, 0.4], blend=0.05), line([0.2, 0.2, 0], [0, 0.7, 0.4])],
         "line to arc": [line([0.1, 0, 0.1], [0, 0, 0.4], blend=0.05), arc],
         "arc to spline": [
@@ -71,8 +74,8 @@ def test_a_blend_joins_with_the_same_direction_curvature_and_angular_rate(rounde
             {"type": "sawtooth", "length": 0.4, "height": 0.1, "teeth": 2, "fall": 0.1,
              "blend": 0.01},
         ],
-    }[rounded]  # fmt: skip
-    path = of_segments(*segments, start=ORIGIN)
+    }  # fmt: skip
+    path = of_segments(*kinds[rounded], start=ORIGIN)
     assert len(path.corners) == 0
     joints = path.begins[1:-1]
     h = 1e-10
@@ -83,7 +86,7 @@ def test_a_blend_joins_with_the_same_direction_curvature_and_angular_rate(rounde
     assert_allclose(a.bend, b.bend, atol=1e-5 * scale)
 
 
-def test_a_blend_of_a_right_angle_is_symmetric():
+def test_a_blend_of_a_right_angle_is_symmetric() -> None:
     path = through(L_SHAPE, "line", ORIGIN, blend=0.05)
     (corner,) = path.corner_list
     straight = path.begins[1]
@@ -97,7 +100,7 @@ def test_a_blend_of_a_right_angle_is_symmetric():
     assert corner.deviation == pytest.approx(math.sqrt(2.0) * 0.05 * (1 + 3 + 2) / 32.0)
 
 
-def test_the_orientation_goes_over_from_one_turning_to_the_other():
+def test_the_orientation_goes_over_from_one_turning_to_the_other() -> None:
     path = through(L_SHAPE, "line", ORIGIN, blend=0.05)
     (corner,) = path.corner_list
     first, blend, last = path.pieces
@@ -113,7 +116,7 @@ def test_the_orientation_goes_over_from_one_turning_to_the_other():
         assert np.linalg.norm(w[1] - w[0]) / h < 0.2
 
 
-def test_radii_that_overlap_are_refused_with_the_largest_that_fits():
+def test_radii_that_overlap_are_refused_with_the_largest_that_fits() -> None:
     square = [pose([0.1, 0, 0]), pose([0.1, 0.1, 0]), pose([0, 0.1, 0])]
     with pytest.raises(InvalidRequest, match=r"is 0\.05 m") as caught:
         through(square, "line", ORIGIN, blend=0.0501)
@@ -129,14 +132,14 @@ def test_radii_that_overlap_are_refused_with_the_largest_that_fits():
     assert [c.blend for c in path.corner_list] == [fits, 0.03]
 
 
-def test_a_blend_longer_than_its_segment_is_refused_with_the_length():
+def test_a_blend_longer_than_its_segment_is_refused_with_the_length() -> None:
     with pytest.raises(InvalidRequest, match=r"is 0\.1 m") as caught:
         of_segments(line([0.1, 0, 0], blend=0.2), line([0.1, 0.5, 0]), start=ORIGIN)
     assert caught.value.field == "path.segments[0].blend"
     assert caught.value.allowed == "at most 0.1"
 
 
-def test_a_blend_leaves_the_poses_of_a_spline_on_the_path():
+def test_a_blend_leaves_the_poses_of_a_spline_on_the_path() -> None:
     spline = {"type": "spline", "through": random_poses(1, 4), "blend": 0.5}
     with pytest.raises(InvalidRequest, match="largest radius that fits") as caught:
         of_segments(spline, line([0, 0, 1]), start=ORIGIN)
@@ -161,13 +164,15 @@ def test_a_blend_leaves_the_poses_of_a_spline_on_the_path():
         ),
     ],
 )
-def test_corners_that_cannot_be_rounded_are_refused_if_asked_for(segments, words):
+def test_corners_that_cannot_be_rounded_are_refused_if_asked_for(
+    segments: list[dict[str, Any]], words: str
+) -> None:
     with pytest.raises(InvalidRequest, match=words) as caught:
         legs({"segments": segments}, ORIGIN)
     assert caught.value.field == "path.segments[0].blend"
 
 
-def test_the_blend_of_the_path_leaves_such_corners_exact():
+def test_the_blend_of_the_path_leaves_such_corners_exact() -> None:
     back = [pose([0.1, 0, 0]), pose([0, 0, 0]), pose([0, 0.1, 0])]
     path = through(back, "line", ORIGIN, blend=0.01)
     assert_allclose(path.corners, [0.1])
@@ -176,7 +181,7 @@ def test_the_blend_of_the_path_leaves_such_corners_exact():
     assert through(straight, "line", ORIGIN, blend=0.01).corner_list == ()
 
 
-def test_a_segment_has_its_own_blend_or_that_of_the_path():
+def test_a_segment_has_its_own_blend_or_that_of_the_path() -> None:
     parts = [line([0.1, 0, 0], blend=0.0), line([0.1, 0.1, 0]), line([0, 0.1, 0])]
     path = of_segments(*parts, start=ORIGIN, blend=0.02)
     assert [(c.blend, c.stops) for c in path.corner_list] == [(0.0, True), (0.02, False)]
@@ -201,7 +206,9 @@ def hull(radius: float, back: float) -> np.ndarray:
 @settings(max_examples=60, deadline=None)
 @given(st.floats(0.02, 0.2), st.floats(0.3, 5.5), st.floats(0.3, 1.0))
 @example(0.05, 5.0, 0.9)
-def test_a_blend_is_as_long_as_its_control_points_are_within_its_ball(rho, angle, share):
+def test_a_blend_is_as_long_as_its_control_points_are_within_its_ball(
+    rho: float, angle: float, share: float
+) -> None:
     """The hull of the control points has the curve in it: with them it is within the ball."""
     radius = share * rho * angle
     arc = {"type": "arc", "centre": [0, rho, 0], "axis": [0, 0, 1], "angle": angle,

@@ -47,7 +47,8 @@ def the_way(axis: Array, angle: float, towards: Array) -> tuple[Array, float]:
 
 
 def scaled(vector: Array, length: float) -> list[float]:
-    return (length * vector / np.linalg.norm(vector)).tolist()
+    components: list[float] = (length * vector / np.linalg.norm(vector)).tolist()
+    return components
 
 
 @settings(max_examples=80, deadline=None)

@@ -25,7 +25,7 @@ RECORDED: dict[str, Any] = json.loads(
 
 
 @pytest.mark.parametrize("name", sorted(RECORDED))
-def test_every_kind_of_piece_moves_as_it_was_recorded(name):
+def test_every_kind_of_piece_moves_as_it_was_recorded(name: str) -> None:
     recorded = RECORDED[name]
     path = tool_path(recorded["path"])
     # The last digits differ from processor to processor (measured: 7e-15 and 4e-12 of the largest).
@@ -38,7 +38,7 @@ def test_every_kind_of_piece_moves_as_it_was_recorded(name):
 
 
 @pytest.mark.parametrize("name", sorted(RECORDED))
-def test_the_motion_at_one_place_does_not_depend_on_the_others_asked_for(name):
+def test_the_motion_at_one_place_does_not_depend_on_the_others_asked_for(name: str) -> None:
     path = tool_path(RECORDED[name]["path"])
     s = np.linspace(0.0, path.length, 23)
     together = path.derivatives(s)
@@ -49,7 +49,7 @@ def test_the_motion_at_one_place_does_not_depend_on_the_others_asked_for(name):
     assert_array_equal(path.positions(s), together.p)
 
 
-def test_a_piece_moves_alone_as_in_its_path():
+def test_a_piece_moves_alone_as_in_its_path() -> None:
     path = through(random_poses(9, 6), "line", blend=0.02)
     assert any(isinstance(piece, CurvedPiece) for piece in path.pieces)
     for k, piece in enumerate(path.pieces):
@@ -59,7 +59,7 @@ def test_a_piece_moves_alone_as_in_its_path():
             assert_array_equal(getattr(alone, field), getattr(within, field))
 
 
-def test_parts_of_one_curve_share_its_coefficients():
+def test_parts_of_one_curve_share_its_coefficients() -> None:
     recorded = tool_path(RECORDED["recorded points"]["path"])
     stack = stack_pieces(recorded.pieces)
     assert len(recorded.pieces) > 50

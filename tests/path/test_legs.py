@@ -1,5 +1,7 @@
 """What a request is taken apart into."""
 
+from typing import Any
+
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
@@ -7,14 +9,14 @@ from numpy.testing import assert_allclose
 from ikplan import InvalidRequest
 from ikplan.path import JointLeg, Pose, ToolLeg
 
-from .requests import START, fk, legs, pose, quaternion, random_poses
+from .requests import START, START_R, fk, legs, pose, quaternion, random_poses
 
 HELIX = {"type": "helix", "radius": 0.2, "rise": 0.5, "turns": 2, "phase": 0.1}
 FIRST = [0.2 * np.cos(0.1), 0.2 * np.sin(0.1), 0.0]
 LINE = {"type": "line", "to": pose([0.1, 0.2, 0.3])}
 
 
-def shape(found):
+def shape(found: list[Any]) -> list[tuple[str, list[int]]]:
     """Kind of each leg with the rows of its waypoints."""
     return [
         ("joint", [t.row for t in leg.waypoints])
@@ -26,7 +28,7 @@ def shape(found):
 
 @pytest.mark.parametrize("start", [START, None])
 @pytest.mark.parametrize("approach", ["path", "joint"])
-def test_joint_interpolation_is_one_joint_motion(start, approach):
+def test_joint_interpolation_is_one_joint_motion(start: Pose | None, approach: str) -> None:
     document = {"waypoints": random_poses(0, 3), "approach": approach}
     (leg,) = legs(document, start)
     assert isinstance(leg, JointLeg)
@@ -36,8 +38,8 @@ def test_joint_interpolation_is_one_joint_motion(start, approach):
 
 
 @pytest.mark.parametrize("interpolation", ["line", "spline"])
-def test_a_tool_path_begins_at_the_start_or_at_the_first_waypoint(interpolation):
-    document = {"waypoints": random_poses(0, 3), "interpolation": interpolation}
+def test_a_tool_path_begins_at_the_start_or_at_the_first_waypoint(interpolation: str) -> None:
+    document: dict[str, Any] = {"waypoints": random_poses(0, 3), "interpolation": interpolation}
     first = np.array(document["waypoints"][0]["position"])
     (leg,) = legs(document)
     assert_allclose(leg.path.pose(0.0)[1], START.p, atol=1e-15)
@@ -53,7 +55,7 @@ def test_a_tool_path_begins_at_the_start_or_at_the_first_waypoint(interpolation)
     assert shape(legs(alone)) == [("joint", [0])]
 
 
-def test_segments_of_every_kind_mix():
+def test_segments_of_every_kind_mix() -> None:
     found = legs(
         {
             "segments": [
@@ -82,7 +84,7 @@ def test_segments_of_every_kind_mix():
     assert found[4].path.oriented(0.0)
 
 
-def test_a_curve_is_joined_by_a_line_unless_it_must_not_be():
+def test_a_curve_is_joined_by_a_line_unless_it_must_not_be() -> None:
     (leg,) = legs({"segments": [HELIX], "corners": "exact"})
     assert [w.row for w in leg.path.waypoints] == [0, 1]
     assert_allclose(leg.path.waypoints[0].p, FIRST)
@@ -98,18 +100,18 @@ def test_a_curve_is_joined_by_a_line_unless_it_must_not_be():
         legs({"segments": [turned]}, Pose(START.R, np.array(FIRST)))
 
 
-def test_a_curve_without_length_is_refused():
+def test_a_curve_without_length_is_refused() -> None:
     point = {**HELIX, "radius": 1e-6, "turns": 1e-6, "rise": 0.0}
     with pytest.raises(InvalidRequest, match="a point, not a path") as caught:
         legs({"segments": [point]})
     assert caught.value.field == "path.segments[0]"
 
 
-def test_a_joint_approach_leads_to_the_first_point_of_a_curve_or_spline():
+def test_a_joint_approach_leads_to_the_first_point_of_a_curve_or_spline() -> None:
     found = legs({"segments": [HELIX], "approach": "joint"})
     assert shape(found) == [("joint", [0]), ("tool", [1])]
     assert_allclose(found[0].waypoints[0].pose.p, FIRST)
-    assert_allclose(found[0].waypoints[0].pose.R, START.R)
+    assert_allclose(found[0].waypoints[0].pose.R, START_R)
     spline = {"type": "spline", "through": random_poses(0, 3)}
     assert shape(legs({"segments": [spline], "approach": "joint"})) == [
         ("joint", [0]), ("tool", [1, 2]),
@@ -117,7 +119,7 @@ def test_a_joint_approach_leads_to_the_first_point_of_a_curve_or_spline():
     assert shape(legs({"segments": [spline]}, None)) == [("tool", [0, 1, 2])]
 
 
-def test_begin_says_where_the_first_segment_begins():
+def test_begin_says_where_the_first_segment_begins() -> None:
     document = {"segments": [LINE], "begin": pose([0, 0, 0.3], [0.1, 0, 0])}
     (free,) = legs(document, None)
     assert_allclose(free.path.waypoint_s, [0.0, np.hypot(0.1, 0.2)])
@@ -131,7 +133,7 @@ def test_begin_says_where_the_first_segment_begins():
         assert caught.value.field == "path.begin"
 
 
-def test_a_free_start_needs_no_begin_for_a_curve_but_an_orientation_to_keep():
+def test_a_free_start_needs_no_begin_for_a_curve_but_an_orientation_to_keep() -> None:
     with pytest.raises(InvalidRequest, match="no orientation to keep") as caught:
         legs({"segments": [HELIX]}, None)
     assert caught.value.field == "path.segments[0].orientation"
@@ -145,7 +147,7 @@ def test_a_free_start_needs_no_begin_for_a_curve_but_an_orientation_to_keep():
     assert shape(legs({"segments": [{"type": "joint", "q": [0.0] * 6}]}, None)) == [("joint", [0])]
 
 
-def test_the_path_frame_places_everything():
+def test_the_path_frame_places_everything() -> None:
     frame = {"position": [0.1, 0.2, 0.3], "quaternion_xyzw": quaternion([0, 0, np.pi / 2])}
     (leg,) = legs({"segments": [LINE], "frame": frame})
     assert isinstance(leg, ToolLeg)

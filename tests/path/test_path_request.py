@@ -1,6 +1,7 @@
 """The documents of the path language."""
 
 import copy
+from typing import Any
 
 import pytest
 from hypothesis import given, settings
@@ -12,6 +13,9 @@ from ikplan.documents.path import ToleranceBox
 from ikplan.documents.plan_request import PathRequest, PlanRequest
 
 from .requests import pose, quaternion, vectors
+
+Documents = st.SearchStrategy[dict[str, Any]]
+Fields = dict[str, st.SearchStrategy[Any]]
 
 WAYPOINTS = {"waypoints": [pose([0.1, 0.2, 0.3])]}
 
@@ -29,14 +33,14 @@ rules = st.sampled_from(["constant", "follow"]) | st.builds(
 )
 
 
-def segments(kind, required, optional=None):
+def segments(kind: str, required: Fields, optional: Fields | None = None) -> Documents:
     return st.fixed_dictionaries(
         {"type": st.just(kind), **required},
         optional={"blend": st.none() | st.floats(0.0, 1.0), **(optional or {})},
     )
 
 
-def curves(kind, required, rule=rules):
+def curves(kind: str, required: Fields, rule: st.SearchStrategy[Any] = rules) -> Documents:
     return segments(
         kind,
         required,
@@ -84,19 +88,23 @@ paths = st.fixed_dictionaries(
 
 @settings(max_examples=150, deadline=None)
 @given(paths)
-def test_a_path_survives_being_written_and_read(document):
+def test_a_path_survives_being_written_and_read(document: dict[str, Any]) -> None:
     path = parse(PathRequest, copy.deepcopy(document))
     again = parse(PathRequest, path.model_dump(mode="json"))
     assert again == path
     assert again.model_dump_json() == path.model_dump_json()
+    assert path.segments is not None
     for asked, read in zip(document["segments"], path.segments, strict=True):
         assert read.type == asked["type"]
 
 
-def test_old_requests_mean_what_they_meant():
+def test_old_requests_mean_what_they_meant() -> None:
     path = parse(PathRequest, WAYPOINTS)
     assert (path.interpolation, path.approach, path.blend) == ("joint", "path", None)
-    assert path.segments is path.begin is path.orientation_free is path.tolerance.box is None
+    assert path.segments is None
+    assert path.begin is None
+    assert path.orientation_free is None
+    assert path.tolerance.box is None
     assert (path.tolerance.position, path.tolerance.orientation) == (1e-4, 1e-3)
 
 
@@ -193,14 +201,16 @@ CIRCLE = {"type": "circle", "radius": 0.1}
         ),
     ],
 )  # fmt: skip
-def test_a_wrong_field_is_named_as_it_is_written(path, field, words):
+def test_a_wrong_field_is_named_as_it_is_written(
+    path: dict[str, Any], field: str, words: str
+) -> None:
     with pytest.raises(InvalidRequest) as caught:
         parse(PlanRequest, {"robot": "iiwa14", "path": path})
     assert caught.value.field == field
     assert words in caught.value.detail
 
 
-def test_every_field_of_the_language_is_described():
+def test_every_field_of_the_language_is_described() -> None:
     definitions = PlanRequest.model_json_schema()["$defs"]
     names = {name for name in definitions if name.endswith("Segment")}
     assert len(names) == 11

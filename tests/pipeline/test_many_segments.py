@@ -13,6 +13,7 @@ import ikplan
 from ikplan.pipeline import motion_stages, timing_stage
 from ikplan.robots import load_robot
 from ikplan.timing import limit_jerk
+from ikplan.timing.time_joint_path import time_before_jerk
 
 SHAPES = 17
 
@@ -65,10 +66,9 @@ def test_each_way_is_timed_once_and_the_longer_ones_are_given_up(
     counted(monkeypatch, counts, motion_stages, "move_along")
     counted(monkeypatch, counts, limit_jerk, "smooth_span")
     timed: list[int] = []
-    before_jerk = timing_stage.time_before_jerk
 
     def noted(*arguments: Any, **more: Any) -> Any:
-        found = before_jerk(*arguments, **more)
+        found = time_before_jerk(*arguments, **more)
         timed.append(len(found.spans))
         return found
 
@@ -91,10 +91,9 @@ def test_the_way_that_is_taken_is_the_shortest_of_all(monkeypatch: pytest.Monkey
     request = outlines()
     quick = ikplan.plan(request)
     durations = []
-    bounded = timing_stage.limit_jerk
 
     def unbounded(timed: Any, check: Any, _: float) -> Any:
-        found = bounded(timed, check)
+        found = limit_jerk.limit_jerk(timed, check)
         durations.append(found.duration)
         return found
 

@@ -13,6 +13,7 @@ from ikplan import InvalidRequest, load_robot
 from ikplan.documents.limits import LimitOptions, SegmentLimits
 from ikplan.limits.motion_limits import MotionLimits
 from ikplan.robots import Robot, robot_from_urdf
+from tests.present import present
 
 PANDA = load_robot("panda")
 RATES = ("velocity", "velocity_lower", "acceleration", "acceleration_lower")
@@ -73,7 +74,7 @@ def asked(document: dict[str, Any]) -> dict[str, list[float]]:
         )
     jerk, torque = document.get("jerk", np.inf), document.get("torque", False)
     jerks = jerk if isinstance(jerk, list) else [jerk] * 7
-    found["jerk"] = [min(a, b) for a, b in zip(PANDA.jerk_limit, jerks, strict=True)]
+    found["jerk"] = [min(a, b) for a, b in zip(present(PANDA.jerk_limit), jerks, strict=True)]
     effort = list(PANDA.effort_limit) if torque is not False else [np.inf] * 7
     own_torque = torque if isinstance(torque, list) else [np.inf] * 7
     found["torque"] = [min(a, b) for a, b in zip(effort, own_torque, strict=True)]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -12,6 +13,7 @@ from ikplan.ik.solve import PoseSolver
 from ikplan.kinematics.arm import arm_of
 from ikplan.kinematics.target import no_freedom, pose_target
 from ikplan.limits import JointLimits
+from ikplan.path.tool_path import SegmentRange
 from ikplan.planning import WaypointProblem
 from ikplan.planning.ladder.ik_candidates import Targets
 from ikplan.planning.tracking.path_tracker import PathTracker
@@ -20,6 +22,7 @@ from ikplan.time_budget import TimeBudget
 from tests.kinematics.synthetic import Joint, robot_of
 
 Array = NDArray[np.float64]
+Elongation = Literal["global", "greedy"]
 
 L1, L2 = 0.5, 0.4
 REACH, HAND = L1 + L2, 0.2
@@ -100,6 +103,10 @@ class Polyline:
         return self._s[1:]
 
     @property
+    def segments(self) -> tuple[SegmentRange, ...]:
+        return ()
+
+    @property
     def rounded(self) -> bool:
         return False
 
@@ -140,7 +147,7 @@ WAYPOINTS = [(0.5, 0.2), (1.0, 0.5), (0.4, -0.3), (REACH + 5e-5, 0.0), (0.0, 1.3
 """Two of them, 1 and 4, are out of reach; 3 is too, by less than a tolerance of 0.1 mm."""
 
 
-def problem_of(robot: Robot, **more: object) -> WaypointProblem:
+def problem_of(robot: Robot, **more: Any) -> WaypointProblem:
     """The waypoints as a problem, with other fields."""
     targets = [pose_target(np.array([x, y, 0.0])) for x, y in WAYPOINTS]
     start = joints([0.5, 0.0, 0.0], 1.0)

@@ -19,7 +19,7 @@ from ikplan.planning.tracking.densify import densify
 from ikplan.planning.waypoints.waypoint_problem import WaypointProblem
 
 from .conftest import Time
-from .planar import Polyline, joints, line, problem_of, solver_of, tracker_of, two_links
+from .planar import Elongation, Polyline, joints, line, problem_of, solver_of, tracker_of, two_links
 
 STAGES = ["ik", "planning", "timing", "certificate"]
 END = {"ik": 0, "planning": 0, "timing": 1, "certificate": 2}
@@ -158,7 +158,7 @@ def test_greedy_waypoints_solved_so_far_are_the_best_so_far(passing: Time) -> No
 
 @pytest.mark.parametrize("elongation", ["global", "greedy"])
 def test_the_verdict_on_many_waypoints_ends_with_the_budget_too(
-    elongation: str, passing: Time
+    elongation: Elongation, passing: Time
 ) -> None:
     def gone(_: str, done: int, __: int) -> None:
         if done == 3:

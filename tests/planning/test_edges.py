@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from ikplan.kinematics.target import no_freedom
+from ikplan.kinematics.target import Freedom, no_freedom
 from ikplan.path.rotation.so3 import exp
 from ikplan.planning.ladder.ik_candidates import Targets
 from ikplan.planning.tracking.tolerance_bounds import violation_between
@@ -17,13 +17,13 @@ BUMP = 0.1 + 0.02 * SHARES * (0.15 - SHARES)
 PEAK = 0.02 * 0.075**2
 
 
-def targets(freedom, oriented=True):
+def targets(freedom: Freedom, oriented: bool = True) -> Targets:
     R = np.broadcast_to(exp(np.array([0.3, -0.2, 0.5])), (4, 3, 3))
     return Targets(R, np.zeros((4, 3)), np.full(4, oriented), np.full(4, 0.3), freedom)
 
 
 @pytest.mark.parametrize("axis", [0, 1, 2])
-def test_a_lean_out_of_the_cone_between_places_is_found(axis):
+def test_a_lean_out_of_the_cone_between_places_is_found(axis: int) -> None:
     wanted = targets(no_freedom()._replace(axis=axis, cone=0.1))
     lean = np.zeros((4, 3))
     lean[:, (axis + 1) % 3] = BUMP
@@ -40,7 +40,9 @@ def test_a_lean_out_of_the_cone_between_places_is_found(axis):
 @pytest.mark.parametrize("in_tool", [True, False])
 @pytest.mark.parametrize("sign", [1.0, -1.0])
 @pytest.mark.parametrize("row", range(6))
-def test_an_offset_out_of_the_box_between_places_is_found(row, sign, in_tool):
+def test_an_offset_out_of_the_box_between_places_is_found(
+    row: int, sign: float, in_tool: bool
+) -> None:
     R_box = exp(np.array([0.0, 0.4, 0.2]))
     freedom = no_freedom()._replace(boxed=True, box=np.full(6, 0.1), in_tool=in_tool, R_box=R_box)
     wanted = targets(freedom)

@@ -10,6 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
+from ikplan.path.tool_path import SegmentRange
 from ikplan.planning.tracking.reference_path import (
     initial_points,
     nearest_points,
@@ -29,6 +30,8 @@ class Straight:
     length: float
     corners: Array
     waypoint_s: Array
+    segments: tuple[SegmentRange, ...] = ()
+    rounded: bool = False
 
     def poses(self, s: Array) -> tuple[Array, Array]:
         return np.tile(np.eye(3), (len(s), 1, 1)), np.outer(s, [1.0, 0.0, 0.0])

@@ -72,7 +72,9 @@ def sinusoid(length: float, tolerance: float, **wave: float) -> Plan:
 
 @pytest.mark.parametrize("wavelength", [1e-3, 7e-4, 3e-4])
 @pytest.mark.parametrize("tolerance", [1e-4, 2e-5])
-def test_bends_sharper_than_the_tolerance_are_kept_to_with_a_margin(wavelength, tolerance) -> None:
+def test_bends_sharper_than_the_tolerance_are_kept_to_with_a_margin(
+    wavelength: float, tolerance: float
+) -> None:
     plan = sinusoid(10 * wavelength, tolerance, amplitude=0.01, wavelength=wavelength)
     assert plan.certificate.max_path_deviation is not None
     assert 0.1 * tolerance < plan.certificate.max_path_deviation < 0.6 * tolerance
@@ -256,7 +258,9 @@ def test_a_line_may_be_approached_from_where_it_begins() -> None:
 @pytest.mark.parametrize("start", [None, "free"])
 @pytest.mark.parametrize("interpolation", ["line", "spline"])
 @pytest.mark.parametrize("oriented", [(0, 0, 1), (0, 1, 0), (1, 0, 0), (1, 0, 1), (1, 0, 0, 1, 0)])
-def test_orientations_are_met_where_they_are_asked_for(oriented, interpolation, start) -> None:
+def test_orientations_are_met_where_they_are_asked_for(
+    oriented: tuple[int, ...], interpolation: str, start: str | None
+) -> None:
     robot = load_robot("panda")
     rng = np.random.default_rng(5)
     wanted = [robot.fk(robot.home + 0.15 * rng.normal(size=7)) for _ in oriented]

@@ -8,27 +8,32 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from numpy.typing import NDArray
 from scipy.linalg import null_space, solveh_banded
 from scipy.optimize import linprog
 
 from ikplan.kinematics.arm import arm_of
-from ikplan.kinematics.target import no_freedom, pose_target
+from ikplan.kinematics.target import Target, no_freedom, pose_target
 from ikplan.planning.ladder.banded_cholesky import solve_banded
-from ikplan.planning.ladder.ik_candidates import IkCandidates, sample_ik_solutions
+from ikplan.planning.ladder.ik_candidates import IkCandidates, Targets, sample_ik_solutions
 from ikplan.planning.ladder.joint_length import joint_path_length
 from ikplan.planning.ladder.ladder_graph import diverse_shortest_paths
 from ikplan.planning.ladder.motion_cost import plain_cost
 from ikplan.planning.ladder.null_space import null_space_basis
 from ikplan.planning.ladder.path_shortening import shorten_sequence
 from ikplan.planning.waypoints.stack import stack_targets
-from ikplan.robots import load_robot
+from ikplan.robots import Robot, load_robot
+
+Array = NDArray[np.float64]
 
 seeds = st.integers(0, 2**32 - 1)
 
 
 @settings(deadline=None)
 @given(seed=seeds, dof=st.integers(2, 9), rank=st.integers(0, 6), fixed=st.integers(0, 3))
-def test_the_tangent_basis_is_an_orthonormal_basis_of_the_null_space(seed, dof, rank, fixed):
+def test_the_tangent_basis_is_an_orthonormal_basis_of_the_null_space(
+    seed: int, dof: int, rank: int, fixed: int
+) -> None:
     rng = np.random.default_rng(seed)
     rank = min(rank, dof)
     J = rng.normal(size=(6, rank)) @ rng.normal(size=(rank, dof))
@@ -45,7 +50,7 @@ def test_the_tangent_basis_is_an_orthonormal_basis_of_the_null_space(seed, dof, 
 
 @settings(deadline=None)
 @given(seed=seeds, size=st.integers(1, 30), width=st.integers(0, 6))
-def test_a_band_matrix_is_solved_as_by_scipy(seed, size, width):
+def test_a_band_matrix_is_solved_as_by_scipy(seed: int, size: int, width: int) -> None:
     rng = np.random.default_rng(seed)
     width = min(width, size - 1)
     full = np.zeros((size, size))
@@ -70,7 +75,7 @@ def test_a_matrix_that_is_not_positive_definite_is_told() -> None:
 
 @settings(deadline=None)
 @given(seed=seeds, free=st.booleans())
-def test_the_ladder_finds_the_shortest_path_of_all(seed, free):
+def test_the_ladder_finds_the_shortest_path_of_all(seed: int, free: bool) -> None:
     rng = np.random.default_rng(seed)
     counts = rng.integers(1, 5, size=4)
     q = rng.normal(size=(4, 4, 3))
@@ -92,7 +97,7 @@ def test_the_ladder_finds_the_shortest_path_of_all(seed, free):
         assert np.abs(a - b).max() >= 1e-9
 
 
-def along(name, count, seed, step=0.25):
+def along(name: str, count: int, seed: int, step: float = 0.25) -> tuple[Robot, list[Target]]:
     """Targets that the robot passes, and where it starts."""
     robot = load_robot(name)
     rng = np.random.default_rng(seed)
@@ -104,7 +109,9 @@ def along(name, count, seed, step=0.25):
     return robot, targets
 
 
-def grown(robot, targets, first=64):
+def grown(
+    robot: Robot, targets: list[Target], first: int = 64
+) -> tuple[IkCandidates, Targets, Array, Array, Array]:
     arm = arm_of(robot)
     lower, upper = arm.search_bounds(np.array(robot.home))
     no_seeds = np.empty((len(targets), 0, arm.dof))
@@ -193,6 +200,7 @@ def test_the_polish_shortens_to_a_stationary_point(name: str, seed: int, start_f
         ]
         jacobian = robot.jacobian(q[k])
         best = linprog(gradient, A_eq=jacobian, b_eq=np.zeros(len(jacobian)), bounds=bounds)
+        assert best.fun is not None
         assert best.fun > -2e-3
 
 

@@ -145,12 +145,12 @@ def stated(expect: Mapping[str, Any]) -> Mapping[str, Any]:
 def holds(kind: str, figure: Mapping[str, Any], value: float) -> bool:
     """Whether a measured value is the one stated, to the margin stated."""
     if "best" in figure:
-        return value <= figure["best"] * (1.0 + figure["over"])
+        return bool(value <= figure["best"] * (1.0 + figure["over"]))
     if "most" in figure:
-        return value <= figure["most"]
+        return bool(value <= figure["most"])
     exact = figure.get("is", 0.0)
     scale = 1.0 if kind in ABSOLUTE or "is" not in figure else abs(exact)
-    return abs(value - exact) <= figure["within"] * scale
+    return bool(abs(value - exact) <= figure["within"] * scale)
 
 
 def test_there_are_vectors_of_both_kinds() -> None:
@@ -177,7 +177,9 @@ REASON = "of a known arm"
         ({"length_m": {"is": 1.0, "within": 0.1}}, "no reason"),
     ],
 )
-def test_a_vector_that_states_nothing_to_check_is_refused(expect, words) -> None:
+def test_a_vector_that_states_nothing_to_check_is_refused(
+    expect: dict[str, Any], words: str
+) -> None:
     with pytest.raises(ValueError, match=words):
         stated(expect)
 
@@ -196,7 +198,9 @@ def test_a_vector_that_states_nothing_to_check_is_refused(expect, words) -> None
         ("closed", {"within": 1e-6}, 0.9e-6, True),
     ],
 )
-def test_a_figure_is_held_to_its_margin(kind, figure, value, kept) -> None:
+def test_a_figure_is_held_to_its_margin(
+    kind: str, figure: dict[str, float], value: float, kept: bool
+) -> None:
     assert holds(kind, figure, value) == kept
 
 

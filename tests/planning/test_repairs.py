@@ -41,6 +41,7 @@ def planar(start: Any, *points: tuple[float, float], **path: Any) -> dict[str, A
 def refused(request: dict[str, Any], robot: Robot | None = None) -> Unreachable | Disconnected:
     with pytest.raises((Unreachable, Disconnected)) as caught:
         ikplan.plan(copy.deepcopy(request), robot=robot)
+    assert isinstance(caught.value, Unreachable | Disconnected)
     return caught.value
 
 
@@ -91,7 +92,8 @@ def check_waypoints(plan: Plan, path: dict[str, Any], robot: Robot) -> None:
 
 def shift_of(request: dict[str, Any], again: dict[str, Any]) -> np.ndarray:
     before = request["path"].get("frame", {}).get("position", [0.0, 0.0, 0.0])
-    return np.subtract(again["path"]["frame"]["position"], before)
+    shift: np.ndarray = np.subtract(again["path"]["frame"]["position"], before)
+    return shift
 
 
 # Another branch at the start.
@@ -173,6 +175,7 @@ def test_the_shift_is_in_the_base_whatever_the_frame_of_the_path() -> None:
 def test_no_path_is_shifted_by_more_than_half_a_metre(beyond: float) -> None:
     request = planar(joints([0.6, 0.3, 0.0], 1.0), (0.7, 0.1), (REACH + beyond, 0.0))
     error = refused(request, two_links())
+    assert isinstance(error, Unreachable)
     assert error.position_error == pytest.approx(beyond, abs=1e-6)
     assert error.repairs == []
 
@@ -181,6 +184,7 @@ def test_no_shift_repairs_a_path_wider_than_the_reach() -> None:
     """What brings one end within reach takes the other farther away."""
     request = planar(joints([0.6, 0.3, 0.0], 1.0), (1.1, 0.0), (-1.1, 0.0))
     error = refused(request, two_links())
+    assert isinstance(error, Unreachable)
     assert error.position_error == pytest.approx(0.2, abs=1e-6)
     assert error.repairs == []
 
@@ -205,7 +209,9 @@ def tilted(turn: list[float]) -> dict[str, Any]:
         ([0.4, 0.3, 0.0], "all"),
     ],
 )
-def test_the_repair_is_the_least_freedom_that_makes_a_pose_feasible(turn, free) -> None:
+def test_the_repair_is_the_least_freedom_that_makes_a_pose_feasible(
+    turn: list[float], free: Any
+) -> None:
     again, _, detail = repaired(tilted(turn))["orientation_free"]
     assert again["path"]["orientation_free"] == free
     assert ("any orientation" if free == "all" else free["about"]) in detail
@@ -281,7 +287,7 @@ def test_the_trials_planned_just_what_the_repair_says(kind: str, trials: dict[st
     (repair,) = [r for r in refused(request, robot).repairs if kind_of(r) == kind]
     again = merged(request, repair["change"])
     path = again["path"]
-    told = {
+    told: Callable[[Any], bool] = {
         "start": lambda p: np.array_equal(p.q_start, again["start"]),
         "frame": lambda p: p.path.frame.position == path.get("frame", {}).get("position"),
         "orientation_free": lambda p: (

@@ -13,6 +13,7 @@ from ikplan import Robot, TimingFailed, load_robot
 from ikplan.limits.motion_limits import MotionLimits
 from ikplan.pipeline import motion_stages
 from ikplan.pipeline.retime import time_request
+from ikplan.pipeline.timing_stage import move_along
 from ikplan.planning.repair_kinds import merged_document
 
 UR5 = load_robot("ur5")
@@ -81,14 +82,13 @@ def test_a_smaller_tool_speed_is_offered_where_it_has_a_timing(
     asked: Any, passes: float, offered: Any, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """As if no timing were found for anything faster."""
-    known = motion_stages.move_along
     tried: list[float] = []
 
     def slow_only(path: Any, robot: Robot, limits: MotionLimits, *more: Any) -> Any:
         tried.append(limits.tool_speed[0])
         if limits.tool_speed[0] > passes:
             raise TimingFailed("no path speed found", position=0.5, limit="acceleration")
-        return known(path, robot, limits, *more)
+        return move_along(path, robot, limits, *more)
 
     monkeypatch.setattr(motion_stages, "move_along", slow_only)
     request = LINE if asked is None else {**LINE, "limits": {"tool_speed": asked}}

@@ -24,7 +24,7 @@ CONSTRAINTS = dict(
     for line in (ROOT / "constraints.txt").read_text().split()
     if "==" in line and not line.startswith("#")
 )
-PINNED = {canonicalize_name(name): version for name, version in CONSTRAINTS.items()}
+PINNED: dict[str, str] = {canonicalize_name(name): version for name, version in CONSTRAINTS.items()}
 
 
 def locked() -> dict[str, tuple[str, list[str]]]:

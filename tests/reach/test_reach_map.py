@@ -1,6 +1,7 @@
 """Reach maps: held to Pinocchio, to closed forms, and to what a scene forbids."""
 
 import math
+from pathlib import Path
 
 import numpy as np
 import pinocchio as pin
@@ -13,7 +14,7 @@ from ikplan.reach.poses import grid_positions, spread_orientations
 from ikplan.reach.save import draw_reach_map
 
 
-def test_a_grid_has_its_corners_and_its_spacing():
+def test_a_grid_has_its_corners_and_its_spacing() -> None:
     grid = grid_positions([0.0, -0.1, 0.3], [0.3, 0.1, 0.3], 0.1)
     assert grid.shape == (12, 3)
     assert np.allclose(grid[0], [0.0, -0.1, 0.3])
@@ -21,7 +22,7 @@ def test_a_grid_has_its_corners_and_its_spacing():
     assert len(np.unique(grid, axis=0)) == 12
 
 
-def test_orientations_are_rotations_spread_over_their_cone():
+def test_orientations_are_rotations_spread_over_their_cone() -> None:
     R = spread_orientations(200, 3)
     assert R.shape == (600, 3, 3)
     assert np.allclose(R @ R.transpose(0, 2, 1), np.eye(3), atol=1e-12)
@@ -37,7 +38,7 @@ def test_orientations_are_rotations_spread_over_their_cone():
     assert spread_orientations(1, 1)[0, :, 2] == pytest.approx([0.0, 0.0, -1.0])
 
 
-def test_reached_poses_are_met_by_pinocchio_and_far_ones_are_not():
+def test_reached_poses_are_met_by_pinocchio_and_far_ones_are_not() -> None:
     robot = ikplan.load_robot("ur5")
     positions = [[0.4, 0.1, 0.4], [3.0, 0.0, 0.0], [0.5, -0.2, 0.2]]
     found = ikplan.reach_map(robot, positions, spread_orientations(12, 2))
@@ -56,7 +57,7 @@ def test_reached_poses_are_met_by_pinocchio_and_far_ones_are_not():
     assert np.array_equal(again.q, found.q, equal_nan=True)
 
 
-def test_what_a_scene_forbids_is_in_contact_and_the_rest_keeps_its_clearance():
+def test_what_a_scene_forbids_is_in_contact_and_the_rest_keeps_its_clearance() -> None:
     robot = ikplan.load_robot("ur5")
     wall = {"name": "wall", "shape": {"type": "box", "size": [0.02, 4.0, 4.0]}}
     scene = {"obstacles": [{**wall, "position": [0.6, 0.0, 0.0]}]}
@@ -75,7 +76,9 @@ def test_what_a_scene_forbids_is_in_contact_and_the_rest_keeps_its_clearance():
         )
 
 
-def test_the_command_writes_the_map_and_its_figure(tmp_path, capsys):
+def test_the_command_writes_the_map_and_its_figure(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     parquet = pytest.importorskip("pyarrow.parquet")
     table, figure = tmp_path / "map.parquet", tmp_path / "map.svg"
     corners = ["--lower", "0.3", "-0.1", "0.3", "--upper", "0.5", "0.1", "0.3"]
@@ -116,11 +119,13 @@ def test_the_command_writes_the_map_and_its_figure(tmp_path, capsys):
         (["-o", "map.csv", "--spacing", "1", "--directions", "1"], "output"),
     ],
 )
-def test_what_makes_no_sense_is_refused(options, field, capsys):
+def test_what_makes_no_sense_is_refused(
+    options: list[str], field: str, capsys: pytest.CaptureFixture[str]
+) -> None:
     assert main(["reach", "ur5", *options]) == 2
     assert field in capsys.readouterr().err
 
 
-def test_a_grid_without_end_is_refused():
+def test_a_grid_without_end_is_refused() -> None:
     with pytest.raises(InvalidRequest, match="three finite numbers"):
         grid_positions([0.0, 0.0, 0.0], [math.inf, 1.0, 1.0], 0.1)

@@ -7,6 +7,7 @@ import shutil
 import subprocess
 import sys
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -260,7 +261,7 @@ def test_tool_moves_the_tool_frame_and_replaces_another() -> None:
         ([0, 0, 0], [0, 0, 0, np.inf], "tool.quaternion_xyzw"),
     ],
 )
-def test_wrong_tool_is_refused(position: list, quaternion: list, field: str) -> None:
+def test_wrong_tool_is_refused(position: list[float], quaternion: list[float], field: str) -> None:
     with pytest.raises(InvalidRequest) as caught:
         load_robot("ur5").with_tool(position, quaternion)
     assert caught.value.field == field
@@ -281,7 +282,7 @@ def test_limits_can_be_replaced() -> None:
 
 
 @pytest.mark.parametrize("values", [0.0, -1.0, np.nan, [1, 1, 1, 1, 1], [1, 1, 1, 1, 1, 0]])
-def test_wrong_limits_are_refused(values: object) -> None:
+def test_wrong_limits_are_refused(values: Any) -> None:
     with pytest.raises(InvalidRequest) as caught:
         load_robot("ur5").with_limits(velocity=values)
     assert caught.value.field == "velocity"

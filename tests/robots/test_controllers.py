@@ -52,7 +52,7 @@ def test_every_fact_of_a_controller_has_a_source(name: str) -> None:
         assert not robot.jerk_limit.flags.writeable
 
 
-def _dh(theta: float, a: float, d: float, alpha: float) -> np.ndarray:
+def dh(theta: float, a: float, d: float, alpha: float) -> np.ndarray:
     c, s, ca, sa = np.cos(theta), np.sin(theta), np.cos(alpha), np.sin(alpha)
     return np.array(
         [[c, -s * ca, s * sa, a * c], [s, c * ca, -c * sa, a * s], [0, sa, ca, d], [0, 0, 0, 1]]
@@ -81,7 +81,7 @@ def test_ur_e_series_is_the_makers_dh_table_in_the_controllers_base(name: str) -
     rng = np.random.default_rng(6)
     for _ in range(50):
         q = robot.random_configuration(rng)
-        T = np.linalg.multi_dot([_dh(angle, *row) for angle, row in zip(q, rows, strict=True)])
+        T = np.linalg.multi_dot([dh(angle, *row) for angle, row in zip(q, rows, strict=True)])
         seen = (T_base_controller.inverse() * robot.fk(q)).homogeneous
         np.testing.assert_allclose(seen, T, atol=1e-9, rtol=0)
 
@@ -95,8 +95,8 @@ def test_fr3_is_the_makers_modified_dh_table() -> None:
         q = robot.random_configuration(rng)
         T = np.eye(4)
         for angle, (a, d, alpha) in zip(q, rows, strict=True):
-            T = T @ _dh(0.0, a, 0.0, alpha) @ _dh(angle, 0.0, d, 0.0)
-        T = T @ _dh(0.0, 0.0, 0.107, 0.0)
+            T = T @ dh(0.0, a, 0.0, alpha) @ dh(angle, 0.0, d, 0.0)
+        T = T @ dh(0.0, 0.0, 0.107, 0.0)
         np.testing.assert_allclose(robot.fk(q).homogeneous, T, atol=1e-9, rtol=0)
 
 
@@ -168,6 +168,7 @@ def written(folder: Path, **controller: Any) -> Path:
 
 def test_jerks_of_a_file_in_degrees_are_read_in_degrees(tmp_path: Path) -> None:
     robot = load_robot(written(tmp_path, jerk=[1000.0] * 7))
+    assert robot.jerk_limit is not None
     np.testing.assert_allclose(robot.jerk_limit, np.radians(1000.0), rtol=1e-15)
     assert robot.info().controller == robot.controller
 

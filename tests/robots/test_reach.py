@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pinocchio as pin
@@ -42,7 +43,7 @@ def test_coordinates_in_millimetres_are_named_where_all_are_beyond_reach() -> No
 
 @pytest.mark.parametrize("interpolation", ["joint", "line", "spline"])
 def test_the_repair_of_millimetres_is_the_plan_in_metres(interpolation: str) -> None:
-    def request(scale: float) -> dict[str, object]:
+    def request(scale: float) -> dict[str, Any]:
         waypoints = [
             {"position": [x * scale, y * scale, 300 * scale], "quaternion_xyzw": [1, 0, 0, 0]}
             for x, y in ((400, -100), (400, 100), (350, 100))
@@ -55,7 +56,7 @@ def test_the_repair_of_millimetres_is_the_plan_in_metres(interpolation: str) -> 
         ikplan.plan(request(1.0))
     (repair,) = caught.value.repairs
     repaired = request(1.0)
-    repaired["path"] = {**repaired["path"], **repair["change"]["path"]}  # type: ignore[dict-item]
+    repaired["path"] = {**repaired["path"], **repair["change"]["path"]}
     made = ikplan.plan(repaired)
     placed = [load_robot("ur5").fk(q).translation for q in made.waypoints.q]
     np.testing.assert_allclose(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import subprocess
 import sys
+from collections.abc import Sequence
 from pathlib import Path
 from statistics import median
 
@@ -13,11 +14,12 @@ import pytest
 from benchmarks.catalogue.measure import fk_errors, lines_planned, poses_solved, serial_values
 from catalogue.__main__ import ROOT, written
 from catalogue.documents import robot_document
-from catalogue.facts import Arm, read_facts
+from catalogue.facts import Arm, CountedJoint, FactsJoint, read_facts
 from ikplan.robots import load_robot
 from ikplan.robots.definition.defaults import ACCELERATION_DEFAULTS, DEFAULT_ACCELERATION
+from tests.present import present
 
-from .test_controllers import HALF_PI, _dh
+from .test_controllers import HALF_PI, dh
 
 FACTS = read_facts()
 ARMS = {arm.name: arm for arm in FACTS.arms}
@@ -66,7 +68,9 @@ def test_the_tool_is_where_the_facts_have_it(arm: Arm) -> None:
 @each
 def test_limits_are_the_published_ones(arm: Arm) -> None:
     robot = load_robot(arm.name)
-    joints = arm.joints if arm.counting is None else arm.counting.joints
+    joints: Sequence[FactsJoint | CountedJoint] = (
+        arm.joints if arm.counting is None else arm.counting.joints
+    )
     assert list(robot.joint_names) == [joint.name for joint in joints]
     for i, joint in enumerate(joints):
         assert robot.lower[i] == (-np.inf if joint.lower is None else joint.lower)
@@ -135,7 +139,7 @@ XARM_A2 = float(np.hypot(0.2845, 0.0535))
 XARM_T2 = float(np.arctan2(0.2845, 0.0535))
 XARM_A3 = float(np.hypot(0.3425, 0.0775))
 XARM_T3 = float(np.arctan2(0.3425, 0.0775))
-TABLES = {
+TABLES: dict[str, list[tuple[float, float, float, float]]] = {
     "ur20": [
         (0, 0.2363, HALF_PI, 0), (-0.862, 0, 0, 0), (-0.7287, 0, 0, 0), (0, 0.201, HALF_PI, 0),
         (0, 0.1593, -HALF_PI, 0), (0, 0.1543, 0, 0),
@@ -156,7 +160,7 @@ def test_the_chain_is_the_makers_dh_table(name: str) -> None:
         q = robot.random_configuration(rng)
         T = turned
         for value, (a, d, alpha, offset) in zip(q, TABLES[name], strict=True):
-            T = T @ _dh(value + offset, a, d, alpha)
+            T = T @ dh(value + offset, a, d, alpha)
         np.testing.assert_allclose(robot.fk(q).homogeneous, T, atol=1e-8, rtol=0)
 
 
@@ -187,7 +191,7 @@ def test_the_pendant_of_the_crx_counts_the_forearm_from_the_horizontal() -> None
 
 def test_every_motion_of_the_pendants_joints_keeps_the_limits_of_the_arm() -> None:
     serial, pendant = load_robot("fanuc_crx10ia"), load_robot("fanuc_crx10ia_pendant")
-    matrix = np.array(ARMS["fanuc_crx10ia_pendant"].counting.matrix)  # type: ignore[union-attr]
+    matrix = np.array(present(ARMS["fanuc_crx10ia_pendant"].counting).matrix)
     positive, negative = np.maximum(matrix, 0.0), np.minimum(matrix, 0.0)
     room = 1e-12
     assert (positive @ pendant.upper + negative @ pendant.lower <= serial.upper + room).all()

@@ -30,7 +30,8 @@ STILL = (np.eye(3)[None], np.zeros((1, 3)))
 
 def support(points: Array, radius: float, directions: Array) -> Array:
     """How far a piece reaches along directions."""
-    return (points @ directions.T).max(axis=0) + radius
+    reach: Array = (points @ directions.T).max(axis=0) + radius
+    return reach
 
 
 def directions(count: int = 2_000) -> Array:
@@ -83,6 +84,7 @@ def test_the_distance_beyond_a_box_is_that_of_the_closed_form() -> None:
     half = np.array([0.5, 1.0, 2.0])
     corners = np.array([(x, y, z) for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)]) * half
     hull = hull_of(corners)
+    assert hull is not None
     points = np.random.default_rng(2).uniform(-3, 3, size=(3_000, 3))
     exact = np.linalg.norm(np.maximum(np.abs(points) - half, 0.0), axis=1)
     found = distance_beyond(points, hull)

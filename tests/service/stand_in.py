@@ -71,3 +71,10 @@ class StandIn:
         for future in self._open:
             future.set_exception(ServiceUnavailable("stopping", status_code=503))
         await asyncio.sleep(0)
+
+
+class Idle(StandIn):
+    """A planner that nobody asks."""
+
+    async def run(self, kind: str, document: bytes, **_: Any) -> TaskResult:
+        raise AssertionError(f"{kind} was asked for: {document!r}")

@@ -4,22 +4,25 @@ from __future__ import annotations
 
 import asyncio
 import hashlib
+import hmac
 import re
 from collections.abc import Mapping
 from typing import Any
 
 import httpx
 import pytest
+from fastapi import FastAPI
+from starlette.types import Message
 
 from ikplan import AccessDenied, AsyncClient, Client, InvalidRequest, RateLimited
 from ikplan.cli import main
 from ikplan.client.api_keys import key_hash, new_key
 from ikplan_api.app import create_app
-from ikplan_api.middleware import access
 from ikplan_api.settings import Settings, load_settings
 from ikplan_api.settings.access import is_loopback
 
 from .conftest import ADDRESS
+from .stand_in import Idle
 
 KEY, OTHER = new_key(), new_key()
 KEYS = f"cell:{key_hash(KEY)}, {key_hash(OTHER)}"
@@ -33,17 +36,13 @@ def bearer(key: str) -> dict[str, str]:
     return {"authorization": f"Bearer {key}"}
 
 
-def app_with(**settings: Any):
+def app_with(**settings: Any) -> FastAPI:
     return create_app(Settings(**settings), planner=Idle())
 
 
-class Idle:
-    """A planner that nobody asks."""
-
-    ready = True
-
-
-def ask(app, *requests: tuple[str, str, Mapping[str, str]], **transport: Any):
+def ask(
+    app: FastAPI, *requests: tuple[str, str, Mapping[str, str]], **transport: Any
+) -> list[httpx.Response]:
     async def exchange() -> list[httpx.Response]:
         carrier = httpx.ASGITransport(app, **transport)
         base = transport.get("base", ADDRESS)
@@ -53,13 +52,13 @@ def ask(app, *requests: tuple[str, str, Mapping[str, str]], **transport: Any):
     return asyncio.run(exchange())
 
 
-def test_a_key_is_long_random_and_kept_only_as_its_hash():
+def test_a_key_is_long_random_and_kept_only_as_its_hash() -> None:
     assert len({new_key() for _ in range(100)}) == 100
     assert re.fullmatch(r"ikp_[A-Za-z0-9_-]{43}", KEY)
     assert key_hash(KEY) == hashlib.sha256(KEY.encode()).hexdigest()
 
 
-def test_the_command_makes_a_key_that_opens_the_service(capsys):
+def test_the_command_makes_a_key_that_opens_the_service(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["keys", "new", "--name", "cell-7"]) == 0
     key_line, hash_line = capsys.readouterr().out.splitlines()
     key, setting = key_line.split()[-1], hash_line.split("IKPLAN_API_KEYS=")[1]
@@ -84,7 +83,7 @@ def test_the_command_makes_a_key_that_opens_the_service(capsys):
         {"x-api-key": KEY},
     ],
 )
-def test_without_a_known_key_nothing_is_told(headers):
+def test_without_a_known_key_nothing_is_told(headers: dict[str, str]) -> None:
     app = app_with(api_keys=KEYS)
     paths = ["/v1/robots", "/v1/plans/x", "/metrics", "/nowhere"]
     for answer in ask(app, *(("GET", path, headers) for path in paths)):
@@ -96,13 +95,13 @@ def test_without_a_known_key_nothing_is_told(headers):
         assert KEY not in answer.text
 
 
-def test_a_body_is_not_read_before_the_key_is_known():
+def test_a_body_is_not_read_before_the_key_is_known() -> None:
     statuses = []
 
-    async def receive() -> dict:
+    async def receive() -> Message:
         raise AssertionError("read")
 
-    async def send(message: dict) -> None:
+    async def send(message: Message) -> None:
         statuses.append(message.get("status"))
 
     scope = {
@@ -116,20 +115,20 @@ def test_a_body_is_not_read_before_the_key_is_known():
 
 
 @pytest.mark.parametrize("key", [KEY, OTHER], ids=["first", "second"])
-def test_every_known_key_opens_everything(key):
+def test_every_known_key_opens_everything(key: str) -> None:
     app = app_with(api_keys=KEYS)
     for answer in ask(app, ("GET", "/v1/solvers", bearer(key)), ("GET", "/nowhere", bearer(key))):
         assert answer.status_code in (200, 404)
 
 
-def test_every_hash_is_compared_whichever_key_is_shown(monkeypatch):
+def test_every_hash_is_compared_whichever_key_is_shown(monkeypatch: pytest.MonkeyPatch) -> None:
     compared = []
 
     def compare(known: str, asked: str) -> bool:
         compared.append(known)
         return known == asked
 
-    monkeypatch.setattr(access.hmac, "compare_digest", compare)
+    monkeypatch.setattr(hmac, "compare_digest", compare)
     app = app_with(api_keys=KEYS)
     for key in (KEY, OTHER, new_key()):
         compared.clear()
@@ -137,16 +136,16 @@ def test_every_hash_is_compared_whichever_key_is_shown(monkeypatch):
         assert compared == [key_hash(KEY), key_hash(OTHER)]
 
 
-def test_probes_and_pages_need_no_key():
+def test_probes_and_pages_need_no_key() -> None:
     for answer in ask(app_with(api_keys=KEYS), *(("GET", path, {}) for path in OPEN)):
         assert answer.status_code in (200, 404)
 
 
-def test_the_clients_show_the_key_they_are_given_or_find(monkeypatch):
+def test_the_clients_show_the_key_they_are_given_or_find(monkeypatch: pytest.MonkeyPatch) -> None:
     app = app_with(api_keys=KEYS)
     transport = httpx.ASGITransport(app)
 
-    async def solvers(**key: str) -> list:
+    async def solvers(**key: Any) -> list[Any]:
         async with AsyncClient(ADDRESS, transport=transport, **key) as client:
             return await client.solvers()
 
@@ -163,7 +162,7 @@ def test_the_clients_show_the_key_they_are_given_or_find(monkeypatch):
             made(ADDRESS, key="a\nb")
 
 
-def test_a_key_that_asks_too_often_has_to_wait_and_others_need_not():
+def test_a_key_that_asks_too_often_has_to_wait_and_others_need_not() -> None:
     app = app_with(api_keys=KEYS, rate_limit="2/minute")
     once = ("GET", "/v1/solvers", bearer(KEY))
     *fine, refused, probe, other = ask(
@@ -196,7 +195,7 @@ def test_a_key_that_asks_too_often_has_to_wait_and_others_need_not():
         ("0.0.0.0", 403),
     ],
 )
-def test_without_keys_only_loopback_connections_are_answered(host, status):
+def test_without_keys_only_loopback_connections_are_answered(host: str, status: int) -> None:
     async def exchange() -> httpx.Response:
         carrier = httpx.ASGITransport(app_with())
         async with httpx.AsyncClient(transport=carrier, base_url=f"http://{host}:8000") as http:
@@ -212,7 +211,7 @@ def test_without_keys_only_loopback_connections_are_answered(host, status):
 
 @pytest.mark.parametrize("host", ["127.0.0.1", "127.1.2.3", "localhost", "::1", "[::1]",
                                   "::ffff:127.0.0.1"])  # fmt: skip
-def test_loopback_needs_no_keys(host):
+def test_loopback_needs_no_keys(host: str) -> None:
     assert is_loopback(host)
     Settings(host=host)
 
@@ -220,7 +219,9 @@ def test_loopback_needs_no_keys(host):
 @pytest.mark.parametrize(
     "host", ["0.0.0.0", "", "::", "192.168.1.5", "cell.example", "127.0.0.1.x"]
 )
-def test_beyond_loopback_the_service_does_not_start_without_keys(host, monkeypatch):
+def test_beyond_loopback_the_service_does_not_start_without_keys(
+    host: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.setenv("IKPLAN_HOST", host)
     with pytest.raises(InvalidRequest, match="IKPLAN_API_KEYS must contain"):
         create_app()
@@ -228,7 +229,9 @@ def test_beyond_loopback_the_service_does_not_start_without_keys(host, monkeypat
     assert [key.name for key in load_settings().api_keys] == ["cell", "key-2"]
 
 
-def test_the_command_that_serves_refuses_too(monkeypatch, capsys):
+def test_the_command_that_serves_refuses_too(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
     for variable in ("IKPLAN_HOST", "IKPLAN_PORT"):  # what it sets for the service
         monkeypatch.setenv(variable, "")
     assert main(["serve", "--host", "0.0.0.0", "--port", "0"]) == 2
@@ -251,8 +254,8 @@ def test_the_command_that_serves_refuses_too(monkeypatch, capsys):
     ids=range(8),  # the keys are new ones in each process
 )
 def test_unsafe_settings_are_refused_by_name_without_repeating_secrets(
-    variable, value, said, monkeypatch
-):
+    variable: str, value: str, said: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.setenv(variable, value)
     with pytest.raises(InvalidRequest, match=re.escape(said)) as caught:
         create_app()
@@ -269,7 +272,7 @@ LEAVE = {
 }
 
 
-def test_other_origins_may_not_ask_unless_they_are_named():
+def test_other_origins_may_not_ask_unless_they_are_named() -> None:
     closed, opened = app_with(), app_with(cors_origins="https://cell.example", api_keys=KEYS)
     for answer in ask(closed, ("GET", "/v1/solvers", PAGE), ("OPTIONS", "/v1/plans", LEAVE)):
         assert not [name for name in answer.headers if name.startswith("access-control")]
@@ -286,7 +289,7 @@ def test_other_origins_may_not_ask_unless_they_are_named():
     assert "access-control-allow-origin" not in stranger.headers
 
 
-def test_every_answer_tells_browsers_what_not_to_do():
+def test_every_answer_tells_browsers_what_not_to_do() -> None:
     app = app_with(api_keys=KEYS)
     paths = ["/docs", "/livez", "/v1/solvers", "/nowhere"]
     for answer in ask(app, *(("GET", path, bearer(KEY)) for path in paths)):
@@ -297,7 +300,7 @@ def test_every_answer_tells_browsers_what_not_to_do():
         assert len(answer.headers.get_list("content-security-policy")) == 1
 
 
-def test_the_document_tells_where_a_key_is_needed(http):
+def test_the_document_tells_where_a_key_is_needed(http: httpx.Client) -> None:
     document = http.get("/openapi.json").json()
     assert document["components"]["securitySchemes"]["key"]["scheme"] == "bearer"
     for path, methods in document["paths"].items():

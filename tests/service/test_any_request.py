@@ -2,10 +2,13 @@
 
 import copy
 import json
+from typing import Any
 from urllib.parse import quote
 
+import httpx
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
+from pydantic import BaseModel
 
 from ikplan.documents.pose_results import FkResult, IkSolution
 from ikplan.plans.plan import Plan
@@ -18,7 +21,7 @@ CALM = settings(
     # The fixtures are the service itself, shared on purpose.
     suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow],
 )
-MODELS = {"/v1/plans": Plan, "/v1/ik": IkSolution, "/v1/fk": FkResult}
+MODELS: dict[str, type[BaseModel]] = {"/v1/plans": Plan, "/v1/ik": IkSolution, "/v1/fk": FkResult}
 BY_TYPE = {cls.problem_type(): model for cls, model in PROBLEMS.items()}
 
 numbers = st.one_of(
@@ -106,12 +109,12 @@ fk_requests = st.fixed_dictionaries(
 
 
 @st.composite
-def mutated(draw, documents: st.SearchStrategy[dict]) -> dict:
+def mutated(draw: st.DrawFn, documents: st.SearchStrategy[dict[str, Any]]) -> dict[str, Any]:
     """A document with, often, one place replaced, removed or added to."""
     document = copy.deepcopy(draw(documents))  # sampled values are shared
     if draw(st.booleans()):
         return document
-    place: dict | list = document
+    place: Any = document
     while True:
         keys = list(place) if isinstance(place, dict) else list(range(len(place)))
         if not keys:
@@ -130,7 +133,7 @@ def mutated(draw, documents: st.SearchStrategy[dict]) -> dict:
     return document
 
 
-def check(answer, path: str) -> None:
+def check(answer: httpx.Response, path: str) -> None:
     """The answer is the path's document, or a problem that fits its class."""
     assert answer.status_code < 500 or answer.status_code == 503, answer.text
     if answer.status_code == 200:
@@ -143,26 +146,26 @@ def check(answer, path: str) -> None:
     assert problem["detail"]
 
 
-def post(http, path: str, document: object):
+def post(http: httpx.Client, path: str, document: object) -> httpx.Response:
     body = json.dumps(document).encode()
     return http.post(path, content=body, headers={"content-type": "application/json"})
 
 
 @CALM
 @given(document=mutated(plan_requests))
-def test_no_plan_request_is_a_500(document, http):
+def test_no_plan_request_is_a_500(document: dict[str, Any], http: httpx.Client) -> None:
     check(post(http, "/v1/plans", document), "/v1/plans")
 
 
 @CALM
 @given(document=mutated(ik_requests))
-def test_no_ik_request_is_a_500(document, http):
+def test_no_ik_request_is_a_500(document: dict[str, Any], http: httpx.Client) -> None:
     check(post(http, "/v1/ik", document), "/v1/ik")
 
 
 @CALM
 @given(document=mutated(fk_requests))
-def test_no_fk_request_is_a_500(document, http):
+def test_no_fk_request_is_a_500(document: dict[str, Any], http: httpx.Client) -> None:
     check(post(http, "/v1/fk", document), "/v1/fk")
 
 
@@ -173,13 +176,13 @@ def test_no_fk_request_is_a_500(document, http):
     | junk.map(lambda value: json.dumps(value).encode()),
     path=st.sampled_from(sorted(MODELS)),
 )
-def test_no_bytes_are_a_500(body, path, http):
+def test_no_bytes_are_a_500(body: bytes, path: str, http: httpx.Client) -> None:
     check(http.post(path, content=body, headers={"content-type": "application/json"}), path)
 
 
 @CALM
 @given(name=st.text(min_size=1, max_size=20), room=st.sampled_from(["robots", "plans"]))
-def test_no_name_is_a_500(name, room, http):
+def test_no_name_is_a_500(name: str, room: str, http: httpx.Client) -> None:
     text = name.encode("utf-8", "surrogatepass")
     answer = http.get(f"/v1/{room}/{quote(text, safe='')}")
     assert answer.status_code in (200, 404, 405)

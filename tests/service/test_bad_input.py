@@ -2,6 +2,8 @@
 
 import io
 import json
+from pathlib import Path
+from typing import Any
 
 import httpx
 import pytest
@@ -32,7 +34,12 @@ def by_http(http: httpx.Client, body: bytes, path: str = "/v1/plans") -> IkplanE
 
 
 def by_shell(
-    body: bytes, monkeypatch: pytest.MonkeyPatch, capsys, *, code: int = 2, repairs: int = 0
+    body: bytes,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+    *,
+    code: int = 2,
+    repairs: int = 0,
 ) -> str:
     """The line that the command writes on stderr before the repairs."""
     capsys.readouterr()
@@ -47,7 +54,13 @@ def by_shell(
 
 
 @pytest.mark.parametrize("bad", BAD, ids=lambda b: b.name)
-def test_every_way_tells_the_same_error(bad: Bad, http, client: Client, monkeypatch, capsys):
+def test_every_way_tells_the_same_error(
+    bad: Bad,
+    http: httpx.Client,
+    client: Client,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
     body = json.dumps(bad.document).encode()
     with pytest.raises(IkplanError) as caught:
         ikplan.plan(bad.document)
@@ -73,7 +86,13 @@ def test_every_way_tells_the_same_error(bad: Bad, http, client: Client, monkeypa
 
 
 @pytest.mark.parametrize("bad", NOT_FINITE, ids=lambda b: b.name)
-def test_what_is_not_finite_is_refused_everywhere(bad, http, client, monkeypatch, capsys):
+def test_what_is_not_finite_is_refused_everywhere(
+    bad: Bad,
+    http: httpx.Client,
+    client: Client,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
     body = json.dumps(bad.document).encode()
     assert b"NaN" in body or b"Infinity" in body
     with pytest.raises(InvalidRequest) as local:
@@ -86,14 +105,19 @@ def test_what_is_not_finite_is_refused_everywhere(bad, http, client, monkeypatch
 
 
 @pytest.mark.parametrize("body", [b for _, b in NOT_JSON], ids=[n for n, _ in NOT_JSON])
-def test_what_is_not_json_is_refused_everywhere(body, http, monkeypatch, capsys):
+def test_what_is_not_json_is_refused_everywhere(
+    body: bytes,
+    http: httpx.Client,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
     errors = [by_http(http, body, path) for path in ("/v1/plans", "/v1/ik", "/v1/fk")]
     assert {type(e) for e in errors} == {InvalidRequest}
     line = by_shell(body, monkeypatch, capsys)
     assert line == f"ikplan: invalid-request: {errors[0].detail}"
 
 
-def test_the_place_of_malformed_json_is_told(http):
+def test_the_place_of_malformed_json_is_told(http: httpx.Client) -> None:
     error = by_http(http, b'{"robot": "iiwa14",\n  "path": }')
     assert "line 2, column 11" in error.detail
 
@@ -108,14 +132,16 @@ def test_the_place_of_malformed_json_is_told(http):
         ("/v1/ik", {"robot": "ur5", "position": [0.1, 0.2, 0.3], "ik": {"seed": -1}}, "ik.seed"),
     ],
 )
-def test_single_poses_name_the_wrong_field(path, document, field, http):
+def test_single_poses_name_the_wrong_field(
+    path: str, document: dict[str, Any], field: str, http: httpx.Client
+) -> None:
     error = by_http(http, json.dumps(document).encode(), path)
     assert isinstance(error, InvalidRequest)
     assert error.field == field
 
 
 @pytest.mark.parametrize("path", ["/v1/fk", "/v1/ik", "/v1/plans"])
-def test_no_name_reaches_a_file(path, http, tmp_path):
+def test_no_name_reaches_a_file(path: str, http: httpx.Client, tmp_path: Path) -> None:
     urdf = tmp_path / "mine.urdf"
     urdf.write_text("<robot name='mine'/>")
     document = {

@@ -5,11 +5,15 @@ import io
 import json
 import sys
 import time
+from pathlib import Path
+from typing import Any
 
 import httpx
 import pytest
+from starlette.types import Message
 
 import ikplan
+from ikplan import Client
 from ikplan.cli import main
 from ikplan_api.app import create_app
 from ikplan_api.handlers.batch_lines import NDJSON
@@ -28,12 +32,12 @@ def lines(*requests: object) -> bytes:
     return b"\n".join(json.dumps(r).encode() for r in requests)
 
 
-def at(x: float) -> dict:
+def at(x: float) -> dict[str, Any]:
     return {**GOOD, "path": {"waypoints": [{"position": [x, 0.0, 0.5]}]}}
 
 
-def test_every_line_is_answered_in_its_place_and_none_spoils_another(http):
-    requests = [at(0.5), at(9.0), {"robot": "x"}, at(0.55), [1], at(0.5)]
+def test_every_line_is_answered_in_its_place_and_none_spoils_another(http: httpx.Client) -> None:
+    requests: list[Any] = [at(0.5), at(9.0), {"robot": "x"}, at(0.55), [1], at(0.5)]
     body = lines(*requests[:3]) + b"\n\n  \n{not JSON\n" + lines(*requests[3:]) + b"\r\n"
     answer = http.post("/v1/batches", content=body, headers=HEADERS)
     assert answer.status_code == 200
@@ -53,7 +57,9 @@ def test_every_line_is_answered_in_its_place_and_none_spoils_another(http):
     assert kept.json() == told[4]["plan"]
 
 
-def test_the_command_hands_the_lines_to_a_service(live_address, tmp_path, capsys):
+def test_the_command_hands_the_lines_to_a_service(
+    live_address: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     requests, out = tmp_path / "requests.jsonl", tmp_path / "plans.jsonl"
     requests.write_bytes(lines(at(0.5), at(9.0)) + b"\n\n{not JSON\n" + lines(at(0.51)))
     assert main(["batch", str(requests), "--server", live_address, "-o", str(out)]) == 1
@@ -66,7 +72,9 @@ def test_the_command_hands_the_lines_to_a_service(live_address, tmp_path, capsys
     assert "1 invalid-request, 1 unreachable" in said.err
 
 
-def test_the_command_uploads_the_robot_that_all_lines_are_for(live_address, tmp_path):
+def test_the_command_uploads_the_robot_that_all_lines_are_for(
+    live_address: str, tmp_path: Path
+) -> None:
     urdf, requests, out = (tmp_path / name for name in ("two.urdf", "in.jsonl", "out.jsonl"))
     urdf.write_text(URDF)
     waypoints = {"path": {"waypoints": [{"position": [0.4, 0.2, 0.0]}]}, "start": [0.0, 0.1]}
@@ -78,7 +86,9 @@ def test_the_command_uploads_the_robot_that_all_lines_are_for(live_address, tmp_
     assert told[0]["plan"]["robot"].startswith("urdf-")
 
 
-def test_a_bar_shows_how_many_lines_are_done(live_address, tmp_path, monkeypatch):
+def test_a_bar_shows_how_many_lines_are_done(
+    live_address: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     class Terminal(io.StringIO):
         def isatty(self) -> bool:
             return True
@@ -91,15 +101,16 @@ def test_a_bar_shows_how_many_lines_are_done(live_address, tmp_path, monkeypatch
     assert "1 line, 50.0 %" in terminal.getvalue()
 
 
-def test_a_request_may_be_json_already(client):
+def test_a_request_may_be_json_already(client: Client) -> None:
     pretty = json.dumps(at(0.5), indent=2).encode()
     plans = list(client.batch([pretty, at(0.5)]))
-    assert plans[0].id == plans[1].id
+    first, second = (plan for plan in plans if isinstance(plan, ikplan.Plan))
+    assert first.id == second.id
     with pytest.raises(ikplan.InvalidRequest, match="blank"):
         list(client.batch([b" "]))
 
 
-def test_a_body_of_line_feeds_is_refused_before_it_is_split(http):
+def test_a_body_of_line_feeds_is_refused_before_it_is_split(http: httpx.Client) -> None:
     body = b"\n" * 2**22 * 4
     began = time.process_time()
     answer = http.post("/v1/batches", content=body, headers=HEADERS)
@@ -107,7 +118,7 @@ def test_a_body_of_line_feeds_is_refused_before_it_is_split(http):
     assert (answer.status_code, answer.json()["allowed"]) == (413, "at most 10000 requests")
 
 
-def test_a_line_that_is_longer_than_a_request_is_refused_by_itself(http):
+def test_a_line_that_is_longer_than_a_request_is_refused_by_itself(http: httpx.Client) -> None:
     body = b"{" + b" " * 2**22 + b"\n" + lines({"robot": "x"})
     told = http.post("/v1/batches", content=body, headers=HEADERS).text.splitlines()
     assert [json.loads(line)["status"] for line in told] == [413, 422]
@@ -116,7 +127,7 @@ def test_a_line_that_is_longer_than_a_request_is_refused_by_itself(http):
 @pytest.mark.parametrize(
     ("body", "status"), [(b"", 422), (b"\n \n", 422), (b"1\n" * 4, 413), (b" " * 5000, 413)]
 )
-def test_a_batch_that_is_none_or_too_long_is_refused(body, status):
+def test_a_batch_that_is_none_or_too_long_is_refused(body: bytes, status: int) -> None:
     app = create_app(Settings(max_batch_lines=3, max_batch_bytes=4000), planner=StandIn())
 
     async def ask() -> httpx.Response:
@@ -129,13 +140,13 @@ def test_a_batch_that_is_none_or_too_long_is_refused(body, status):
     assert answer.json()["type"] == "urn:ikplan:invalid-request"
 
 
-def test_a_batch_says_that_it_is_json_lines(http):
+def test_a_batch_says_that_it_is_json_lines(http: httpx.Client) -> None:
     answer = http.post("/v1/batches", json=GOOD)
     assert answer.status_code == 415
     assert NDJSON in answer.json()["allowed"]
 
 
-def test_a_batch_is_answered_as_it_goes_and_stopped_when_nobody_reads_on():
+def test_a_batch_is_answered_as_it_goes_and_stopped_when_nobody_reads_on() -> None:
     planner = StandIn()
     app = create_app(Settings(), planner=planner)
     body = lines(*(at(0.5 + 0.001 * i) for i in range(50)))
@@ -145,13 +156,13 @@ def test_a_batch_is_answered_as_it_goes_and_stopped_when_nobody_reads_on():
     async def run() -> None:
         asked = iter([{"type": "http.request", "body": body, "more_body": False}])
 
-        async def receive() -> dict:
+        async def receive() -> Message:
             if (message := next(asked, None)) is not None:
                 return message
             await gone.wait()
             return {"type": "http.disconnect"}
 
-        async def send(message: dict) -> None:
+        async def send(message: Message) -> None:
             if message.get("body"):
                 sent.append(message["body"])
 

@@ -4,6 +4,8 @@ import asyncio
 import json
 import subprocess
 import sys
+from collections.abc import Callable
+from typing import Any
 
 import httpx
 import numpy as np
@@ -13,16 +15,19 @@ import ikplan
 from ikplan import AsyncClient, Client, InvalidRequest, PlanRequest, ServiceUnavailable, Unreachable
 
 ADDRESS = "http://cell-7.example:8000"
-REQUEST = {"robot": "iiwa14", "path": {"waypoints": [{"position": [0.6, 0.0, 0.4]}]}}
+REQUEST: dict[str, Any] = {
+    "robot": "iiwa14",
+    "path": {"waypoints": [{"position": [0.6, 0.0, 0.4]}]},
+}
 
 
 def answering(response: httpx.Response) -> Client:
     return Client(ADDRESS, transport=httpx.MockTransport(lambda _: response), retries=0)
 
 
-def sent(request, method: str = "plan") -> dict:
+def sent(request: Any, method: str = "plan") -> dict[str, Any]:
     """The document that a client sends for a request."""
-    bodies = []
+    bodies: list[dict[str, Any]] = []
 
     def answer(request: httpx.Request) -> httpx.Response:
         bodies.append(json.loads(request.content))
@@ -36,12 +41,12 @@ def sent(request, method: str = "plan") -> dict:
     return bodies[0]
 
 
-def test_a_request_goes_out_as_it_was_given():
+def test_a_request_goes_out_as_it_was_given() -> None:
     odd = {**REQUEST, "nonsense": [1, "x", None, {"y": True}]}
     assert sent(odd) == odd
 
 
-def test_arrays_and_numpy_scalars_go_out_as_numbers():
+def test_arrays_and_numpy_scalars_go_out_as_numbers() -> None:
     document = {
         "robot": "iiwa14",
         "start": np.linspace(0, 0.3, 7),
@@ -58,7 +63,7 @@ def test_arrays_and_numpy_scalars_go_out_as_numbers():
     }
 
 
-def test_a_model_goes_out_without_the_defaults_it_did_not_set():
+def test_a_model_goes_out_without_the_defaults_it_did_not_set() -> None:
     assert sent(PlanRequest(**REQUEST)) == REQUEST
 
 
@@ -72,7 +77,9 @@ def test_a_model_goes_out_without_the_defaults_it_did_not_set():
          "path.waypoints[0].position[1]"),
     ],
 )  # fmt: skip
-def test_nan_is_refused_before_it_is_sent_and_its_field_named(change, field):
+def test_nan_is_refused_before_it_is_sent_and_its_field_named(
+    change: dict[str, Any], field: str
+) -> None:
     def answer(_: httpx.Request) -> httpx.Response:
         raise AssertionError("nothing may be sent")
 
@@ -83,13 +90,13 @@ def test_nan_is_refused_before_it_is_sent_and_its_field_named(change, field):
 
 
 @pytest.mark.parametrize("request_", [None, [1], "text", {"robot": object()}, {"robot": {1, 2}}])
-def test_what_json_cannot_hold_is_an_invalid_request(request_):
+def test_what_json_cannot_hold_is_an_invalid_request(request_: Any) -> None:
     with pytest.raises(InvalidRequest):
         answering(httpx.Response(200)).plan(request_)
 
 
-def test_a_circular_request_is_an_invalid_request():
-    circular: dict = {}
+def test_a_circular_request_is_an_invalid_request() -> None:
+    circular: dict[str, Any] = {}
     circular["again"] = circular
     with pytest.raises(InvalidRequest, match="JSON"):
         answering(httpx.Response(200)).plan(circular)
@@ -131,7 +138,9 @@ def test_a_circular_request_is_an_invalid_request():
     ],
 )  # fmt: skip
 @pytest.mark.parametrize("method", ["plan", "ik", "fk"])
-def test_an_answer_of_something_else_is_told_with_its_address_and_status(response, method):
+def test_an_answer_of_something_else_is_told_with_its_address_and_status(
+    response: httpx.Response, method: str
+) -> None:
     with pytest.raises(ServiceUnavailable) as caught:
         getattr(answering(response), method)(REQUEST)
     assert caught.value.status_code == response.status_code
@@ -139,7 +148,7 @@ def test_an_answer_of_something_else_is_told_with_its_address_and_status(respons
     assert caught.value.url in caught.value.detail
 
 
-def test_a_problem_of_ours_comes_back_as_its_error():
+def test_a_problem_of_ours_comes_back_as_its_error() -> None:
     error = Unreachable(
         "waypoint 3 is out of reach", waypoint=3, position_error=0.1, orientation_error=None,
         q=[0.0, 1.0], reason="too far", limits=["A2"],
@@ -153,7 +162,7 @@ def test_a_problem_of_ours_comes_back_as_its_error():
     assert caught.value.to_problem() == error.to_problem()
 
 
-def test_a_busy_service_says_when_to_ask_again():
+def test_a_busy_service_says_when_to_ask_again() -> None:
     error = ServiceUnavailable("busy", url="/v1/plans", status_code=503, retry_after_s=2.0)
     response = httpx.Response(
         503, content=json.dumps(error.to_problem()),
@@ -175,7 +184,7 @@ def test_a_busy_service_says_when_to_ask_again():
         (httpx.UnsupportedProtocol("no scheme"), "not an address"),
     ],
 )
-def test_no_answer_is_service_unavailable_with_the_address(failure, words):
+def test_no_answer_is_service_unavailable_with_the_address(failure: Exception, words: str) -> None:
     def fail(_: httpx.Request) -> httpx.Response:
         raise failure
 
@@ -195,7 +204,7 @@ def test_no_answer_is_service_unavailable_with_the_address(failure, words):
 
 
 @pytest.mark.parametrize("address", ["", "cell-7:8000", "http://", "http://[::1", "ftp://x"])
-def test_what_is_no_address_is_service_unavailable(address):
+def test_what_is_no_address_is_service_unavailable(address: str) -> None:
     with pytest.raises(ServiceUnavailable):
         Client(address).robots()
 
@@ -208,7 +217,9 @@ def test_what_is_no_address_is_service_unavailable(address):
         (lambda c: c.version(), "/version"),
     ],
 )
-def test_names_never_leave_their_place_in_the_address(call, path):
+def test_names_never_leave_their_place_in_the_address(
+    call: Callable[[Client], object], path: str
+) -> None:
     seen = []
 
     def answer(request: httpx.Request) -> httpx.Response:
@@ -223,7 +234,7 @@ def test_names_never_leave_their_place_in_the_address(call, path):
     assert seen == [path]
 
 
-def test_a_client_needs_neither_pinocchio_nor_a_compiler():
+def test_a_client_needs_neither_pinocchio_nor_a_compiler() -> None:
     code = (
         "import sys, ikplan; ikplan.Client('http://127.0.0.1:9').close(); ikplan.AsyncClient;"
         "heavy = {'pinocchio', 'numba', 'toppra', 'scipy', 'matplotlib', 'fastapi'};"
@@ -233,6 +244,6 @@ def test_a_client_needs_neither_pinocchio_nor_a_compiler():
     assert done.stdout == "[]\n"
 
 
-def test_clients_are_public_names():
+def test_clients_are_public_names() -> None:
     assert ikplan.Client is Client
     assert ikplan.AsyncClient is AsyncClient

@@ -5,6 +5,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import pytest
 import schemathesis
 from hypothesis import HealthCheck, Phase, given, settings
@@ -37,14 +39,17 @@ ANY_TEXT = {"create_batch"}
 """Takes whatever it is sent, and says of each line what is wrong with it."""
 
 
-def test_the_same_checks_are_left_out_as_in_the_long_run():
+def test_the_same_checks_are_left_out_as_in_the_long_run() -> None:
     assert tuple(check.__name__ for check in EXCLUDED_CHECKS) == EXCLUDED
 
 
 @pytest.mark.parametrize("operation", sorted(OPERATIONS.keys() - STREAMED))
-def test_every_answer_is_as_documented(operation, schema):
+def test_every_answer_is_as_documented(operation: str, schema: schemathesis.BaseSchema) -> None:
     method, path = OPERATIONS[operation]
-    excluded = [*EXCLUDED_CHECKS, *([negative_data_rejection] if operation in ANY_TEXT else [])]
+    excluded: list[Any] = [
+        *EXCLUDED_CHECKS,
+        *([negative_data_rejection] if operation in ANY_TEXT else []),
+    ]
 
     @CALM
     @given(data=st.data())
@@ -55,11 +60,11 @@ def test_every_answer_is_as_documented(operation, schema):
     ask()
 
 
-def test_what_is_answered_can_be_followed(schema):
+def test_what_is_answered_can_be_followed(schema: schemathesis.BaseSchema) -> None:
     machine = schema.as_state_machine()
 
     class Following(machine):  # type: ignore[misc, valid-type]
-        def validate_response(self, response, case, **_):  # type: ignore[no-untyped-def]
+        def validate_response(self, response: Any, case: Any, **_: Any) -> None:
             case.validate_response(response, excluded_checks=EXCLUDED_CHECKS)
 
     Following.run(settings=settings(CALM, max_examples=10, stateful_step_count=5))

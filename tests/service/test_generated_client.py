@@ -6,12 +6,17 @@ import importlib
 import json
 import subprocess
 import sys
+from collections.abc import Iterator
 from pathlib import Path
+from types import ModuleType
+from typing import Any
 
+import httpx
 import numpy as np
 import pytest
 
 import ikplan
+from ikplan import Client
 from tests.measured import check_motion
 
 HELIX = Path(__file__).parents[2] / "examples" / "helix_iiwa14.json"
@@ -19,7 +24,7 @@ PACKAGE = "generated_ikplan_client"
 
 
 @pytest.fixture(scope="module")
-def generated(http, tmp_path_factory):
+def generated(http: httpx.Client, tmp_path_factory: pytest.TempPathFactory) -> Iterator[ModuleType]:
     """The package that openapi-python-client makes, imported."""
     folder = tmp_path_factory.mktemp("generated")
     document, config = folder / "openapi.json", folder / "config.yaml"
@@ -40,11 +45,13 @@ def generated(http, tmp_path_factory):
     sys.path.remove(str(folder))
 
 
-def part(name: str):
+def part(name: str) -> Any:
     return importlib.import_module(f"{PACKAGE}.{name}")
 
 
-def test_it_plans_the_helix_as_python_does(generated, live_address, client):
+def test_it_plans_the_helix_as_python_does(
+    generated: ModuleType, live_address: str, client: Client
+) -> None:
     document = json.loads(HELIX.read_text())
     request = part("models").PlanRequest.from_dict(document)
     with generated.Client(live_address, timeout=120.0) as made:
@@ -57,7 +64,7 @@ def test_it_plans_the_helix_as_python_does(generated, live_address, client):
     assert ikplan.PlanRequest.model_validate(document)
 
 
-def test_it_reads_problems_as_what_they_are(generated, live_address):
+def test_it_reads_problems_as_what_they_are(generated: ModuleType, live_address: str) -> None:
     far = part("models").IkRequest.from_dict({"robot": "iiwa14", "position": [9.0, 0.0, 0.0]})
     with generated.Client(live_address, timeout=60.0) as made:
         problem = part("api.poses.solve_ik").sync(client=made, body=far)

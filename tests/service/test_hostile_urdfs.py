@@ -5,7 +5,9 @@ from __future__ import annotations
 import resource
 import time
 
+import httpx
 import pytest
+from fastapi import FastAPI
 
 from .urdfs import ARM, DROPPED_MESHES, HOSTILE
 
@@ -16,7 +18,9 @@ MEMORY_KB = 64 * 1024
 
 @pytest.mark.parametrize("name", HOSTILE)
 @pytest.mark.parametrize("form", ["xml", "json"])
-def test_it_is_refused_with_the_reason_within_a_second(name, form, http):
+def test_it_is_refused_with_the_reason_within_a_second(
+    name: str, form: str, http: httpx.Client
+) -> None:
     sent, said = HOSTILE[name]
     before, started = resource.getrusage(resource.RUSAGE_SELF), time.process_time()
     if form == "xml":
@@ -35,7 +39,7 @@ def test_it_is_refused_with_the_reason_within_a_second(name, form, http):
 
 
 @pytest.mark.parametrize("name", DROPPED_MESHES)
-def test_an_address_of_a_mesh_is_dropped_and_never_followed(name, http):
+def test_an_address_of_a_mesh_is_dropped_and_never_followed(name: str, http: httpx.Client) -> None:
     sent, said = DROPPED_MESHES[name]
     answer = http.post("/v1/robots", content=sent, headers=XML)
     assert answer.status_code in (200, 201)
@@ -50,7 +54,7 @@ def test_an_address_of_a_mesh_is_dropped_and_never_followed(name, http):
 
 
 @pytest.mark.parametrize("form", ["xml", "json", "srdf"])
-def test_five_megabytes_are_not_read_to_the_end(form, http):
+def test_five_megabytes_are_not_read_to_the_end(form: str, http: httpx.Client) -> None:
     sent = ARM + " " * (5 * 2**20)
     started = time.process_time()
     if form == "xml":
@@ -65,7 +69,9 @@ def test_five_megabytes_are_not_read_to_the_end(form, http):
     assert time.process_time() - started < SECOND
 
 
-def test_nothing_hostile_reaches_the_process_that_builds(http, app, monkeypatch):
+def test_nothing_hostile_reaches_the_process_that_builds(
+    http: httpx.Client, app: FastAPI, monkeypatch: pytest.MonkeyPatch
+) -> None:
     async def build(*_: object, **__: object) -> None:
         raise AssertionError("reached")
 

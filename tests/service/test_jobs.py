@@ -16,6 +16,7 @@ from ikplan_api.app import create_app
 from ikplan_api.jobs.plan_jobs import PlanJobs
 from ikplan_api.settings import Settings
 from ikplan_api.store.plan_store import StoreFault
+from tests.present import present
 
 from .bad_requests import GOOD
 from .conftest import ADDRESS
@@ -47,7 +48,7 @@ def served(
     return asyncio.run(run())
 
 
-async def until(true: Callable[[], object]) -> None:
+async def until(true: Callable[..., object]) -> None:
     while not true():
         await asyncio.sleep(0.005)
 
@@ -56,7 +57,7 @@ def ask(http: httpx.AsyncClient, **change: Any) -> "asyncio.Task[httpx.Response]
     return asyncio.create_task(http.post("/v1/plans", json={**GOOD, **change}))
 
 
-def test_the_id_is_the_plans_own_and_known_before_it_is_made(http):
+def test_the_id_is_the_plans_own_and_known_before_it_is_made(http: httpx.Client) -> None:
     answer = http.post("/v1/plans", json=GOOD)
     assert answer.json()["id"] == GOOD_ID
     assert answer.headers["etag"] == f'"{GOOD_ID}"'
@@ -64,8 +65,8 @@ def test_the_id_is_the_plans_own_and_known_before_it_is_made(http):
 
 
 @pytest.mark.parametrize("prefer", ["respond-async", "wait=5, Respond-Async;x=1"])
-def test_a_job_is_accepted_polled_and_found(prefer):
-    async def use(planner, http, jobs) -> None:
+def test_a_job_is_accepted_polled_and_found(prefer: str) -> None:
+    async def use(planner: StandIn, http: httpx.AsyncClient, jobs: PlanJobs) -> None:
         accepted = await http.post("/v1/plans", json=GOOD, headers={"prefer": prefer})
         assert accepted.status_code == 202
         place = accepted.headers["location"]
@@ -75,7 +76,7 @@ def test_a_job_is_accepted_polled_and_found(prefer):
             "id": GOOD_ID, "state": "queued", "stage": None, "done": 0, "total": 0,
         }  # fmt: skip
         await until(lambda: planner.progress)
-        planner.progress[0]("ik", 2, 5)
+        present(planner.progress[0])("ik", 2, 5)
         polled = await http.get(place)
         assert polled.status_code == 202
         assert "preference-applied" not in polled.headers
@@ -96,8 +97,8 @@ def test_a_job_is_accepted_polled_and_found(prefer):
     served(use)
 
 
-def test_a_wrong_request_is_refused_before_it_is_accepted():
-    async def use(planner, http, _) -> None:
+def test_a_wrong_request_is_refused_before_it_is_accepted() -> None:
+    async def use(planner: StandIn, http: httpx.AsyncClient, _: PlanJobs) -> None:
         answer = await http.post("/v1/plans", json={**GOOD, "robot": "x"}, headers=ASYNC)
         assert answer.json()["type"] == "urn:ikplan:robot-not-found"
         assert not planner.asked
@@ -105,12 +106,12 @@ def test_a_wrong_request_is_refused_before_it_is_accepted():
     served(use)
 
 
-def test_a_job_that_fails_tells_why_and_is_tried_again_when_asked_again():
+def test_a_job_that_fails_tells_why_and_is_tried_again_when_asked_again() -> None:
     error = Unreachable(
         "too far", waypoint=0, position_error=1.0, orientation_error=None, q=[0.0], reason="far"
     )
 
-    async def use(planner, http, jobs) -> None:
+    async def use(planner: StandIn, http: httpx.AsyncClient, jobs: PlanJobs) -> None:
         place = (await http.post("/v1/plans", json=GOOD, headers=ASYNC)).headers["location"]
         await until(lambda: planner.asked)
         planner.fail(error)
@@ -128,8 +129,10 @@ def test_a_job_that_fails_tells_why_and_is_tried_again_when_asked_again():
     served(use)
 
 
-def test_an_unforeseen_fault_of_a_job_is_told_without_its_details(caplog):
-    async def use(planner, http, jobs) -> httpx.Response:
+def test_an_unforeseen_fault_of_a_job_is_told_without_its_details(
+    caplog: pytest.LogCaptureFixture,
+) -> None:
+    async def use(planner: StandIn, http: httpx.AsyncClient, jobs: PlanJobs) -> httpx.Response:
         place = (await http.post("/v1/plans", json=GOOD, headers=ASYNC)).headers["location"]
         await until(lambda: planner.asked)
         planner.fail(ZeroDivisionError("secret"))
@@ -142,8 +145,8 @@ def test_an_unforeseen_fault_of_a_job_is_told_without_its_details(caplog):
     assert "secret" in caplog.text
 
 
-def test_a_request_in_flight_twice_is_planned_once():
-    async def use(planner, http, _) -> None:
+def test_a_request_in_flight_twice_is_planned_once() -> None:
+    async def use(planner: StandIn, http: httpx.AsyncClient, _: PlanJobs) -> None:
         first, second = ask(http), ask(http)
         accepted = await http.post("/v1/plans", json=GOOD, headers=ASYNC)
         assert accepted.status_code == 202
@@ -155,15 +158,17 @@ def test_a_request_in_flight_twice_is_planned_once():
     served(use)
 
 
-def test_a_plan_is_answered_before_it_is_kept_and_forgotten_after_that():
-    async def use(planner, http, jobs) -> None:
+def test_a_plan_is_answered_before_it_is_kept_and_forgotten_after_that(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    async def use(planner: StandIn, http: httpx.AsyncClient, jobs: PlanJobs) -> None:
         put, written = jobs._store.put, asyncio.Event()
 
         async def slowly(plan_id: str, document: bytes, **about: Any) -> None:
             await written.wait()
             await put(plan_id, document, **about)
 
-        jobs._store.put = slowly
+        monkeypatch.setattr(jobs._store, "put", slowly)
         asking = ask(http)
         await until(lambda: planner.asked)
         planner.answer()
@@ -180,8 +185,8 @@ def test_a_plan_is_answered_before_it_is_kept_and_forgotten_after_that():
     served(use)
 
 
-def test_a_larger_budget_is_not_bound_by_a_smaller_one_in_flight():
-    async def use(planner, http, _) -> None:
+def test_a_larger_budget_is_not_bound_by_a_smaller_one_in_flight() -> None:
+    async def use(planner: StandIn, http: httpx.AsyncClient, _: PlanJobs) -> None:
         small, large = ask(http, budget_s=1.0), ask(http, budget_s=2.0)
         await until(lambda: planner.asked)
         await asyncio.sleep(0.02)
@@ -194,8 +199,8 @@ def test_a_larger_budget_is_not_bound_by_a_smaller_one_in_flight():
     served(use)
 
 
-def test_a_caller_who_leaves_frees_the_worker_unless_another_waits():
-    async def use(planner, http, _) -> None:
+def test_a_caller_who_leaves_frees_the_worker_unless_another_waits() -> None:
+    async def use(planner: StandIn, http: httpx.AsyncClient, _: PlanJobs) -> None:
         first, second = ask(http), ask(http)
         await until(lambda: planner.asked)
         first.cancel()
@@ -211,8 +216,8 @@ def test_a_caller_who_leaves_frees_the_worker_unless_another_waits():
     served(use)
 
 
-def test_a_caller_who_leaves_does_not_end_a_job():
-    async def use(planner, http, jobs) -> None:
+def test_a_caller_who_leaves_does_not_end_a_job() -> None:
+    async def use(planner: StandIn, http: httpx.AsyncClient, jobs: PlanJobs) -> None:
         waiting = ask(http)
         await until(lambda: planner.asked)
         place = (await http.post("/v1/plans", json=GOOD, headers=ASYNC)).headers["location"]
@@ -226,8 +231,8 @@ def test_a_caller_who_leaves_does_not_end_a_job():
     served(use)
 
 
-def test_a_job_is_cancelled_and_forgotten_and_a_plan_too():
-    async def use(planner, http, _) -> None:
+def test_a_job_is_cancelled_and_forgotten_and_a_plan_too() -> None:
+    async def use(planner: StandIn, http: httpx.AsyncClient, _: PlanJobs) -> None:
         place = (await http.post("/v1/plans", json=GOOD, headers=ASYNC)).headers["location"]
         await until(lambda: planner.asked)
         assert (await http.delete(place)).status_code == 204
@@ -245,8 +250,8 @@ def test_a_job_is_cancelled_and_forgotten_and_a_plan_too():
     served(use)
 
 
-def test_who_waits_for_a_cancelled_job_gets_the_plan_all_the_same():
-    async def use(planner, http, _) -> None:
+def test_who_waits_for_a_cancelled_job_gets_the_plan_all_the_same() -> None:
+    async def use(planner: StandIn, http: httpx.AsyncClient, _: PlanJobs) -> None:
         place = (await http.post("/v1/plans", json=GOOD, headers=ASYNC)).headers["location"]
         waiting = ask(http)
         await asyncio.sleep(0.02)
@@ -257,8 +262,8 @@ def test_who_waits_for_a_cancelled_job_gets_the_plan_all_the_same():
     served(use)
 
 
-def test_no_job_is_accepted_without_room():
-    async def use(planner, http, _) -> None:
+def test_no_job_is_accepted_without_room() -> None:
+    async def use(planner: StandIn, http: httpx.AsyncClient, _: PlanJobs) -> None:
         other = [{"position": [0.5, 0.0, 0.4]}]
         waiting = ask(http, path={"waypoints": other})
         await until(lambda: planner.asked)
@@ -271,8 +276,8 @@ def test_no_job_is_accepted_without_room():
     served(use, room=1)
 
 
-def test_a_busy_service_still_answers_what_it_has_and_reads_nothing_new():
-    async def use(planner, http, jobs) -> None:
+def test_a_busy_service_still_answers_what_it_has_and_reads_nothing_new() -> None:
+    async def use(planner: StandIn, http: httpx.AsyncClient, jobs: PlanJobs) -> None:
         first = ask(http)
         await until(lambda: planner.asked)
         planner.answer()
@@ -302,14 +307,14 @@ async def events(http: httpx.AsyncClient, place: str) -> list[tuple[str, dict[st
     return told
 
 
-def test_a_job_is_watched_to_its_end():
-    async def use(planner, http, _) -> None:
+def test_a_job_is_watched_to_its_end() -> None:
+    async def use(planner: StandIn, http: httpx.AsyncClient, _: PlanJobs) -> None:
         place = (await http.post("/v1/plans", json=GOOD, headers=ASYNC)).headers["location"]
         watching = asyncio.create_task(events(http, place))
         await until(lambda: planner.asked)
         for done in range(3):
             await asyncio.sleep(0.02)
-            planner.progress[0]("ik", done, 3)
+            present(planner.progress[0])("ik", done, 3)
         await asyncio.sleep(0.02)
         planner.answer()
         told = await watching
@@ -323,10 +328,10 @@ def test_a_job_is_watched_to_its_end():
     served(use)
 
 
-def test_the_watch_of_a_job_ends_with_what_became_of_it():
+def test_the_watch_of_a_job_ends_with_what_became_of_it() -> None:
     error = BudgetExceeded("late", stage="ik", budget_s=1.0)
 
-    async def use(planner, http, _) -> None:
+    async def use(planner: StandIn, http: httpx.AsyncClient, _: PlanJobs) -> None:
         place = (await http.post("/v1/plans", json=GOOD, headers=ASYNC)).headers["location"]
         watching = asyncio.create_task(events(http, place))
         await until(lambda: planner.asked)
@@ -346,7 +351,7 @@ def test_the_watch_of_a_job_ends_with_what_became_of_it():
     served(use)
 
 
-def test_jobs_outlive_a_restart_and_are_done_in_their_order(tmp_path: Path):
+def test_jobs_outlive_a_restart_and_are_done_in_their_order(tmp_path: Path) -> None:
     path = tmp_path / "store.sqlite3"
     requests = [
         {**GOOD, "path": {"waypoints": [{"position": [0.5, 0.0, 0.4 + 0.01 * i]}]}}
@@ -354,14 +359,14 @@ def test_jobs_outlive_a_restart_and_are_done_in_their_order(tmp_path: Path):
     ]
     places = []
 
-    async def accept(planner, http, _) -> None:
+    async def accept(planner: StandIn, http: httpx.AsyncClient, _: PlanJobs) -> None:
         for request in requests:
             answer = await http.post("/v1/plans", json=request, headers=ASYNC)
             places.append(answer.headers["location"])
         planner.answer(b'{"plan": 0}')
         await until(lambda: len(planner.asked) == 5 and planner.load.running == 4)
 
-    async def go_on(planner, http, jobs) -> None:
+    async def go_on(planner: StandIn, http: httpx.AsyncClient, jobs: PlanJobs) -> None:
         await until(lambda: len(planner.asked) == 4)
         assert [json.loads(document) for document in planner.asked] == requests[1:]
         for _ in range(4):
@@ -372,7 +377,7 @@ def test_jobs_outlive_a_restart_and_are_done_in_their_order(tmp_path: Path):
             assert (await http.get(place)).status_code == 200
         assert (await http.get(places[0])).json() == {"plan": 0}
 
-    async def rest(planner, http, _) -> None:
+    async def rest(planner: StandIn, http: httpx.AsyncClient, _: PlanJobs) -> None:
         await asyncio.sleep(0.02)
         assert not planner.asked
         assert (await http.get(places[4])).status_code == 200
@@ -382,11 +387,13 @@ def test_jobs_outlive_a_restart_and_are_done_in_their_order(tmp_path: Path):
     served(rest, path)
 
 
-def test_with_a_full_disk_plans_are_answered_and_jobs_are_not_accepted(monkeypatch):
+def test_with_a_full_disk_plans_are_answered_and_jobs_are_not_accepted(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     async def full(*_: object) -> None:
         raise StoreFault("database or disk is full")
 
-    async def use(planner, http, jobs) -> None:
+    async def use(planner: StandIn, http: httpx.AsyncClient, jobs: PlanJobs) -> None:
         monkeypatch.setattr(jobs._store, "put", full)
         monkeypatch.setattr(jobs._store, "accept", full)
         refused = await http.post("/v1/plans", json=GOOD, headers=ASYNC)
@@ -404,10 +411,10 @@ def test_with_a_full_disk_plans_are_answered_and_jobs_are_not_accepted(monkeypat
     served(use)
 
 
-def test_a_timing_is_a_job_like_a_plan():
+def test_a_timing_is_a_job_like_a_plan() -> None:
     request = {"robot": "ur5", "waypoints": [[0.0] * 6, [0.1] * 6]}
 
-    async def use(planner, http, jobs) -> None:
+    async def use(planner: StandIn, http: httpx.AsyncClient, jobs: PlanJobs) -> None:
         accepted = await http.post("/v1/timings", json=request, headers=ASYNC)
         assert accepted.status_code == 202
         await until(lambda: planner.asked)
@@ -418,10 +425,12 @@ def test_a_timing_is_a_job_like_a_plan():
     served(use)
 
 
-def test_a_plan_may_not_take_longer_than_the_operator_allows(monkeypatch):
+def test_a_plan_may_not_take_longer_than_the_operator_allows(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     limits = []
 
-    async def use(planner, http, _) -> None:
+    async def use(planner: StandIn, http: httpx.AsyncClient, _: PlanJobs) -> None:
         run = planner.run
 
         async def noting(*args: Any, **how: Any) -> Any:

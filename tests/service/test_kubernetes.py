@@ -2,13 +2,16 @@
 
 import re
 from pathlib import Path
+from typing import Any
 
+import httpx
 import kubernetes_validate
 import pytest
 import yaml
 
 import ikplan
 from ikplan_api.settings import Settings
+from tests.present import present
 
 ROOT = Path(__file__).parents[2]
 OBJECTS = list(yaml.safe_load_all((ROOT / "docker/kubernetes.yaml").read_text()))
@@ -21,27 +24,27 @@ OLDEST = "1.30"
 
 
 def from_image(pattern: str) -> str:
-    return re.search(pattern, DOCKERFILE, re.MULTILINE)[1]
+    return present(re.search(pattern, DOCKERFILE, re.MULTILINE))[1]
 
 
 @pytest.mark.parametrize("version", [OLDEST, kubernetes_validate.latest_version()])
 @pytest.mark.parametrize("document", OBJECTS, ids=lambda document: document["kind"])
-def test_every_object_fits_its_schema(document, version):
+def test_every_object_fits_its_schema(document: dict[str, Any], version: str) -> None:
     kubernetes_validate.validate(document, version, strict=True)
 
 
-def test_a_misspelt_field_would_be_seen():
+def test_a_misspelt_field_would_be_seen() -> None:
     wrong = {**BY_KIND["Service"], "sepc": {}}
     with pytest.raises(kubernetes_validate.ValidationError):
         kubernetes_validate.validate(wrong, OLDEST, strict=True)
 
 
-def test_every_kind_is_there_once():
+def test_every_kind_is_there_once() -> None:
     assert len(BY_KIND) == len(OBJECTS)
     assert set(BY_KIND) >= {"Deployment", "Service", "HorizontalPodAutoscaler"}
 
 
-def test_the_probes_ask_for_what_the_service_answers_without_a_key(http):
+def test_the_probes_ask_for_what_the_service_answers_without_a_key(http: httpx.Client) -> None:
     paths = http.get("/openapi.json").json()["paths"]
     for name in ("startupProbe", "readinessProbe", "livenessProbe"):
         probe = CONTAINER[name]["httpGet"]
@@ -53,7 +56,7 @@ def test_the_probes_ask_for_what_the_service_answers_without_a_key(http):
     assert CONTAINER["readinessProbe"]["httpGet"]["path"] == "/readyz"
 
 
-def test_the_ports_meet():
+def test_the_ports_meet() -> None:
     assert PORTS["http"] == int(from_image(r"^EXPOSE (\d+)$"))
     (port,) = BY_KIND["Service"]["spec"]["ports"]
     assert port["targetPort"] in PORTS
@@ -61,7 +64,7 @@ def test_the_ports_meet():
     assert [port["port"] for port in rule["ports"]] == ["http"]
 
 
-def test_every_right_is_taken_away():
+def test_every_right_is_taken_away() -> None:
     pod, own = POD["securityContext"], CONTAINER["securityContext"]
     assert f"{pod['runAsUser']}:{pod['runAsGroup']}" == from_image(r"^USER (\S+)$")
     assert pod["runAsNonRoot"] is True
@@ -73,13 +76,13 @@ def test_every_right_is_taken_away():
     assert POD["automountServiceAccountToken"] is False
 
 
-def test_what_is_written_to_is_a_volume():
+def test_what_is_written_to_is_a_volume() -> None:
     mounted = {mount["mountPath"]: mount["name"] for mount in CONTAINER["volumeMounts"]}
     assert set(mounted) == {"/tmp"}  # plans and jobs are in the database
     assert set(mounted.values()) == {volume["name"] for volume in POD["volumes"]}
 
 
-def test_settings_are_those_of_the_service_and_no_key_is_written_here():
+def test_settings_are_those_of_the_service_and_no_key_is_written_here() -> None:
     known = {f"IKPLAN_{name}".upper() for name in Settings.model_fields}
     env = {entry["name"]: entry for entry in CONTAINER["env"]}
     assert set(env) <= known
@@ -88,25 +91,25 @@ def test_settings_are_those_of_the_service_and_no_key_is_written_here():
     assert env["IKPLAN_WORKERS"]["valueFrom"]["resourceFieldRef"]["resource"] == "limits.cpu"
 
 
-def test_a_pod_gets_the_time_to_stop():
+def test_a_pod_gets_the_time_to_stop() -> None:
     before = CONTAINER["lifecycle"]["preStop"]["sleep"]["seconds"]
     assert POD["terminationGracePeriodSeconds"] >= before + Settings().stop_s + 5
 
 
-def test_the_service_of_that_name_does_not_set_the_port():
+def test_the_service_of_that_name_does_not_set_the_port() -> None:
     # Kubernetes sets IKPLAN_PORT=tcp://... for a Service `ikplan`, unless it is told not to.
     assert BY_KIND["Service"]["metadata"]["name"] == "ikplan"
     assert POD["enableServiceLinks"] is False
 
 
-def test_the_workers_fit_into_the_memory():
+def test_the_workers_fit_into_the_memory() -> None:
     limits = CONTAINER["resources"]["limits"]
     (own,) = [e["value"] for e in CONTAINER["env"] if e["name"] == "IKPLAN_WORKER_MEMORY_BYTES"]
     service = 2**29
     assert int(limits["cpu"]) * int(own) + service <= int(limits["memory"][:-2]) * 2**30
 
 
-def test_selectors_find_the_pods():
+def test_selectors_find_the_pods() -> None:
     labels = BY_KIND["Deployment"]["spec"]["template"]["metadata"]["labels"]
     assert BY_KIND["Deployment"]["spec"]["selector"]["matchLabels"] == labels
     assert BY_KIND["Service"]["spec"]["selector"] == labels
@@ -114,7 +117,7 @@ def test_selectors_find_the_pods():
     assert BY_KIND["NetworkPolicy"]["spec"]["podSelector"]["matchLabels"] == labels
 
 
-def test_the_autoscaler_scales_the_deployment_alone():
+def test_the_autoscaler_scales_the_deployment_alone() -> None:
     deployment = BY_KIND["Deployment"]
     target = BY_KIND["HorizontalPodAutoscaler"]["spec"]["scaleTargetRef"]
     assert target == {
@@ -126,15 +129,15 @@ def test_the_autoscaler_scales_the_deployment_alone():
     assert "cpu" in CONTAINER["resources"]["requests"]  # what utilization is a share of
 
 
-def test_the_image_is_this_version():
+def test_the_image_is_this_version() -> None:
     assert CONTAINER["image"] == f"ikplan:{ikplan.__version__}"
 
 
-def test_any_pod_answers_any_request():
+def test_any_pod_answers_any_request() -> None:
     assert "sessionAffinity" not in BY_KIND["Service"]["spec"]
 
 
-def test_pods_are_as_many_as_the_queue_of_jobs_asks_for():
+def test_pods_are_as_many_as_the_queue_of_jobs_asks_for() -> None:
     from ikplan_api.app import create_app
 
     (metric,) = [
@@ -146,7 +149,7 @@ def test_pods_are_as_many_as_the_queue_of_jobs_asks_for():
     assert f"# TYPE {metric} gauge" in text
 
 
-def test_the_database_can_be_reached_and_nothing_else():
+def test_the_database_can_be_reached_and_nothing_else() -> None:
     (names, database) = BY_KIND["NetworkPolicy"]["spec"]["egress"]
     assert {port["port"] for port in names["ports"]} == {53}
     assert [port["port"] for port in database["ports"]] == [5432]

@@ -86,7 +86,7 @@ def test_the_pipe_carries_what_shared_memory_does_not(
     here, there = socket.socketpair()
     monkeypatch.setattr(worker, "_documents", [there])
     monkeypatch.setattr(shared_memory, "_memory", failing(shared_memory._memory))
-    monkeypatch.setattr(shared_memory.socket, "send_fds", failing(socket.send_fds))
+    monkeypatch.setattr(socket, "send_fds", failing(socket.send_fds))
     reply = worker._reply(TaskResult(LONG))
     assert (reply.result.document, reply.shared_bytes) == (LONG, 0)
     for end in (here, there):

@@ -1,9 +1,11 @@
 """Moving ends, durations, times, dwells, events and least time over HTTP and by the client."""
 
+import httpx
 import numpy as np
 import pytest
 
 import ikplan
+from ikplan import Client
 
 ROWS = [[0.0, -1.2, 1.5, -1.8, -1.5, 0.2], [0.4, -0.9, 1.3, -1.7, -1.3, -0.1]]
 TIMING = {
@@ -29,13 +31,13 @@ PLAN = {
 }
 
 
-def test_a_timing_takes_its_time_and_begins_moving(client) -> None:
+def test_a_timing_takes_its_time_and_begins_moving(client: Client) -> None:
     plan = client.time(TIMING)
     assert plan.duration == pytest.approx(2.0011, abs=1e-9)
     assert np.abs(plan.dq[0] - 0.3).max() <= 1e-9
 
 
-def test_a_refusal_carries_the_nearest_feasible_values(http, client) -> None:
+def test_a_refusal_carries_the_nearest_feasible_values(http: httpx.Client, client: Client) -> None:
     answer = http.post("/v1/timings", json={**TIMING, "limits": {"duration": 0.01}})
     assert answer.status_code == 422
     problem = answer.json()
@@ -49,7 +51,7 @@ def test_a_refusal_carries_the_nearest_feasible_values(http, client) -> None:
     assert kept.duration == pytest.approx(times[-1], abs=1e-9)
 
 
-def test_a_plan_stands_and_tells_its_events(client) -> None:
+def test_a_plan_stands_and_tells_its_events(client: Client) -> None:
     plan = client.plan(PLAN)
     assert [event.name for event in plan.events] == ["on"]
     assert plan.objective is not None

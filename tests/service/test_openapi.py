@@ -1,10 +1,13 @@
 """The document that other people's tools read."""
 
 import re
+from collections.abc import Iterator
+from typing import Any
 
+import httpx
 import pytest
 
-from ikplan import errors
+from ikplan import Client, errors
 from ikplan.documents.pose_results import FkResult, IkBatchSolution, IkSolution
 from ikplan.plans.plan import Plan
 from ikplan_api.http.schemas import PROBLEMS
@@ -44,11 +47,12 @@ OPERATIONS = {
 
 
 @pytest.fixture(scope="module")
-def document(http) -> dict:
-    return http.get("/openapi.json").json()
+def document(http: httpx.Client) -> dict[str, Any]:
+    read: dict[str, Any] = http.get("/openapi.json").json()
+    return read
 
 
-def nodes(value):
+def nodes(value: Any) -> Iterator[Any]:
     yield value
     if isinstance(value, dict):
         for item in value.values():
@@ -58,7 +62,7 @@ def nodes(value):
             yield from nodes(item)
 
 
-def test_operation_ids_are_stable(document):
+def test_operation_ids_are_stable(document: dict[str, Any]) -> None:
     found = {
         operation["operationId"]: (method, path)
         for path, methods in document["paths"].items()
@@ -67,7 +71,7 @@ def test_operation_ids_are_stable(document):
     assert found == OPERATIONS
 
 
-def test_every_reference_leads_somewhere(document):
+def test_every_reference_leads_somewhere(document: dict[str, Any]) -> None:
     schemas = document["components"]["schemas"]
     refs = {n["$ref"] for n in nodes(document) if isinstance(n, dict) and "$ref" in n}
     assert {ref.rpartition("/")[2] for ref in refs} <= schemas.keys()
@@ -75,7 +79,7 @@ def test_every_reference_leads_somewhere(document):
     assert not any("HTTPValidationError" in name for name in schemas)
 
 
-def test_every_error_class_has_its_problem_with_its_data():
+def test_every_error_class_has_its_problem_with_its_data() -> None:
     classes = {getattr(errors, name) for name in errors.__all__ if name[0].isupper()}
     assert PROBLEMS.keys() == {c for c in classes if not c.__subclasses__()}
     for cls, model in PROBLEMS.items():
@@ -85,7 +89,7 @@ def test_every_error_class_has_its_problem_with_its_data():
         assert schema["const"] == cls.problem_type()
 
 
-def test_every_operation_documents_its_failures(document):
+def test_every_operation_documents_its_failures(document: dict[str, Any]) -> None:
     for methods in document["paths"].values():
         for operation in methods.values():
             failures = {s: r for s, r in operation["responses"].items() if s >= "4"}
@@ -94,7 +98,9 @@ def test_every_operation_documents_its_failures(document):
                 assert list(answer["content"]) == ["application/problem+json"]
 
 
-def test_every_request_field_has_a_default_or_is_required_and_is_described(document):
+def test_every_request_field_has_a_default_or_is_required_and_is_described(
+    document: dict[str, Any],
+) -> None:
     schemas = document["components"]["schemas"]
     for name in (
         "PlanRequest",
@@ -117,7 +123,9 @@ def test_every_request_field_has_a_default_or_is_required_and_is_described(docum
             assert "description" in schema or "$ref" in schema, where
 
 
-def test_answers_fit_the_models_they_are_documented_with(document, http, client):
+def test_answers_fit_the_models_they_are_documented_with(
+    document: dict[str, Any], http: httpx.Client, client: Client
+) -> None:
     plan = client.plan(GOOD)
     for path, model, body in (
         ("/v1/plans", Plan, GOOD),
@@ -139,7 +147,7 @@ def test_answers_fit_the_models_they_are_documented_with(document, http, client)
     assert waypoint_errors(plan, GOOD["path"]).max() <= 1e-8
 
 
-def test_problems_fit_the_models_they_are_documented_with(http):
+def test_problems_fit_the_models_they_are_documented_with(http: httpx.Client) -> None:
     for body in ({"robot": "x"}, {**GOOD, "robot": "x"}):
         problem = http.post("/v1/plans", json=body).json()
         cls = next(c for c in PROBLEMS if c.problem_type() == problem["type"])

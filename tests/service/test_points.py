@@ -27,7 +27,7 @@ def post(http: httpx.Client, path: str, content: str | bytes, **query: Any) -> h
 def test_a_file_is_planned_as_the_request_that_it_is_read_as(
     http: httpx.Client, tmp_path: Path
 ) -> None:
-    query = {
+    query: dict[str, Any] = {
         "robot": "ur5", "interpolation": "line", "start": "free", "rate_hz": 125,
         "tool": "0,0,0.1,0,0,0", "base_frame": "base", "tool_speed": 0.2,
     }  # fmt: skip
@@ -172,7 +172,12 @@ def test_a_gcode_file_is_planned_as_the_shell_reads_it(
     http: httpx.Client, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     headers = {"content-type": "text/x-gcode"}
-    query = {"robot": "xarm7", "start": "free", "frame": "0.35,0.05,0.25", "rate_hz": 125}
+    query: dict[str, Any] = {
+        "robot": "xarm7",
+        "start": "free",
+        "frame": "0.35,0.05,0.25",
+        "rate_hz": 125,
+    }
     answer = http.post("/v1/plans", content=GCODE, params=query, headers=headers)
     assert answer.status_code == 200, answer.text
     assert answer.headers["ikplan-notes"] == "passed over: M3 (line 6)"

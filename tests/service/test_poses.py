@@ -7,7 +7,7 @@ from typing import Any
 import httpx
 import pytest
 
-from ikplan import BudgetExceeded, InvalidRequest
+from ikplan import BudgetExceeded, Client, InvalidRequest
 from ikplan_api.app import create_app
 from ikplan_api.settings import Settings
 from ikplan_api.workers.tasks import TaskResult
@@ -20,7 +20,7 @@ IK = {"robot": "ur5", "position": [0.4, 0.1, 0.4]}
 FK = {"robot": "ur5", "q": [0.0] * 6}
 
 
-def test_a_search_that_takes_longer_than_its_budget_is_stopped(client):
+def test_a_search_that_takes_longer_than_its_budget_is_stopped(client: Client) -> None:
     slow = {**IK, "ik": {"population": 10_000, "iterations": 1000}, "budget_s": 0.3}
     begin = time.monotonic()
     with pytest.raises(BudgetExceeded) as caught:
@@ -40,8 +40,8 @@ def test_a_search_that_takes_longer_than_its_budget_is_stopped(client):
     ],
 )
 def test_a_worker_is_given_no_more_time_than_the_budget_and_the_operator_allow(
-    path, document, limit_s
-):
+    path: str, document: dict[str, Any], limit_s: float
+) -> None:
     given: list[float] = []
 
     class Fast(StandIn):
@@ -60,13 +60,15 @@ def test_a_worker_is_given_no_more_time_than_the_budget_and_the_operator_allow(
 
 
 @pytest.mark.parametrize(("path", "document"), [("/v1/ik", IK), ("/v1/fk", FK)])
-def test_a_pose_is_no_long_document(http, path, document):
+def test_a_pose_is_no_long_document(
+    http: httpx.Client, path: str, document: dict[str, Any]
+) -> None:
     answer = http.post(path, json={**document, "robot": "x" * 70_000})
     assert answer.status_code == 413
     assert answer.json()["type"] == "urn:ikplan:invalid-request"
 
 
-def test_many_poses_are_answered_each_as_it_is_alone(client):
+def test_many_poses_are_answered_each_as_it_is_alone(client: Client) -> None:
     poses = [{"position": [0.4, 0.01 * k, 0.4]} for k in range(2000)]
     poses[7] = {"position": [9.0, 0.0, 0.0]}
     asked = {"robot": "ur5", "poses": poses, "verdict": False}
@@ -91,7 +93,7 @@ def test_many_poses_are_answered_each_as_it_is_alone(client):
 
 
 @pytest.mark.parametrize("budget_s", [0, -1, 3601, "1"])
-def test_a_budget_that_is_none_is_refused_by_name(client, budget_s):
+def test_a_budget_that_is_none_is_refused_by_name(client: Client, budget_s: Any) -> None:
     with pytest.raises(InvalidRequest) as caught:
         client.ik({**IK, "budget_s": budget_s})
     assert caught.value.field == "budget_s"

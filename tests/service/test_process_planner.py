@@ -30,6 +30,7 @@ from ikplan_api.telemetry.load import Load
 from ikplan_api.workers.attempts import Attempts
 from ikplan_api.workers.process_planner import ProcessPlanner
 from tests.measured import waypoint_errors
+from tests.present import present
 
 from .bad_requests import GOOD
 from .conftest import ADDRESS
@@ -49,7 +50,10 @@ SLOW = json.dumps({**json.loads(LONG), "ik": {"population": 100, "iterations": 1
 
 
 def use(
-    scenario: Callable[[ProcessPlanner], Awaitable[Any]], workers: int = 1, queued: int = 10, **how
+    scenario: Callable[[ProcessPlanner], Awaitable[Any]],
+    workers: int = 1,
+    queued: int = 10,
+    **how: Any,
 ) -> Any:
     """Run a scenario with a planner of its own, and end that."""
 
@@ -73,7 +77,7 @@ class Begun(asyncio.Event):
         return lambda *_: self.set()
 
 
-async def until(true: Callable[[], bool]) -> None:
+async def until(true: Callable[..., bool]) -> None:
     async with asyncio.timeout(WAIT_S):
         while not true():
             await asyncio.sleep(0.01)
@@ -92,7 +96,7 @@ def alive(pid: int) -> bool:
         {**GOOD, "start": [0.0]},
     ],
 )
-def test_an_error_crosses_the_border_as_itself(request_):
+def test_an_error_crosses_the_border_as_itself(request_: dict[str, Any]) -> None:
     async def fail(planner: ProcessPlanner) -> IkplanError:
         with pytest.raises(IkplanError) as caught:
             await planner.run("plan", json.dumps(request_).encode())
@@ -105,7 +109,7 @@ def test_an_error_crosses_the_border_as_itself(request_):
     assert there.to_problem() == here.value.to_problem()
 
 
-def test_a_worker_starts_no_threads_but_the_one_that_watches_the_service():
+def test_a_worker_starts_no_threads_but_the_one_that_watches_the_service() -> None:
     async def count(planner: ProcessPlanner) -> None:
         await planner.run("plan", QUICK)
         # The timer of the plan's budget may just be ending.
@@ -130,7 +134,7 @@ async def end_worker_twice(planner: ProcessPlanner, how: signal.Signals) -> Ikpl
     return caught.value
 
 
-def test_a_request_whose_workers_are_killed_costs_no_other_request():
+def test_a_request_whose_workers_are_killed_costs_no_other_request() -> None:
     async def kill(planner: ProcessPlanner) -> None:
         first = planner.pids[0]
         dooming = asyncio.create_task(end_worker_twice(planner, signal.SIGKILL))
@@ -145,7 +149,7 @@ def test_a_request_whose_workers_are_killed_costs_no_other_request():
     use(kill)
 
 
-def test_a_request_whose_worker_is_killed_once_is_answered():
+def test_a_request_whose_worker_is_killed_once_is_answered() -> None:
     async def kill(planner: ProcessPlanner) -> bytes:
         begun = Begun()
         asking = asyncio.create_task(planner.run("plan", SLOW, progress=begun.progress))
@@ -158,7 +162,7 @@ def test_a_request_whose_worker_is_killed_once_is_answered():
 
 
 @pytest.mark.parametrize("how", [signal.SIGSEGV, signal.SIGABRT])
-def test_a_request_that_crashes_its_workers_is_told_so(how: signal.Signals):
+def test_a_request_that_crashes_its_workers_is_told_so(how: signal.Signals) -> None:
     async def crash(planner: ProcessPlanner) -> None:
         error = await end_worker_twice(planner, how)
         assert (type(error), error.data) == (WorkerLost, {"exit_code": -how})
@@ -167,7 +171,7 @@ def test_a_request_that_crashes_its_workers_is_told_so(how: signal.Signals):
     use(crash)
 
 
-def test_a_worker_that_is_killed_while_idle_costs_nothing():
+def test_a_worker_that_is_killed_while_idle_costs_nothing() -> None:
     async def kill(planner: ProcessPlanner) -> bytes:
         os.kill(planner.pids[0], signal.SIGKILL)
         return (await planner.run("plan", QUICK)).document
@@ -176,7 +180,7 @@ def test_a_worker_that_is_killed_while_idle_costs_nothing():
     assert waypoint_errors(plan, json.loads(QUICK)["path"]).max() <= 1e-8
 
 
-def test_a_plan_that_overruns_its_budget_is_stopped_with_its_worker():
+def test_a_plan_that_overruns_its_budget_is_stopped_with_its_worker() -> None:
     async def wait(planner: ProcessPlanner) -> float:
         (pid,) = planner.pids
         begin = time.monotonic()
@@ -193,7 +197,7 @@ def test_a_plan_that_overruns_its_budget_is_stopped_with_its_worker():
     assert 0.5 < use(wait, grace_s=0.3) < bound_s(5.0)
 
 
-def test_a_plan_that_waits_for_a_processor_is_stopped_when_its_wall_time_runs_out():
+def test_a_plan_that_waits_for_a_processor_is_stopped_when_its_wall_time_runs_out() -> None:
     async def halt(planner: ProcessPlanner) -> None:
         (pid,) = planner.pids
         begun = Begun()
@@ -212,10 +216,10 @@ def test_a_plan_that_waits_for_a_processor_is_stopped_when_its_wall_time_runs_ou
     use(halt, grace_s=0.5)
 
 
-def test_a_plan_without_enough_memory_is_told_so_and_the_next_has_it_again():
+def test_a_plan_without_enough_memory_is_told_so_and_the_next_has_it_again() -> None:
     async def fresh(planner: ProcessPlanner) -> int:
         status = Path(f"/proc/{planner.pids[0]}/status").read_text()
-        return int(re.search(r"VmData:\s+(\d+) kB", status)[1]) * 1024
+        return int(present(re.search(r"VmData:\s+(\d+) kB", status))[1]) * 1024
 
     limit = use(fresh) + 30 * 2**20
 
@@ -236,7 +240,7 @@ def test_a_plan_without_enough_memory_is_told_so_and_the_next_has_it_again():
     use(eat, memory_bytes=limit)
 
 
-def test_a_task_that_is_cancelled_frees_its_worker():
+def test_a_task_that_is_cancelled_frees_its_worker() -> None:
     async def cancel(planner: ProcessPlanner) -> None:
         (pid,) = planner.pids
         begun = Begun()
@@ -252,7 +256,7 @@ def test_a_task_that_is_cancelled_frees_its_worker():
     use(cancel)
 
 
-def test_progress_is_told_by_stage_and_waypoint():
+def test_progress_is_told_by_stage_and_waypoint() -> None:
     told: list[tuple[str, int, int]] = []
 
     async def listen(planner: ProcessPlanner) -> None:
@@ -268,7 +272,9 @@ def test_progress_is_told_by_stage_and_waypoint():
     assert len(set(done)) > 2
 
 
-def busy_service(queued: int, scenario: Callable[[ProcessPlanner, AsyncClient], Awaitable[Any]]):
+def busy_service(
+    queued: int, scenario: Callable[[ProcessPlanner, AsyncClient], Awaitable[Any]]
+) -> Any:
     """A service whose only worker is halted until the scenario lets it go on."""
 
     async def run(planner: ProcessPlanner) -> Any:
@@ -287,7 +293,7 @@ def busy_service(queued: int, scenario: Callable[[ProcessPlanner, AsyncClient], 
 FK = {"robot": "ur5", "q": [0.0] * 6}
 
 
-def test_beyond_the_queue_the_service_says_it_is_busy():
+def test_beyond_the_queue_the_service_says_it_is_busy() -> None:
     async def flood(planner: ProcessPlanner, client: AsyncClient) -> list[httpx.Response]:
         http = client._http
         waiting = [asyncio.create_task(http.post("/v1/fk", json=FK)) for _ in range(8)]
@@ -306,7 +312,7 @@ def test_beyond_the_queue_the_service_says_it_is_busy():
     assert refused.json()["type"] == "urn:ikplan:service-unavailable"
 
 
-def test_the_client_learns_when_to_ask_a_busy_service_again():
+def test_the_client_learns_when_to_ask_a_busy_service_again() -> None:
     async def ask(planner: ProcessPlanner, client: AsyncClient) -> ServiceUnavailable:
         first = asyncio.create_task(client.fk(FK))
         await until(lambda: planner.load.running == 1)
@@ -320,7 +326,7 @@ def test_the_client_learns_when_to_ask_a_busy_service_again():
     assert error.data == {"url": f"{ADDRESS}/v1/fk", "status_code": 503, "retry_after_s": 1.0}
 
 
-def test_a_planner_that_is_closed_takes_nothing_more():
+def test_a_planner_that_is_closed_takes_nothing_more() -> None:
     async def close(planner: ProcessPlanner) -> None:
         pids = planner.pids
         begun = Begun()

@@ -68,20 +68,24 @@ V1 = f"12:memory:{SCOPE}\n4:cpu,cpuacct:{SCOPE}\n1:name=systemd:{SCOPE}\n"
         ("nonsense\n", {}, 8),
     ],
 )
-def test_the_quota_of_a_container_counts(membership, files, wanted, tmp_path):
+def test_the_quota_of_a_container_counts(
+    membership: str, files: dict[str, str], wanted: int, tmp_path: Path
+) -> None:
     assert count(tmp_path, membership, files) == wanted
 
 
-def test_where_nothing_is_told_the_processors_allowed_count(tmp_path):
+def test_where_nothing_is_told_the_processors_allowed_count(tmp_path: Path) -> None:
     assert processor_count(tmp_path / "none", tmp_path) == 8
 
 
-def test_a_service_has_a_worker_for_each_of_them_unless_told_otherwise(monkeypatch):
+def test_a_service_has_a_worker_for_each_of_them_unless_told_otherwise(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     monkeypatch.setattr("ikplan_api.settings.service.processor_count", lambda: 3)
     assert Settings().worker_count == 3
     assert Settings(workers=5).worker_count == 5
 
 
-def test_here_the_count_is_not_more_than_the_machine_has(monkeypatch):
+def test_here_the_count_is_not_more_than_the_machine_has(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.undo()
     assert 1 <= processor_count() <= len(os.sched_getaffinity(0))

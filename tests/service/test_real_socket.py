@@ -13,6 +13,7 @@ import sys
 import threading
 import time
 from collections.abc import Iterator
+from pathlib import Path
 
 import httpx
 import pytest
@@ -68,7 +69,7 @@ def address() -> Iterator[str]:
         yield address
 
 
-def test_the_clients_get_the_plan_that_python_makes(address):
+def test_the_clients_get_the_plan_that_python_makes(address: str) -> None:
     async def twin() -> ikplan.Plan:
         async with AsyncClient(address) as client:
             return await client.plan(GOOD)
@@ -81,7 +82,9 @@ def test_the_clients_get_the_plan_that_python_makes(address):
     assert {encode(plan, "npz") for plan in plans} == {encode(local, "npz")}
 
 
-def test_the_command_plans_by_the_service(address, tmp_path, capsys):
+def test_the_command_plans_by_the_service(
+    address: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     request, out = tmp_path / "request.json", tmp_path / "plan.csv"
     request.write_text(json.dumps(GOOD))
     assert main(["plan", str(request), "--server", address, "-o", str(out)]) == 0
@@ -92,7 +95,9 @@ def test_the_command_plans_by_the_service(address, tmp_path, capsys):
     assert capsys.readouterr().err.startswith("ikplan: invalid-request: start")
 
 
-def test_the_service_that_a_user_has_set_plans_without_a_compiler_here(address, tmp_path):
+def test_the_service_that_a_user_has_set_plans_without_a_compiler_here(
+    address: str, tmp_path: Path
+) -> None:
     request = tmp_path / "request.json"
     request.write_text(json.dumps(GOOD))
     code = (
@@ -111,7 +116,9 @@ def test_the_service_that_a_user_has_set_plans_without_a_compiler_here(address, 
     assert done.stderr == "[]\n"
 
 
-def test_the_command_shows_the_progress_of_a_service(address, tmp_path, monkeypatch):
+def test_the_command_shows_the_progress_of_a_service(
+    address: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     class Terminal(io.StringIO):
         def isatty(self) -> bool:
             return True
@@ -126,7 +133,9 @@ def test_the_command_shows_the_progress_of_a_service(address, tmp_path, monkeypa
     assert re.search(r"(ik|certificate|finished) \d", terminal.getvalue())
 
 
-def test_timing_shows_the_progress_of_a_service_too(address, tmp_path, monkeypatch):
+def test_timing_shows_the_progress_of_a_service_too(
+    address: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     class Terminal(io.StringIO):
         def isatty(self) -> bool:
             return True
@@ -140,7 +149,7 @@ def test_timing_shows_the_progress_of_a_service_too(address, tmp_path, monkeypat
     assert re.search(r"(queued|planning|timing|certificate|finished) \d", terminal.getvalue())
 
 
-def test_events_come_while_the_plan_is_made_and_a_caller_who_leaves_ends_it(address):
+def test_events_come_while_the_plan_is_made_and_a_caller_who_leaves_ends_it(address: str) -> None:
     slow = {
         **GOOD,
         "path": {"waypoints": [{"position": [0.5, 0.01 * i, 0.5]} for i in range(50)]},
@@ -174,7 +183,7 @@ def test_events_come_while_the_plan_is_made_and_a_caller_who_leaves_ends_it(addr
         assert waypoint_errors(plan, GOOD["path"]).max() <= 1e-8
 
 
-def test_raw_bytes_do_not_disturb_the_service(address):
+def test_raw_bytes_do_not_disturb_the_service(address: str) -> None:
     host, port = address.removeprefix("http://").split(":")
     for noise in (b"\x00" * 100, b"POST /v1/plans HTTP/1.1\r\ncontent-length: x\r\n\r\n"):
         with socket.create_connection((host, int(port)), timeout=WAIT_S) as raw:
@@ -185,7 +194,7 @@ def test_raw_bytes_do_not_disturb_the_service(address):
     assert httpx.get(f"{address}/livez").json() == {"status": "alive"}
 
 
-def test_a_taken_port_is_told_in_one_line(capsys):
+def test_a_taken_port_is_told_in_one_line(capsys: pytest.CaptureFixture[str]) -> None:
     with socket.create_server(("127.0.0.1", 0)) as other:
         port = other.getsockname()[1]
         assert main(["serve", "--port", str(port)]) == 2
@@ -193,7 +202,7 @@ def test_a_taken_port_is_told_in_one_line(capsys):
     assert line.startswith(f"ikplan: file-error: cannot listen on 127.0.0.1 port {port}: ")
 
 
-def test_an_interrupt_stops_the_service_cleanly():
+def test_an_interrupt_stops_the_service_cleanly() -> None:
     with service() as (process, address):
         assert httpx.get(f"{address}/livez", timeout=WAIT_S).status_code == 200
         process.send_signal(signal.SIGINT)
@@ -202,7 +211,7 @@ def test_an_interrupt_stops_the_service_cleanly():
             client.version()
 
 
-def test_short_answers_do_not_wait_for_more_to_send():
+def test_short_answers_do_not_wait_for_more_to_send() -> None:
     with (
         serving._listen("127.0.0.1", 0) as listening,
         socket.create_connection(listening.getsockname()[:2]),

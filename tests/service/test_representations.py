@@ -13,7 +13,11 @@ import httpx
 import numpy as np
 import pytest
 import zstandard
+from anyio.from_thread import BlockingPortal
+from fastapi import FastAPI
+from starlette.types import Message
 
+from ikplan import Client
 from ikplan.plans.export import FORMATS, encode
 from ikplan.plans.plan import Plan
 from ikplan_api.middleware.install import COMPRESSED_FROM
@@ -29,12 +33,14 @@ UR5 = {
 
 
 @pytest.fixture(scope="module")
-def plan(client) -> Plan:
+def plan(client: Client) -> Plan:
     return client.plan(GOOD)
 
 
 @pytest.mark.parametrize("name", ["json", "csv", "npz", "ros"])
-def test_accept_picks_the_form_for_new_and_for_kept_plans(name, http, plan):
+def test_accept_picks_the_form_for_new_and_for_kept_plans(
+    name: str, http: httpx.Client, plan: Plan
+) -> None:
     headers = {"accept": NAMES[name]}
     made = http.post("/v1/plans", json=GOOD, headers=headers)
     kept = http.get(f"/v1/plans/{plan.id}", headers=headers)
@@ -50,7 +56,9 @@ def test_accept_picks_the_form_for_new_and_for_kept_plans(name, http, plan):
         assert np.array_equal(np.load(io.BytesIO(made.content))["q"], plan.trajectory.q)
 
 
-def test_a_timing_has_the_same_forms_and_a_program_where_the_arm_has_one(http):
+def test_a_timing_has_the_same_forms_and_a_program_where_the_arm_has_one(
+    http: httpx.Client,
+) -> None:
     timed = Plan.load(http.post("/v1/timings", json=UR5).content)
     for name in ("csv", "ros", "urscript"):
         answer = http.post("/v1/timings", json=UR5, headers={"accept": NAMES[name]})
@@ -74,13 +82,17 @@ def test_a_timing_has_the_same_forms_and_a_program_where_the_arm_has_one(http):
         ("text/csv; header=present", "csv"),
     ],
 )
-def test_the_preferred_form_is_answered(accept, name, http, plan):
+def test_the_preferred_form_is_answered(
+    accept: str, name: str, http: httpx.Client, plan: Plan
+) -> None:
     answer = http.get(f"/v1/plans/{plan.id}", headers={"accept": accept})
     assert answer.headers["content-type"].partition(";")[0] == NAMES[name]
 
 
 @pytest.mark.parametrize("accept", ["image/png", "text/html", "application/json;q=0", "nonsense"])
-def test_another_form_is_refused_with_those_there_are(accept, http, plan):
+def test_another_form_is_refused_with_those_there_are(
+    accept: str, http: httpx.Client, plan: Plan
+) -> None:
     for answer in (
         http.get(f"/v1/plans/{plan.id}", headers={"accept": accept}),
         http.post("/v1/plans", content=b"{", headers={"accept": accept}),
@@ -90,13 +102,15 @@ def test_another_form_is_refused_with_those_there_are(accept, http, plan):
         assert answer.json()["allowed"] == list(NAMES.values())
 
 
-def test_a_program_for_another_arm_is_not_to_be_had(http, plan):
+def test_a_program_for_another_arm_is_not_to_be_had(http: httpx.Client, plan: Plan) -> None:
     answer = http.get(f"/v1/plans/{plan.id}", headers={"accept": NAMES["urscript"]})
     assert answer.status_code == 406
     assert "no URScript program for 'iiwa14'" in answer.json()["detail"]
 
 
-def test_an_uploaded_arm_has_a_program_where_its_controller_runs_urscript(http):
+def test_an_uploaded_arm_has_a_program_where_its_controller_runs_urscript(
+    http: httpx.Client,
+) -> None:
     controller = {
         "title": "mine",
         "cycle": 0.002,
@@ -119,22 +133,25 @@ class Served(NamedTuple):
     pieces: int
 
 
+Ask = Callable[[str, str], Served]
+
+
 @pytest.fixture(scope="module")
-def served(app, portal) -> Callable[[str, str], Served]:
+def served(app: FastAPI, portal: BlockingPortal) -> Ask:
     """An answer as it is sent: compressed, in pieces."""
 
     def ask(path: str, coding: str) -> Served:
-        sent: list[dict] = []
+        sent: list[Message] = []
 
         asked = iter([{"type": "http.request", "body": b"", "more_body": False}])
 
-        async def receive() -> dict:
+        async def receive() -> Message:
             for message in asked:
                 return message
             await asyncio.sleep(60)
             raise AssertionError("nobody hangs up")
 
-        async def send(message: dict) -> None:
+        async def send(message: Message) -> None:
             sent.append(message)
 
         scope = {
@@ -152,7 +169,7 @@ def served(app, portal) -> Callable[[str, str], Served]:
 
 
 @pytest.fixture(scope="module")
-def listing(http) -> bytes:
+def listing(http: httpx.Client) -> bytes:
     return http.get("/v1/robots", headers={"accept-encoding": "identity"}).content
 
 
@@ -167,26 +184,30 @@ def listing(http) -> bytes:
         ("gzip;q=0", None),
     ],
 )
-def test_an_answer_is_compressed_as_asked(coding, applied, served, listing):
+def test_an_answer_is_compressed_as_asked(
+    coding: str, applied: str | None, served: Ask, listing: bytes
+) -> None:
     answer = served("/v1/robots", coding)
     assert answer.headers.get("content-encoding") == applied
-    body = {
+    decoders: dict[str | None, Callable[[bytes], bytes]] = {
         None: lambda b: b,
         "gzip": gzip.decompress,
         "zstd": lambda b: zstandard.ZstdDecompressor().decompressobj().decompress(b),
-    }[applied](answer.body)
-    assert body == listing
+    }
+    assert decoders[applied](answer.body) == listing
     assert len(listing) > 20 * COMPRESSED_FROM
     if applied:
         assert len(answer.body) < 0.5 * len(listing)
         assert "accept-encoding" in answer.headers["vary"].lower()
 
 
-def test_short_answers_are_left_alone(served):
+def test_short_answers_are_left_alone(served: Ask) -> None:
     assert "content-encoding" not in served("/livez", "gzip").headers
 
 
-def test_long_plans_are_compressed_piece_by_piece_and_whole(served, client, http):
+def test_long_plans_are_compressed_piece_by_piece_and_whole(
+    served: Ask, client: Client, http: httpx.Client
+) -> None:
     request = {**GOOD, "sampling": {"rate_hz": 5000}}
     plan = client.plan(request)
     whole = http.get(f"/v1/plans/{plan.id}", headers={"accept-encoding": "identity"})
@@ -197,7 +218,7 @@ def test_long_plans_are_compressed_piece_by_piece_and_whole(served, client, http
     assert json.loads(whole.content)["id"] == plan.id
 
 
-def test_every_form_has_a_tag_of_its_own(http, plan):
+def test_every_form_has_a_tag_of_its_own(http: httpx.Client, plan: Plan) -> None:
     path, tags = f"/v1/plans/{plan.id}", set()
     for name in ("json", "csv", "npz"):
         tag = http.get(path, headers={"accept": NAMES[name]}).headers["etag"]

@@ -3,6 +3,7 @@
 import asyncio
 
 import httpx
+import pytest
 
 from ikplan_api.app import create_app
 from ikplan_api.settings import Settings
@@ -31,7 +32,7 @@ class Crashing:
         return None
 
 
-def test_an_unforeseen_fault_is_a_problem_without_a_traceback():
+def test_an_unforeseen_fault_is_a_problem_without_a_traceback() -> None:
     app = create_app(Settings(workers=1), planner=Crashing())
 
     async def ask() -> httpx.Response:
@@ -55,7 +56,9 @@ class Unready(Crashing):
         raise RuntimeError("no compiler")
 
 
-def test_a_service_that_cannot_warm_up_is_alive_but_not_ready_and_says_why(caplog):
+def test_a_service_that_cannot_warm_up_is_alive_but_not_ready_and_says_why(
+    caplog: pytest.LogCaptureFixture,
+) -> None:
     app = create_app(Settings(), planner=Unready())
 
     async def ask() -> tuple[httpx.Response, httpx.Response]:

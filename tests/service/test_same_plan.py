@@ -3,12 +3,15 @@
 import asyncio
 import json
 from pathlib import Path
+from typing import Any
 
 import httpx
 import pytest
+from anyio.from_thread import BlockingPortal
+from fastapi import FastAPI
 
 import ikplan
-from ikplan import AsyncClient, Plan, PlanRequest
+from ikplan import AsyncClient, Client, Plan, PlanRequest
 from ikplan.cli import main
 from ikplan.plans.export import encode
 
@@ -28,7 +31,7 @@ def plan() -> Plan:
     return ikplan.plan(GOOD)
 
 
-def lasting(document: bytes | str) -> dict:
+def lasting(document: bytes | str) -> dict[str, Any]:
     """A plan's document without ``stats``, whose seconds are those of the clock."""
     return {key: value for key, value in json.loads(document).items() if key != "stats"}
 
@@ -40,14 +43,16 @@ def trajectory(document: bytes) -> bytes:
 
 
 @pytest.mark.parametrize("spelling", SPELLINGS)
-def test_http_answers_the_bytes_that_python_makes(spelling, plan, http: httpx.Client):
+def test_http_answers_the_bytes_that_python_makes(
+    spelling: str, plan: Plan, http: httpx.Client
+) -> None:
     answer = http.post("/v1/plans", json=SPELLINGS[spelling])
     assert answer.json()["id"] == plan.id
     assert trajectory(answer.content) == trajectory(plan.model_dump_json().encode())
     assert lasting(answer.content) == lasting(plan.model_dump_json())
 
 
-def test_the_client_returns_the_plan_that_python_makes(plan, client):
+def test_the_client_returns_the_plan_that_python_makes(plan: Plan, client: Client) -> None:
     for remote in (client.plan(GOOD), client.plan(PlanRequest(**GOOD)), client.get_plan(plan.id)):
         assert remote.id == plan.id
         assert lasting(remote.model_dump_json()) == lasting(plan.model_dump_json())
@@ -55,8 +60,10 @@ def test_the_client_returns_the_plan_that_python_makes(plan, client):
         assert encode(remote, "csv") == encode(plan, "csv")
 
 
-def test_the_twin_returns_what_the_client_returns(plan, app, client, portal):
-    async def ask() -> tuple:
+def test_the_twin_returns_what_the_client_returns(
+    plan: Plan, app: FastAPI, client: Client, portal: BlockingPortal
+) -> None:
+    async def ask() -> tuple[Any, ...]:
         transport = httpx.ASGITransport(app)
         async with AsyncClient(ADDRESS, transport=transport) as twin:
             made = await twin.plan(GOOD)
@@ -79,7 +86,9 @@ def test_the_twin_returns_what_the_client_returns(plan, app, client, portal):
     assert version == client.version()
 
 
-def test_the_command_writes_the_plan_that_python_makes(plan, tmp_path: Path, capsys):
+def test_the_command_writes_the_plan_that_python_makes(
+    plan: Plan, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     request = tmp_path / "request.json"
     request.write_text(json.dumps(GOOD))
     outputs = [tmp_path / f"plan.{suffix}" for suffix in ("json", "csv", "npz")]
@@ -92,7 +101,9 @@ def test_the_command_writes_the_plan_that_python_makes(plan, tmp_path: Path, cap
     assert written[1:] == [encode(plan, "csv"), encode(plan, "npz")]
 
 
-def test_requests_at_the_same_time_do_not_disturb_each_other(plan, app, portal):
+def test_requests_at_the_same_time_do_not_disturb_each_other(
+    plan: Plan, app: FastAPI, portal: BlockingPortal
+) -> None:
     others = [{**GOOD, "ik": {"seed": seed}} for seed in range(4)]
 
     async def ask() -> list[Plan]:

@@ -20,7 +20,7 @@ def _open_files() -> int:
     return len(os.listdir("/proc/self/fd"))
 
 
-def test_documents_arrive_as_they_were_sent_in_their_order():
+def test_documents_arrive_as_they_were_sent_in_their_order() -> None:
     documents = [b"", b"{}", os.urandom(3_000_000), b"x"]
     here, there = socket.socketpair()
     with here, there:
@@ -32,7 +32,7 @@ def test_documents_arrive_as_they_were_sent_in_their_order():
         assert [shared_memory.receive(here) for _ in documents] == documents
 
 
-def test_nothing_stays_open():
+def test_nothing_stays_open() -> None:
     here, there = socket.socketpair()
     with here, there:
         before = _open_files()
@@ -42,7 +42,7 @@ def test_nothing_stays_open():
         assert _open_files() == before
 
 
-def test_nothing_sent_is_a_fault_not_an_empty_document():
+def test_nothing_sent_is_a_fault_not_an_empty_document() -> None:
     here, there = socket.socketpair()
     with here, there:
         here.setblocking(False)

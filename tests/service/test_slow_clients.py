@@ -50,7 +50,9 @@ def ended(client: socket.socket, within_s: float) -> bytes:
 
 
 @pytest.mark.parametrize("sent", [HEAD, BODY + b"{", b""], ids=["header", "body", "nothing"])
-def test_three_hundred_slow_clients_keep_nobody_out_and_are_closed(small: Served, sent: bytes):
+def test_three_hundred_slow_clients_keep_nobody_out_and_are_closed(
+    small: Served, sent: bytes
+) -> None:
     with Prober(small.address) as prober, clients(small.place, 300, sent) as slow:
         began = time.monotonic()
         told = [ended(client, HEADER_S + BODY_S + bound_s(5.0)) for client in slow]
@@ -66,7 +68,7 @@ def test_three_hundred_slow_clients_keep_nobody_out_and_are_closed(small: Served
         assert b"x-content-type-options" in max(told, key=len)
 
 
-def test_a_fast_body_may_take_longer_than_a_slow_one(small: Served):
+def test_a_fast_body_may_take_longer_than_a_slow_one(small: Served) -> None:
     length = 400_000
     with clients(small.place, 1, HEAD + b"Content-Length: %d\r\n\r\n" % length) as (client,):
         for _ in range(10):  # in 4 s, at 100 kB/s
@@ -105,12 +107,14 @@ def drip(client: socket.socket, piece: bytes, seconds: float) -> bytes:
         (b"GET /livez HTTP/1.1\r\nHost: a\r\n\r\nGET", b"x", HEADER_S),
     ],
 )
-def test_a_client_that_drips_is_closed(small: Served, first: bytes, piece: bytes, within_s: float):
+def test_a_client_that_drips_is_closed(
+    small: Served, first: bytes, piece: bytes, within_s: float
+) -> None:
     with clients(small.place, 1, first) as (client,):
         drip(client, piece, within_s + bound_s(3.0))
 
 
-def test_a_slow_body_is_one_line_of_the_log_and_no_traceback(small: Served):
+def test_a_slow_body_is_one_line_of_the_log_and_no_traceback(small: Served) -> None:
     with clients(small.place, 1, BODY) as (client,):
         assert b" 408 " in ended(client, BODY_S + bound_s(5.0))
     deadline = time.monotonic() + WAIT_S
@@ -120,7 +124,7 @@ def test_a_slow_body_is_one_line_of_the_log_and_no_traceback(small: Served):
     assert not [line for line in small.lines if "Traceback" in line]
 
 
-def test_what_is_no_http_gets_a_problem_document(small: Served):
+def test_what_is_no_http_gets_a_problem_document(small: Served) -> None:
     with clients(small.place, 1, b"\x00\x01\r\n\r\n") as (client,):
         told = ended(client, 5)
     assert told.startswith(b"HTTP/1.1 400 ")
@@ -128,7 +132,7 @@ def test_what_is_no_http_gets_a_problem_document(small: Served):
     assert b"content-security-policy" in told
 
 
-def test_honest_requests_are_served_during_an_attack(small: Served):
+def test_honest_requests_are_served_during_an_attack(small: Served) -> None:
     asked: list[Callable[[httpx.Client], httpx.Response]] = [
         lambda http: http.post("/v1/plans", json=GOOD),
         lambda http: http.get("/v1/robots"),

@@ -11,6 +11,7 @@ import sys
 import threading
 import time
 from pathlib import Path
+from typing import Any
 
 import httpx
 
@@ -20,6 +21,7 @@ from benchmarks.service.server import Server, serving
 from ikplan_api.app import create_app
 from ikplan_api.settings import Settings
 from tests.measured import waypoint_errors
+from tests.present import present
 
 from .bad_requests import GOOD
 from .conftest import ADDRESS
@@ -44,11 +46,11 @@ if __name__ == "__main__":
 """
 
 
-def at(x: float) -> dict:
+def at(x: float) -> dict[str, Any]:
     return {**GOOD, "path": {"waypoints": [{"position": [x, 0.0, 0.5]}]}}
 
 
-def test_what_runs_gets_its_time_and_what_waits_is_put_off():
+def test_what_runs_gets_its_time_and_what_waits_is_put_off() -> None:
     async def run() -> None:
         planner = StandIn()
         app = create_app(Settings(store_path=":memory:", stop_s=100), planner=planner)
@@ -63,8 +65,8 @@ def test_what_runs_gets_its_time_and_what_waits_is_put_off():
                 while len(planner.asked) < 4:
                     await asyncio.sleep(0.005)
                 assert json.loads(planner.asked[1]) == at(0.51)
-                planner.progress[1]("ik", 1, 2)
-                assert state["stop"]() == 100
+                present(planner.progress[1])("ik", 1, 2)
+                assert present(state)["stop"]() == 100
                 await asyncio.sleep(0.01)
                 assert [json.loads(d) for d in planner.cancelled] == [at(0.52), at(0.53)]
                 planner.answer()
@@ -78,7 +80,7 @@ def test_what_runs_gets_its_time_and_what_waits_is_put_off():
     asyncio.run(run())
 
 
-def test_what_takes_too_long_is_not_waited_for():
+def test_what_takes_too_long_is_not_waited_for() -> None:
     async def run() -> float:
         planner = StandIn()
         app = create_app(Settings(store_path=":memory:", stop_s=0.3), planner=planner)
@@ -90,14 +92,16 @@ def test_what_takes_too_long_is_not_waited_for():
                 await http.post("/v1/plans", json=at(0.5), headers=ASYNC)
                 while not planner.asked:
                     await asyncio.sleep(0.005)
-                planner.progress[0]("ik", 1, 2)
+                present(planner.progress[0])("ik", 1, 2)
                 begin = time.monotonic()
             return time.monotonic() - begin
 
     assert 0.2 < asyncio.run(run()) < bound_s(3.0)
 
 
-def test_a_stopped_service_ends_its_streams_and_does_its_jobs_after_the_next_start(tmp_path: Path):
+def test_a_stopped_service_ends_its_streams_and_does_its_jobs_after_the_next_start(
+    tmp_path: Path,
+) -> None:
     path = str(tmp_path / "store.sqlite3")
     jobs = [json.loads(body) for _, body in zip(range(3), helices(8 * 10**6), strict=False)]
     server = Server(workers="1", store_path=path, stop_s="1")
@@ -138,10 +142,10 @@ def test_a_stopped_service_ends_its_streams_and_does_its_jobs_after_the_next_sta
         assert again.process.wait(WAIT_S) == -signal.SIGTERM
 
 
-def test_a_service_that_is_stuck_ends_all_the_same():
+def test_a_service_that_is_stuck_ends_all_the_same() -> None:
     environment = {**os.environ, "IKPLAN_STORE_PATH": ":memory:", "IKPLAN_STOP_S": "0"}
     command = [sys.executable, "-c", STUCK]
-    pipes = {"stderr": subprocess.PIPE, "text": True, "env": environment}
+    pipes: dict[str, Any] = {"stderr": subprocess.PIPE, "text": True, "env": environment}
     with subprocess.Popen(command, **pipes) as process:
         assert process.stderr is not None
         address = process.stderr.readline().split()[3]

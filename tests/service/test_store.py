@@ -18,14 +18,15 @@ from ikplan_api.store.lock_holder import lock_holder
 from ikplan_api.store.plan_store import Job, StoreFault
 from ikplan_api.store.recent_plans import RecentPlans
 from ikplan_api.store.sqlite_plans import IN_MEMORY, SqlitePlanStore
+from tests.present import present
 
 JOB = Job("j", "plan", b"{}", None, 10.0)
 
 
 def use(
-    scenario: Callable[[SqlitePlanStore], Awaitable[Any]], path: object = IN_MEMORY, **limits
+    scenario: Callable[[SqlitePlanStore], Awaitable[Any]], path: object = IN_MEMORY, **limits: Any
 ) -> Any:
-    bounds = {"max_plans": 100, "max_bytes": 10**6, "max_age_s": 3600.0, **limits}
+    bounds: dict[str, Any] = {"max_plans": 100, "max_bytes": 10**6, "max_age_s": 3600.0, **limits}
 
     async def run() -> Any:
         store = SqlitePlanStore(str(path), **bounds)
@@ -38,7 +39,7 @@ def use(
     return asyncio.run(run())
 
 
-def test_the_store_forgets_what_was_unused_for_longest():
+def test_the_store_forgets_what_was_unused_for_longest() -> None:
     async def fill(store: SqlitePlanStore) -> list[bytes | None]:
         await store.put("a", b"1")
         await store.put("b", b"2")
@@ -49,7 +50,7 @@ def test_the_store_forgets_what_was_unused_for_longest():
     assert use(fill, max_plans=2) == [b"1", None, b"3"]
 
 
-def test_the_store_is_bounded_in_bytes():
+def test_the_store_is_bounded_in_bytes() -> None:
     async def fill(store: SqlitePlanStore) -> list[bytes | None]:
         await store.put("a", b"1" * 6)
         await store.put("a", b"2" * 7)
@@ -62,7 +63,7 @@ def test_the_store_is_bounded_in_bytes():
     assert use(fill, max_bytes=10) == [b"2" * 7, b"3" * 3, None, None]
 
 
-def test_the_store_is_bounded_in_age(monkeypatch: pytest.MonkeyPatch):
+def test_the_store_is_bounded_in_age(monkeypatch: pytest.MonkeyPatch) -> None:
     now = time.time()
 
     async def wait(store: SqlitePlanStore) -> list[object]:
@@ -78,7 +79,7 @@ def test_the_store_is_bounded_in_age(monkeypatch: pytest.MonkeyPatch):
     assert use(wait, max_age_s=100.0) == [None, None, b"{}"]
 
 
-def test_what_was_kept_is_there_when_the_file_is_opened_again(tmp_path: Path):
+def test_what_was_kept_is_there_when_the_file_is_opened_again(tmp_path: Path) -> None:
     path = tmp_path / "new" / "folder" / "store.sqlite3"
     jobs = [JOB._replace(plan_id=name, robot=name.encode()) for name in ("z", "a", "m")]
 
@@ -95,7 +96,7 @@ def test_what_was_kept_is_there_when_the_file_is_opened_again(tmp_path: Path):
     assert use(read, path) == [b"plan", [jobs[0], jobs[2]], b"why"]
 
 
-def test_a_plan_that_is_kept_ends_its_job_and_a_deleted_one_is_gone():
+def test_a_plan_that_is_kept_ends_its_job_and_a_deleted_one_is_gone() -> None:
     async def end(store: SqlitePlanStore) -> list[object]:
         await store.accept(JOB)
         await store.put("j", b"plan")
@@ -105,7 +106,7 @@ def test_a_plan_that_is_kept_ends_its_job_and_a_deleted_one_is_gone():
     assert use(end) == [[], True, False, None]
 
 
-def test_a_job_accepted_again_after_it_failed_is_pending_again():
+def test_a_job_accepted_again_after_it_failed_is_pending_again() -> None:
     async def again(store: SqlitePlanStore) -> list[object]:
         await store.accept(JOB)
         await store.fail("j", b"why")
@@ -115,7 +116,7 @@ def test_a_job_accepted_again_after_it_failed_is_pending_again():
     assert use(again) == [None, [JOB]]
 
 
-def test_two_services_never_share_a_file(tmp_path: Path):
+def test_two_services_never_share_a_file(tmp_path: Path) -> None:
     path = tmp_path / "store.sqlite3"
 
     async def second(_: SqlitePlanStore) -> None:
@@ -127,7 +128,7 @@ def test_two_services_never_share_a_file(tmp_path: Path):
     use(second, path)
 
 
-def test_the_process_that_has_the_file_is_named(tmp_path: Path):
+def test_the_process_that_has_the_file_is_named(tmp_path: Path) -> None:
     path, locks = tmp_path / "store.sqlite3", tmp_path / "locks"
     path.touch()
     file = path.stat()
@@ -146,14 +147,16 @@ def test_the_process_that_has_the_file_is_named(tmp_path: Path):
 
 
 @pytest.mark.skipif(not Path("/proc/locks").exists(), reason="nothing tells locks here")
-def test_a_second_service_on_the_same_file_says_whose_it_is(tmp_path: Path, capsys):
+def test_a_second_service_on_the_same_file_says_whose_it_is(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     path = str(tmp_path / "store.sqlite3")
     hold = (
         "import sqlite3, sys; c = sqlite3.connect(sys.argv[1], isolation_level=None); "
         "c.execute('PRAGMA locking_mode = EXCLUSIVE'); c.execute('BEGIN IMMEDIATE'); "
         "c.execute('CREATE TABLE t (x)'); print('held', flush=True); sys.stdin.read()"
     )
-    pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE, "text": True}
+    pipes: dict[str, Any] = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE, "text": True}
     with subprocess.Popen([sys.executable, "-c", hold, path], **pipes) as process:
         assert process.stdout is not None
         assert process.stdout.readline() == "held\n"
@@ -168,7 +171,7 @@ def test_a_second_service_on_the_same_file_says_whose_it_is(tmp_path: Path, caps
 
 
 @pytest.mark.parametrize("path", ["/proc/nowhere/store", "/dev/null/store", "/"])
-def test_a_place_that_cannot_be_used_is_named_with_its_setting(path):
+def test_a_place_that_cannot_be_used_is_named_with_its_setting(path: str) -> None:
     async def never(_: SqlitePlanStore) -> None:
         raise AssertionError
 
@@ -176,7 +179,7 @@ def test_a_place_that_cannot_be_used_is_named_with_its_setting(path):
         use(never, path)
 
 
-def test_a_file_that_is_none_of_ours_is_left_alone(tmp_path: Path):
+def test_a_file_that_is_none_of_ours_is_left_alone(tmp_path: Path) -> None:
     path = tmp_path / "thesis.txt"
     path.write_text("to be or not to be " * 100)
 
@@ -188,14 +191,14 @@ def test_a_file_that_is_none_of_ours_is_left_alone(tmp_path: Path):
     assert path.read_text().startswith("to be")
 
 
-def test_a_full_disk_loses_nothing_that_was_kept(tmp_path: Path):
+def test_a_full_disk_loses_nothing_that_was_kept(tmp_path: Path) -> None:
     async def fill(store: SqlitePlanStore) -> None:
         await store.accept(JOB)
         await store.put("a", b"1")
         connection = store._connection
         assert connection is not None
         async with connection.execute("PRAGMA page_count") as cursor:
-            (pages,) = await cursor.fetchone()
+            (pages,) = present(await cursor.fetchone())
         await connection.execute(f"PRAGMA max_page_count = {pages + 2}")
         for name in ("b", "c"):
             with pytest.raises(StoreFault, match="full"):
@@ -210,7 +213,7 @@ def test_a_full_disk_loses_nothing_that_was_kept(tmp_path: Path):
     use(fill, tmp_path / "store.sqlite3")
 
 
-def test_plans_that_were_not_saved_are_bounded():
+def test_plans_that_were_not_saved_are_bounded() -> None:
     recent = RecentPlans(max_plans=2, max_bytes=10)
     for name, document in (("a", b"1"), ("b", b"2"), ("c", b"3" * 8), ("d", b"4" * 11)):
         recent.put(name, document)
@@ -220,7 +223,9 @@ def test_plans_that_were_not_saved_are_bounded():
     assert (recent.delete("c"), recent.delete("c")) == (True, False)
 
 
-def test_plans_are_kept_in_the_users_data_folder_unless_told_otherwise(monkeypatch):
+def test_plans_are_kept_in_the_users_data_folder_unless_told_otherwise(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     monkeypatch.delenv("IKPLAN_STORE_PATH")
     monkeypatch.setenv("XDG_DATA_HOME", "/data")
     assert Settings().store_path == "/data/ikplan/service.sqlite3"

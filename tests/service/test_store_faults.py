@@ -64,7 +64,8 @@ def test_a_file_cut_short_is_told_in_one_line_and_set_aside_on_request(
 def test_a_store_that_cannot_be_read_is_a_503(tmp_path: Path) -> None:
     class Broken(SqlitePlanStore):
         async def problem(self, plan_id: str, owner: str = "") -> bytes | None:  # noqa: ARG002
-            return await self.row("SELECT problem FROM nowhere", (plan_id,))
+            found: bytes | None = await self.row("SELECT problem FROM nowhere", (plan_id,))
+            return found
 
     async def ask() -> httpx.Response:
         store = Broken(str(tmp_path / "store.sqlite3"), 10, 10**6, 3600.0)

@@ -4,13 +4,15 @@ import asyncio
 import copy
 import io
 import json
+from pathlib import Path
+from typing import Any
 
 import httpx
 import numpy as np
 import pytest
 
 import ikplan
-from ikplan import AsyncClient, InvalidRequest, Plan, RobotNotFound, TimingFailed
+from ikplan import AsyncClient, Client, InvalidRequest, Plan, RobotNotFound, TimingFailed
 from ikplan.cli import main
 from ikplan.errors import IkplanError, error_from_problem
 from ikplan_api.app import create_app
@@ -19,7 +21,7 @@ from ikplan_api.settings import Settings
 from .bad_requests import GOOD as GOOD_PLAN
 from .conftest import ADDRESS
 
-GOOD = {
+GOOD: dict[str, Any] = {
     "robot": "ur5",
     "waypoints": [
         [0.0, -1.57, 1.57, 0.0, 1.0, 0.0],
@@ -31,11 +33,13 @@ GOOD = {
 }
 
 
-def without_stats(plan: Plan) -> dict:
+def without_stats(plan: Plan) -> dict[str, Any]:
     return plan.model_dump(mode="json", exclude={"stats"})
 
 
-def test_every_way_gives_the_same_trajectory(http, client, tmp_path, capsys):
+def test_every_way_gives_the_same_trajectory(
+    http: httpx.Client, client: Client, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     here = ikplan.time_request(GOOD)
     assert without_stats(client.time(GOOD)) == without_stats(here)
     assert without_stats(client.time({**GOOD, "waypoints": np.array(GOOD["waypoints"])})) == (
@@ -50,7 +54,7 @@ def test_every_way_gives_the_same_trajectory(http, client, tmp_path, capsys):
     assert without_stats(Plan.load(capsys.readouterr().out)) == without_stats(here)
 
 
-def test_the_asynchronous_client_is_a_twin():
+def test_the_asynchronous_client_is_a_twin() -> None:
     app = create_app(Settings(workers=1))
 
     async def ask() -> Plan:
@@ -63,7 +67,9 @@ def test_the_asynchronous_client_is_a_twin():
     assert without_stats(asyncio.run(ask())) == without_stats(ikplan.time_request(GOOD))
 
 
-def test_the_shell_times_joint_values_and_trajectories_of_its_own(tmp_path, capsys):
+def test_the_shell_times_joint_values_and_trajectories_of_its_own(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     rows = tmp_path / "rows.json"
     rows.write_text(json.dumps(GOOD["waypoints"]))
     table = tmp_path / "plan.csv"
@@ -76,16 +82,16 @@ def test_the_shell_times_joint_values_and_trajectories_of_its_own(tmp_path, caps
     assert again.duration > 1.3 * first.duration
 
 
-def changed(*path: str | int, to: object) -> dict:
+def changed(*path: str | int, to: object) -> dict[str, Any]:
     document = copy.deepcopy(GOOD)
-    place = document
+    place: Any = document
     for key in path[:-1]:
         place = place.setdefault(key, {}) if isinstance(place, dict) else place[key]
     place[path[-1]] = to
     return document
 
 
-BAD: list[tuple[dict, type[IkplanError], str, str]] = [
+BAD: list[tuple[dict[str, Any], type[IkplanError], str, str]] = [
     (changed("limits", "velocity", to=0.0), InvalidRequest, "limits.velocity", "greater"),
     (changed("limits", "velocity", to=[1.0, -1.0, 1, 1, 1, 1]), InvalidRequest,
      "limits.velocity[1]", "greater"),
@@ -135,13 +141,21 @@ BAD: list[tuple[dict, type[IkplanError], str, str]] = [
     ids=[f"{b[2] or b[1].__name__}: {b[3]}" for b in BAD],
 )
 def test_a_wrong_timing_has_one_verdict(
-    document, kind, field, word, http, client, monkeypatch, capsys
-):
+    document: dict[str, Any],
+    kind: type[IkplanError],
+    field: str,
+    word: str,
+    http: httpx.Client,
+    client: Client,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
     with pytest.raises(kind) as caught:
         ikplan.time_request(document)
     error = caught.value
     assert word in error.detail
     if field:
+        assert isinstance(error, InvalidRequest)
         assert error.field == field
     problem = http.post("/v1/timings", json=document)
     assert problem.headers["content-type"] == "application/problem+json"
@@ -156,7 +170,7 @@ def test_a_wrong_timing_has_one_verdict(
     assert main(["time", "-"]) == (1 if isinstance(error, TimingFailed) else 2)
     line, *repairs = capsys.readouterr().err.splitlines()
     assert line == f"ikplan: {error.slug}: {' '.join(error.detail.split())}"
-    assert len(repairs) == (len(error.repairs) + 1 if error.data.get("repairs") else 0)
+    assert len(repairs) == (len(error.data["repairs"]) + 1 if error.data.get("repairs") else 0)
 
 
 @pytest.mark.parametrize(
@@ -168,7 +182,7 @@ def test_a_wrong_timing_has_one_verdict(
         ({"tool_speed": {"angular": 0.0}}, "limits.tool_speed.angular"),
     ],
 )
-def test_a_plan_names_the_wrong_limit(limits, field, client):
+def test_a_plan_names_the_wrong_limit(limits: dict[str, Any], field: str, client: Client) -> None:
     document = {**GOOD_PLAN, "limits": limits}
     with pytest.raises(InvalidRequest) as here:
         ikplan.plan(document)
@@ -181,7 +195,12 @@ def test_a_plan_names_the_wrong_limit(limits, field, client):
 @pytest.mark.parametrize(
     "arguments", [["time"], ["time", "rows.json"], ["time", "ur5", "request.json"]]
 )
-def test_a_wrong_command_is_told_in_one_line(arguments, tmp_path, monkeypatch, capsys):
+def test_a_wrong_command_is_told_in_one_line(
+    arguments: list[str],
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
     monkeypatch.chdir(tmp_path)
     (tmp_path / "rows.json").write_text("[[0, 0, 0, 0, 0, 0]]")
     (tmp_path / "request.json").write_text(json.dumps(GOOD))
@@ -190,7 +209,7 @@ def test_a_wrong_command_is_told_in_one_line(arguments, tmp_path, monkeypatch, c
     assert line.startswith("ikplan: invalid-request: ")
 
 
-def test_a_table_that_is_none_is_told(tmp_path, capsys):
+def test_a_table_that_is_none_is_told(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     (tmp_path / "rows.csv").write_text("1,2,three,4,5,6\n")
     assert main(["time", "ur5", str(tmp_path / "rows.csv")]) == 2
     assert "three" in capsys.readouterr().err

@@ -6,6 +6,7 @@ import contextlib
 import json
 from collections.abc import AsyncIterator, Iterator
 from pathlib import Path
+from typing import Any
 
 import httpx
 import numpy as np
@@ -35,7 +36,7 @@ def arm(client: Client) -> Iterator[str]:
     client.delete_robot(name)
 
 
-def test_an_upload_is_described_listed_and_answered_again(http, arm):
+def test_an_upload_is_described_listed_and_answered_again(http: httpx.Client, arm: str) -> None:
     again = http.post("/v1/robots", json={"urdf": ARM, "title": "Arm"})
     assert again.status_code == 200
     assert again.headers["location"] == f"/v1/robots/{arm}"
@@ -45,7 +46,7 @@ def test_an_upload_is_described_listed_and_answered_again(http, arm):
     assert {**described, "collision": None} in http.get("/v1/robots").json()["robots"]
 
 
-def test_a_urdf_can_be_sent_as_it_is(http):
+def test_a_urdf_can_be_sent_as_it_is(http: httpx.Client) -> None:
     answer = http.post("/v1/robots?tip=l4&title=Short", content=ARM, headers=XML)
     assert answer.status_code == 201
     info = answer.json()
@@ -55,7 +56,7 @@ def test_a_urdf_can_be_sent_as_it_is(http):
     assert http.delete(f"/v1/robots/{info['name']}").status_code == 204
 
 
-def test_every_request_can_name_it(client, arm):
+def test_every_request_can_name_it(client: Client, arm: str) -> None:
     local = robot_from_urdf(ARM)
     pose = local.fk(Q)
     assert np.array_equal(client.fk({"robot": arm, "q": Q}).position, pose.translation)
@@ -63,7 +64,9 @@ def test_every_request_can_name_it(client, arm):
     solution = client.ik({"robot": arm, "position": target["position"], "start": Q})
     reached = local.fk(solution.q).translation
     assert np.linalg.norm(reached - pose.translation) <= 1e-6
-    path = {"waypoints": [{"position": pose.translation}, {"position": local.fk([0] * 6)}]}
+    path: dict[str, Any] = {
+        "waypoints": [{"position": pose.translation}, {"position": local.fk([0] * 6)}]
+    }
     path["waypoints"][1]["position"] = local.fk([v + 0.1 for v in Q]).translation
     plan = client.plan({"robot": arm, "start": Q, "path": path})
     check_motion(plan.trajectory, local, ends=(Q, plan.waypoints.q[-1]))
@@ -76,13 +79,17 @@ def test_every_request_can_name_it(client, arm):
     check_motion(timed.trajectory, local, ends=(Q, [0.0] * 6))
 
 
-def test_torques_of_a_robot_without_inertias_are_refused_with_the_reason(client, arm):
+def test_torques_of_a_robot_without_inertias_are_refused_with_the_reason(
+    client: Client, arm: str
+) -> None:
     request = {"robot": arm, "waypoints": [Q, [0.0] * 6], "limits": {"torque": True}}
     with pytest.raises(ikplan.InvalidRequest, match=r"link 'l1' .on joint 'j1'. has no mass"):
         client.time(request)
 
 
-def test_a_forgotten_robot_is_not_found_and_neither_is_one_never_seen(client, http):
+def test_a_forgotten_robot_is_not_found_and_neither_is_one_never_seen(
+    client: Client, http: httpx.Client
+) -> None:
     name = client.upload_robot(chain(3))["name"]
     client.delete_robot(name)
     for gone in (name, "urdf-" + "0" * 32):
@@ -95,7 +102,7 @@ def test_a_forgotten_robot_is_not_found_and_neither_is_one_never_seen(client, ht
     assert name not in http.get("/v1/robots").text
 
 
-def test_the_catalogue_cannot_be_deleted(http):
+def test_the_catalogue_cannot_be_deleted(http: httpx.Client) -> None:
     answer = http.delete("/v1/robots/iiwa14")
     assert answer.status_code == 403
     assert "catalogue" in answer.json()["detail"]
@@ -117,12 +124,19 @@ def test_the_catalogue_cannot_be_deleted(http):
         ("", XML, "", 422, "urdf: wants at least 1 character"),
     ],
 )
-def test_a_wrong_upload_is_told_what_is_wrong(http, query, headers, body, status, said):
+def test_a_wrong_upload_is_told_what_is_wrong(
+    http: httpx.Client,
+    query: str,
+    headers: dict[str, str],
+    body: str | bytes,
+    status: int,
+    said: str,
+) -> None:
     answer = http.post(f"/v1/robots{query}", content=body, headers=headers)
     assert (answer.status_code, said in answer.json()["detail"]) == (status, True), answer.text
 
 
-def test_the_client_raises_what_python_raises(client):
+def test_the_client_raises_what_python_raises(client: Client) -> None:
     broken = ARM.replace('lower="-2.5"', 'lower="3"')
     with pytest.raises(InvalidRobot) as local:
         ikplan.robots.robot_from_urdf(broken, name="robot")
@@ -149,7 +163,7 @@ async def robot_store(kind: str, path: Path | str, **bounds: int) -> AsyncIterat
 
 @pytest.mark.anyio
 @pytest.mark.parametrize("kind", ["memory", "sqlite"])
-async def test_the_store_is_bounded_and_forgets_what_was_unused_for_longest(kind):
+async def test_the_store_is_bounded_and_forgets_what_was_unused_for_longest(kind: str) -> None:
     async with robot_store(kind, ":memory:", max_documents=2, max_bytes=10) as store:
         assert [await store.put(n, robot(1)) for n in ("a", "b", "a")] == [True, True, False]
         assert await store.get("b") == robot(1)
@@ -167,7 +181,7 @@ async def test_the_store_is_bounded_and_forgets_what_was_unused_for_longest(kind
 
 
 @pytest.mark.anyio
-async def test_robots_outlive_the_service(tmp_path):
+async def test_robots_outlive_the_service(tmp_path: Path) -> None:
     bounds = {"max_documents": 9, "max_bytes": 100}
     async with robot_store("sqlite", tmp_path / "plans.sqlite", **bounds) as store:
         await store.put("a", robot(3))
@@ -181,7 +195,7 @@ def document(urdf: str) -> bytes:
 
 
 @pytest.mark.anyio
-async def test_a_robot_that_needs_too_much_memory_ends_only_its_own_process():
+async def test_a_robot_that_needs_too_much_memory_ends_only_its_own_process() -> None:
     builder = RobotBuilder(max_bytes=200 * 2**20, timeout_s=20.0)
     with pytest.raises(InvalidRobot, match="more than 200 MiB of memory"):
         await builder.build(document(ARM), name="urdf-x")
@@ -191,27 +205,29 @@ async def test_a_robot_that_needs_too_much_memory_ends_only_its_own_process():
 
 
 @pytest.mark.anyio
-async def test_a_robot_that_takes_too_long_is_given_up():
+async def test_a_robot_that_takes_too_long_is_given_up() -> None:
     builder = RobotBuilder(max_bytes=2**30, timeout_s=0.05)
     with pytest.raises(InvalidRobot, match=r"longer than 0\.05 s"):
         await builder.build(document(ARM), name="urdf-x")
 
 
 @pytest.mark.anyio
-async def test_the_disposable_process_says_what_is_wrong_with_a_robot():
+async def test_the_disposable_process_says_what_is_wrong_with_a_robot() -> None:
     builder = RobotBuilder(max_bytes=2**30, timeout_s=20.0)
     with pytest.raises(InvalidRobot, match="no link 'x' to be the tip") as caught:
         await builder.build(json.dumps({"urdf": ARM, "tip": "x"}).encode(), name="urdf-x")
     assert caught.value.valid == [f"l{i}" for i in range(7)]
 
 
-def test_64_joints_are_built(http):
+def test_64_joints_are_built(http: httpx.Client) -> None:
     answer: httpx.Response = http.post("/v1/robots", content=chain(64), headers=XML)
     assert answer.status_code == 201
     assert http.delete(answer.headers["location"]).status_code == 204
 
 
-def test_the_command_uploads_the_robot_of_a_file(live_address, client, tmp_path, capsys):
+def test_the_command_uploads_the_robot_of_a_file(
+    live_address: str, client: Client, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     urdf, rows, out = (tmp_path / name for name in ("arm.urdf", "rows.json", "timed.json"))
     urdf.write_text(ARM)
     rows.write_text(json.dumps([Q, [0.0] * 6]))

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -97,6 +99,6 @@ def test_the_use_of_limits_is_exact_between_nodes() -> None:
 
 
 @pytest.mark.parametrize("waypoints", [[], [[]], [0.0, 1.0], [[[0.0]]], [[np.nan]], [[np.inf]]])
-def test_waypoints_that_are_no_path_are_refused(waypoints: object) -> None:
+def test_waypoints_that_are_no_path_are_refused(waypoints: Any) -> None:
     with pytest.raises(InvalidRequest):
-        JointPath.through(waypoints)  # type: ignore[arg-type]
+        JointPath.through(waypoints)

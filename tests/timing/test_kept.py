@@ -98,11 +98,12 @@ def test_a_jerk_limit_that_a_timing_has_not_seen_is_kept_by_the_samples() -> Non
     limits = replace(limits, jerk=np.full(6, 50.0))
     timed = time_joint_path(path, limits)
     # As if its nodes had been passed a little sooner.
+    assert timed.sddot is not None
     hasty = replace(
         timed,
         node_times=timed.node_times / 1.1,
         sdot=timed.sdot * 1.1,
-        sddot=timed.sddot * 1.1**2,  # type: ignore[operator]
+        sddot=timed.sddot * 1.1**2,
     )
     kept, samples = sampled_within_limits(hasty, 1000.0)
     jerk = np.abs(np.diff(samples.ddq, axis=0)) / np.diff(samples.time)[:, None]

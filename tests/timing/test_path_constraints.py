@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+from typing import Any
 
 import numpy as np
 import pinocchio as pin
@@ -262,7 +263,7 @@ def test_knots_for_ranges_leave_the_path_as_it_is(rest_at: tuple[int, ...]) -> N
         ({}, "limits.tool"),
     ],
 )
-def test_tool_limits_that_make_no_sense_are_refused(values: dict, field: str) -> None:
+def test_tool_limits_that_make_no_sense_are_refused(values: dict[str, Any], field: str) -> None:
     with pytest.raises(InvalidRequest) as error:
         ToolLimits(tool_motion(robot("ur5")), **values)
     assert error.value.field == field

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -72,11 +73,9 @@ def test_scales_slow_the_motion(scale: float) -> None:
         pytest.param([0.0, 0.0], "waypoints", "(n, dof)", id="flat"),
     ],
 )
-def test_bad_waypoints_are_refused_by_row_and_joint(
-    waypoints: object, field: str, word: str
-) -> None:
+def test_bad_waypoints_are_refused_by_row_and_joint(waypoints: Any, field: str, word: str) -> None:
     with pytest.raises(InvalidRequest) as error:
-        JointPath.through(waypoints, LIMITS)  # type: ignore[arg-type]
+        JointPath.through(waypoints, LIMITS)
     assert error.value.field == field
     assert word in error.value.detail
 
@@ -85,7 +84,7 @@ def test_bad_waypoints_are_refused_by_row_and_joint(
     ("waypoints", "field"),
     [([[0.0] * 6, [0.0]], "waypoints[1]"), ([["a"] * 6], "waypoints[0][0]")],
 )
-def test_rows_that_are_no_joint_values_are_refused_by_row(waypoints: list, field: str) -> None:
+def test_rows_that_are_no_joint_values_are_refused_by_row(waypoints: list[Any], field: str) -> None:
     with pytest.raises(InvalidRequest) as error:
         ikplan.time_path(ikplan.load_robot("ur5"), waypoints)
     assert error.value.field == field
@@ -110,7 +109,9 @@ def test_a_rate_out_of_range_is_refused(rate_hz: float) -> None:
         ({"acceleration": ["x", 1.0]}, "limits.acceleration"),
     ],
 )
-def test_limits_that_make_no_sense_are_refused_by_field(change: dict, field: str) -> None:
+def test_limits_that_make_no_sense_are_refused_by_field(
+    change: dict[str, list[Any]], field: str
+) -> None:
     good = {
         "lower": ROBOT.lower,
         "upper": ROBOT.upper,

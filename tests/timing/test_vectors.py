@@ -80,6 +80,7 @@ def test_a_hard_request_is_certified_and_uses_its_limit(name: str, rate_hz: floa
     vector = REQUESTS[name]
     sampling = {**vector["request"].get("sampling", {}), "rate_hz": rate_hz}
     plan = time_request({**vector["request"], "sampling": sampling})
+    assert plan.timing is not None
     for field, (least, most) in vector["expect"].items():
         # Before the motion was slowed to end at a sample.
         power = next((p for word, p in POWERS.items() if word in field), 0)

@@ -10,6 +10,7 @@ import pytest
 
 import ikplan
 from ikplan.robots import Robot
+from tests.present import present
 
 URDF = """<robot name="two">
   <link name="base"/><link name="a"/><link name="b"/>
@@ -45,7 +46,7 @@ def test_an_acceleration_asked_for_holds_in_place_of_a_default(assumed: Robot) -
     # The motion is slowed to end at a sample.
     assert np.abs(plan.ddq[:, 0]).max() == pytest.approx(28.0, rel=0.01)
     assert plan.certificate.acceleration_limit_ratio == pytest.approx(1.0, abs=0.01)
-    assert plan.timing.hints == []
+    assert present(plan.timing).hints == []
 
 
 def test_joints_and_directions_that_nothing_is_asked_for_keep_the_default(assumed: Robot) -> None:
@@ -77,10 +78,10 @@ def test_what_is_asked_of_the_robot_itself_holds_and_nothing_is_told(
     own = {"one": {"acceleration": 28.0}, "two": {"acceleration": 20.0}}
     robot = ikplan.load_robot(file, limits=own)
     plan = timed(robot, acceleration=[28.0, 20.0])
-    assert plan.timing.hints == []
+    assert present(plan.timing).hints == []
     assert plan.duration == pytest.approx(2.0 * np.sqrt(0.7 / 28.0), abs=0.01)
-    assert timed(assumed, acceleration=1.0).timing.hints == []
-    assert timed(assumed).timing.hints == []
+    assert present(timed(assumed, acceleration=1.0).timing).hints == []
+    assert present(timed(assumed).timing).hints == []
 
 
 def test_a_limit_with_a_source_holds_and_that_is_told() -> None:
@@ -88,7 +89,7 @@ def test_a_limit_with_a_source_holds_and_that_is_told() -> None:
     way = [robot.home, robot.home + 0.1]
     plan = ikplan.time_path(robot, way, limits={"acceleration": 1e6}, rate_hz=1000)
     assert (np.abs(plan.ddq) <= robot.acceleration_limit * (1.0 + 1e-9)).all()
-    (hint,) = [h for h in plan.timing.hints if "a source gives them" in h]
+    (hint,) = [h for h in present(plan.timing).hints if "a source gives them" in h]
     assert hint.startswith("limits.acceleration is above the robot's limits of panda_joint1 ")
 
 
@@ -100,7 +101,7 @@ def test_plans_take_it_too(assumed: Robot) -> None:
         "limits": {"acceleration": 28.0},
     }
     plan = ikplan.plan(asked, robot=assumed)
-    assert plan.timing.hints == []
+    assert present(plan.timing).hints == []
     # At 250 Hz, slowed to end at a sample.
     assert np.abs(plan.ddq[:, 0]).max() == pytest.approx(28.0, rel=0.03)
 
@@ -114,12 +115,12 @@ def two_segments(**limits: Any) -> dict[str, Any]:
 
 def test_an_acceleration_of_a_segment_above_that_of_the_path_is_told(assumed: Robot) -> None:
     plan = ikplan.plan(two_segments(), robot=assumed)
-    (hint,) = plan.timing.hints
+    (hint,) = present(plan.timing).hints
     assert hint.startswith("path.segments[1].limits.acceleration is above what holds for the whole")
     assert "limits.acceleration replaces what is only a named default" in hint
     assert np.abs(plan.ddq[:, 0]).max() <= assumed.acceleration_limit[0] * (1.0 + 1e-9)
     lifted = ikplan.plan(two_segments(acceleration=28.0), robot=assumed)
-    assert lifted.timing.hints == []
+    assert present(lifted.timing).hints == []
     assert lifted.duration < 0.9 * plan.duration
-    (said,) = ikplan.plan(two_segments(acceleration=20.0), robot=assumed).timing.hints
+    (said,) = present(ikplan.plan(two_segments(acceleration=20.0), robot=assumed).timing).hints
     assert "limits.acceleration says it" in said

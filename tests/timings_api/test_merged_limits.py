@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -12,6 +14,8 @@ from ikplan import load_robot
 from ikplan.documents.limits import LimitOptions, SegmentLimits
 from ikplan.limits.motion_limits import MotionLimits
 
+Layer = dict[str, Any]
+
 KINDS = ("velocity", "acceleration")
 ROBOT = load_robot("ur5")
 
@@ -20,7 +24,7 @@ scales = st.floats(0.01, 1.0)
 asked = st.fixed_dictionaries({}, optional={"upper": shares, "lower": shares, "scale": scales})
 
 
-def options(kind: str, asked: dict) -> dict:
+def options(kind: str, asked: Layer) -> dict[str, Any]:
     """A document of limits, given as shares of the robot's own."""
     own = getattr(ROBOT, f"{kind}_limit")
     document = {}
@@ -33,7 +37,7 @@ def options(kind: str, asked: dict) -> dict:
     return document
 
 
-def expected(kind: str, *layers: dict) -> tuple[np.ndarray, np.ndarray]:
+def expected(kind: str, *layers: Layer) -> tuple[np.ndarray, np.ndarray]:
     """The strictest shares of the robot's own limits up and down, shape (dof,) each."""
     up, down = np.full(ROBOT.dof, np.inf), np.full(ROBOT.dof, np.inf)
     for layer in layers:
@@ -44,18 +48,21 @@ def expected(kind: str, *layers: dict) -> tuple[np.ndarray, np.ndarray]:
     return up, down
 
 
-def share(kind: str, layer: dict, side: str) -> np.ndarray:
+def share(kind: str, layer: Layer, side: str) -> np.ndarray:
     """What one layer allows; the arm's accelerations are defaults, which higher ones replace."""
     asked, scale = np.asarray(layer.get(side, np.full(ROBOT.dof, np.inf))), layer.get("scale", 1.0)
     own = np.ones(ROBOT.dof)
     if kind == "acceleration" and side in layer:
         own = np.maximum(own, asked)
-    return np.minimum(scale * own, asked)
+    least: np.ndarray = np.minimum(scale * own, asked)
+    return least
 
 
 @pytest.mark.parametrize("kind", KINDS)
 @given(whole=asked, segment=asked, part=asked)
-def test_the_strictest_holds_in_each_direction_whichever_comes_first(kind, whole, segment, part):
+def test_the_strictest_holds_in_each_direction_whichever_comes_first(
+    kind: str, whole: Layer, segment: Layer, part: Layer
+) -> None:
     own = getattr(ROBOT, f"{kind}_limit")
     up, down = expected(kind, whole, segment, part)
     for first, second in ((segment, part), (part, segment)):
@@ -78,7 +85,7 @@ def test_a_motion_keeps_the_limit_of_the_direction_it_goes_in(kind: str, directi
     there = ROBOT.home + np.array([0.0, 0.0, 0.0, 0.0, 0.0, 1.5])
     waypoints = [ROBOT.home, there, ROBOT.home]
     for where in ("request", "segment"):
-        document = {"robot": "ur5", "waypoints": waypoints, "rest_at": [1]}
+        document: dict[str, Any] = {"robot": "ur5", "waypoints": waypoints, "rest_at": [1]}
         if where == "request":
             document["limits"] = limits
         else:

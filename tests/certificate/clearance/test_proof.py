@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
 from numpy.typing import NDArray
@@ -54,9 +56,9 @@ def straight(
 
 
 def proved(
-    robot: Robot, bodies: CollisionModel, motion: JointCurve, **options: float
+    robot: Robot, bodies: CollisionModel, motion: JointCurve, **options: Any
 ) -> ClearanceResult:
-    return prove_clearance(robot, bodies, motion, **options)  # type: ignore[arg-type]
+    return prove_clearance(robot, bodies, motion, **options)
 
 
 BALL = Body("ball", 1, (sphere((0.0, 0.0, 0.0), 0.1),))
@@ -77,7 +79,7 @@ def test_a_ball_that_slides_past_another_is_nearest_beside_it() -> None:
     assert sorted(c.pair or []) == ["ball", "post"]
     assert (c.scene.found, c.scene.pairs_checked) == (c.found, 1)
     assert (c.self_.found, c.self_.least, c.self_.pairs_checked) == (None, None, 0)
-    assert np.linalg.norm(np.subtract(*c.points)) == pytest.approx(c.found, abs=1e-9)
+    assert np.linalg.norm(np.subtract(c.points[0], c.points[1])) == pytest.approx(c.found, abs=1e-9)
     np.testing.assert_allclose(c.points[(c.pair or []).index("post")], [0.3, 0.3, 0.0], atol=0.01)
 
 

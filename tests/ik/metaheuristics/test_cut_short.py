@@ -65,7 +65,7 @@ def test_a_candidate_takes_as_long_in_a_large_population_as_in_a_small_one(name:
         task = problem(6, population, iterations)
         begin = time.thread_time()
         outcome = run(name, task)
-        return (time.thread_time() - begin) / outcome.evaluations[0]
+        return float((time.thread_time() - begin) / outcome.evaluations[0])
 
     per_evaluation(20, 2)
     small = min(per_evaluation(20, 200) for _ in range(3))

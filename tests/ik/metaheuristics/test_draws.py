@@ -37,7 +37,8 @@ def test_distinct_indices_differ_from_each_other_and_from_the_excluded(
 
 
 def test_permutations_are_uniform() -> None:
-    rng, out, counts = np.random.default_rng(1), np.empty(3, dtype=np.int64), {}
+    rng, out = np.random.default_rng(1), np.empty(3, dtype=np.int64)
+    counts: dict[tuple[int, ...], int] = {}
     for _ in range(6000):
         permutation(3, out, rng)
         counts[tuple(out)] = counts.get(tuple(out), 0) + 1

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+from typing import Any
 
 import numpy as np
 import pytest
@@ -23,7 +24,7 @@ def eod() -> Robot:
     return load_robot("eod_arm")
 
 
-def solve(target: Target, start: np.ndarray | None = None, **params: object) -> Outcome:
+def solve(target: Target, start: np.ndarray | None = None, **params: Any) -> Outcome:
     arm, solver = arm_of(eod()), find_solver("newton-raphson")
     searcher = Searcher(arm, solver, solver.check(params), 0, None, "paper")
     return searcher.run(target, eod().home if start is None else start, arm.lower, arm.upper)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+from typing import Any
 
 import numpy as np
 import pytest
@@ -25,7 +26,7 @@ from ikplan.ik.registry import find_solver
 from ikplan.ik.weights import arm_length, fitness_weights
 from ikplan.kinematics.arm import arm_of
 from ikplan.kinematics.forward import forward
-from ikplan.kinematics.target import pose_target
+from ikplan.kinematics.target import Target, pose_target
 from ikplan.kinematics.wrist import nearest_wrist
 from ikplan.robots import Robot, load_robot
 
@@ -137,7 +138,7 @@ def test_a_searcher_minimises_what_its_parameters_ask_for() -> None:
     omega = fitness_weights(arm).omega_rotation
     solver = find_solver("bode-cs")
 
-    def value(target: object, **params: object) -> float:
+    def value(target: Target, **params: Any) -> float:
         searcher = Searcher(arm, solver, solver.check(params), 0)
         return evaluate(searcher.objective(target, robot.home), q)
 

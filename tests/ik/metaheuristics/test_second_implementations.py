@@ -165,7 +165,7 @@ def test_eigenvalues_are_those_of_lapack(seed: int, n: int, power: int) -> None:
     C = A @ A.T
     values, vectors = np.empty(n), np.empty((n, n))
     eigen_into(C, values, vectors)
-    scale = np.linalg.norm(C)
+    scale = float(np.linalg.norm(C))
     np.testing.assert_allclose(np.sort(values), np.linalg.eigvalsh(C), atol=1e-13 * scale * n)
     np.testing.assert_allclose(vectors @ np.diag(values) @ vectors.T, C, atol=1e-13 * scale * n)
     np.testing.assert_allclose(vectors.T @ vectors, np.eye(n), atol=1e-13 * n)

@@ -31,7 +31,7 @@ ROBOT = two_links()
 GUIDE = line((0.3, 0.4), (0.7, 0.1), (0.5, -0.3))
 
 
-def spline(guide, s, q) -> JointPath:
+def spline(guide: Polyline, s: np.ndarray, q: np.ndarray) -> JointPath:
     return JointPath.through(q, JointLimits.from_robot(ROBOT), rest_at=rest_points(guide, s))
 
 
@@ -140,7 +140,9 @@ def test_what_strays_between_points_is_what_strays_densely(seed: int, tolerance:
 
 
 @pytest.mark.parametrize("angle", [2e-4, 2e-3])
-def test_a_tool_that_turns_aside_between_points_uses_up_its_orientation_tolerance(angle) -> None:
+def test_a_tool_that_turns_aside_between_points_uses_up_its_orientation_tolerance(
+    angle: float,
+) -> None:
     """The joint path bulges by an angle of the last joint, which turns the tool on the spot."""
     robot = load_robot("ur5")
     q0 = np.array([0.4, -1.2, 1.5, -0.8, -1.2, 0.3])

@@ -16,6 +16,7 @@ from ikplan.kinematics.target import no_freedom
 from ikplan.limits import JointLimits
 from ikplan.path import Pose, ToolPath
 from ikplan.planning.tracking import path_tracker
+from ikplan.planning.tracking.densify import densify
 from ikplan.planning.tracking.path_tracker import PathTracker
 from ikplan.planning.tracking.track_from import first_points
 from ikplan.planning.tracking.tracked_path import TrackingFailed
@@ -23,15 +24,15 @@ from ikplan.robots import load_robot
 from ikplan.time_budget import TimeBudget
 from tests.measured import off_polyline
 from tests.path.requests import pose, through
-from tests.planning.planar import L1, L2, REACH, joints, line, tool, tracker_of, two_links
+from tests.planning.planar import L1, L2, REACH, Polyline, joints, line, tool, tracker_of, two_links
 
 
-def starts(guide) -> np.ndarray:
+def starts(guide: Polyline) -> np.ndarray:
     """Both branches of the arm at the begin of a path."""
     return np.array([joints(guide.points[0], elbow) for elbow in (1.0, -1.0)])
 
 
-def motion(guide, elbow: float) -> float:
+def motion(guide: Polyline, elbow: float) -> float:
     """Joint motion along a path on one branch, in closed form on fine steps."""
     _, p = guide.poses(np.linspace(0.0, guide.length, 20_001))
     return float(np.linalg.norm(np.diff(joints(p, elbow), axis=0), axis=1).sum())
@@ -44,10 +45,10 @@ def test_the_follower_takes_the_way_that_moves_the_joints_least() -> None:
     lengths = [motion(GUIDE, elbow) for elbow in (1.0, -1.0)]
     short = int(np.argmin(lengths))
     assert abs(lengths[0] - lengths[1]) > 0.05
-    for costs, chosen in (((0.0, 0.0), short), ((0.5, 0.5), short)):
-        tracked = tracker_of(two_links()).track(GUIDE, starts(GUIDE), np.array(costs))
-        assert np.sign(tracked.q[:, 1]).tolist() == [1.0 - 2.0 * chosen] * len(tracked.s)
-        assert tracked.length == pytest.approx(costs[0] + lengths[chosen], rel=1e-3)
+    for both in (0.0, 0.5):
+        tracked = tracker_of(two_links()).track(GUIDE, starts(GUIDE), np.full(2, both))
+        assert np.sign(tracked.q[:, 1]).tolist() == [1.0 - 2.0 * short] * len(tracked.s)
+        assert tracked.length == pytest.approx(both + lengths[short], rel=1e-3)
     # What it costs to get to the begin of the shorter way may be more than it saves.
     costs = np.zeros(2)
     costs[short] = 1.1 * abs(lengths[0] - lengths[1])
@@ -167,7 +168,7 @@ def test_what_ways_that_were_lost_took_counts_too(monkeypatch: pytest.MonkeyPatc
     """Both ways of the first steps are failure between their points: smaller steps are tried."""
     once, tracker = tracker_of(two_links()), tracker_of(two_links())
     plain = once.track(GUIDE, starts(GUIDE), np.zeros(2))
-    left, densify = [10**6, 10**6], path_tracker.densify
+    left = [10**6, 10**6]
 
     def losing(arm: Any, guide: Any, s: np.ndarray, q: np.ndarray, windows: Any) -> Any:
         if left:

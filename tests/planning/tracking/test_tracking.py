@@ -62,7 +62,9 @@ def straight(a: tuple[float, float], b: tuple[float, float], count: int) -> np.n
     elbow=st.sampled_from([1.0, -1.0]),
     ends=st.tuples(*[st.floats(-1.3, 1.3), st.floats(0.2, 0.85)] * 2),
 )
-def test_a_line_within_reach_is_followed_on_its_branch(elbow: float, ends) -> None:
+def test_a_line_within_reach_is_followed_on_its_branch(
+    elbow: float, ends: tuple[float, ...]
+) -> None:
     a, b = ((r * math.cos(angle), r * math.sin(angle)) for angle, r in (ends[:2], ends[2:]))
     p = straight(a, b, 401)
     assume(np.linalg.norm(p, axis=1).min() > 0.15)

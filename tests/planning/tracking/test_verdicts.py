@@ -21,6 +21,7 @@ from tests.planning.planar import (
     L2,
     REACH,
     WAYPOINTS,
+    Elongation,
     joints,
     problem_of,
     solver_of,
@@ -151,7 +152,9 @@ def test_the_verdict_names_the_joint_that_jumps_how_far_and_the_waypoints_beside
 
 
 @pytest.mark.parametrize(("short", "held"), [(2e-3, False), (5e-5, True)])
-def test_by_a_singular_configuration_only_a_limit_that_is_reached_is_named(short, held) -> None:
+def test_by_a_singular_configuration_only_a_limit_that_is_reached_is_named(
+    short: float, held: bool
+) -> None:
     """With its wrist straight the next motion has no bounds, and so no say in which limit holds."""
     robot = load_robot("ur5")
     q = np.array([0.3, -1.2, 1.5, -0.4, 1e-3, robot.upper[5] - short])
@@ -206,7 +209,7 @@ OUT = {1: math.hypot(1.0, 0.5) - REACH, 4: 1.3 - REACH}
 
 @pytest.mark.parametrize("elongation", ["global", "greedy"])
 def test_a_waypoint_out_of_reach_by_less_than_the_tolerance_is_met_as_well_as_can_be(
-    elongation: str,
+    elongation: Elongation,
 ) -> None:
     problem = problem_of(two_links())
     near = replace(problem, targets=[problem.targets[k] for k in (0, 3, 5)])
@@ -224,7 +227,7 @@ def test_a_waypoint_out_of_reach_by_less_than_the_tolerance_is_met_as_well_as_ca
 @pytest.mark.parametrize("elongation", ["global", "greedy"])
 @pytest.mark.parametrize(("explain", "first_row"), [(True, 0), (True, 7), (False, 0)])
 def test_the_verdict_lists_every_waypoint_out_of_reach_with_its_distance(
-    explain: bool, first_row: int, elongation: str
+    explain: bool, first_row: int, elongation: Elongation
 ) -> None:
     problem = problem_of(two_links(), explain=explain, first_row=first_row)
     with pytest.raises(Unreachable) as caught:

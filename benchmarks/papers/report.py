@@ -9,11 +9,12 @@ import numba
 import numpy as np
 import pinocchio as pin
 
-from benchmarks.papers.claims import held_to, read_claims, write_claims
+from benchmarks.papers.claims import write_claims
 from benchmarks.papers.cost import cost_section
 from benchmarks.papers.document import Document
 from benchmarks.papers.experiment import Experiment, Results
 from benchmarks.papers.runner import find_experiment, studies_of
+from benchmarks.papers.summary import read_seeds, summary
 
 __all__ = ["Sections"]
 
@@ -36,22 +37,6 @@ ABSENT = (
     "--report benchmarks/papers/REPORT.md` makes them."
 )
 ORDER = ("E1", "E2", "E3", "E4", "E5", "E6", "E7", "E8", "E9", "D", "S1", "S2")
-HOW = (
-    "How a verdict is reached. A **figure** is `reproduced` where the whole 95 % interval of "
-    "its ratio to the published one is within a factor of 1.5, `larger` or `smaller` where it "
-    "is wholly outside, `undecided` in between; the interval is a bootstrap over runs and "
-    "targets. A **maximum** that was published of one run is held to the rank of that run among "
-    "ours: `larger` or `smaller` where one more run of ours would be on the published side with "
-    "a probability of at most 0.05, `reproduced` where runs of ours are on both sides, "
-    "`undecided` over fewer targets than published; eleven maxima of a table are eleven such "
-    "ranks, not adjusted, so that one among them may be chance. An "
-    "**order** `holds`, or `does not hold`, by a test at 0.05: Mann-Whitney over the runs, with "
-    "A12, or Wilcoxon over the medians of each target; runs of two series are never paired. All "
-    "tests of one line, or of one claim over three readings, are one family of Holm's. An "
-    "effect is the probability that the first named has the smaller value, 1/2 without a "
-    "difference, with its 95 % interval. What n and tests cannot decide is `undecided`, and so "
-    "is a verdict that another seed turns."
-)
 TEXT = Path(__file__).parent / "text"
 """What people have to say about the full run."""
 
@@ -105,7 +90,7 @@ class Sections:
         names = [name for name in ORDER if (self.folder / f"{name}.md").exists()]
         parts = [
             self._head(names),
-            self._summary(names),
+            summary(read_seeds(self.folder), names),
             *((TEXT / f"{n}.md").read_text() for n in ("found", "contradictions", "defaults")),
             *((self.folder / f"{name}.md").read_text() for name in names),
             cost_section(effort),
@@ -143,7 +128,8 @@ class Sections:
             "`python -m benchmarks.papers.archive write` writes `archive/manifest.json`, the "
             "SHA-256 of the rows of every series, times left out, and `python -m "
             "benchmarks.papers.archive verify` holds rows made anew to it. `--seed 1` makes rows "
-            "and verdicts with other random numbers, to which a report written after that is held.",
+            "and verdicts with other random numbers, to which a report written after that is held, "
+            "and the committed one by `python -m benchmarks.papers.archive hold`.",
             *([FEW.format(", ".join(few))] if few else []),
             *([ABSENT.format(", ".join(absent))] if absent else []),
             READING,
@@ -152,32 +138,6 @@ class Sections:
             "time of one thread after a warm-up. Compare their ratios only.",
         )
         document.lines += [f"- {n}: {find_experiment(n).title}" for n in names]
-        return document.text()
-
-    def _summary(self, names: list[str]) -> str:
-        document = Document(self.report.parent, "figures")
-        document.heading("Summary: claims, published and ours")
-        document.say(HOW)
-        seeds = sorted(self.folder.glob("seed-*"))
-        for name in names:
-            claims = read_claims(self.folder / f"{name}.json")
-            if not claims:
-                continue
-            others = [
-                read_claims(s / f"{name}.json") for s in seeds if (s / f"{name}.json").exists()
-            ]
-            checked = held_to(claims, others)
-            turned = sum(c.verdict != k.verdict for c, k in zip(claims, checked, strict=True))
-            document.heading(f"{name}: {find_experiment(name).title}", 3)
-            document.say(
-                f"Made {len(others) + 1} times, with other random numbers; {turned} of "
-                f"{len(claims)} verdicts turned, and are undecided."
-                if others
-                else "Made once: no verdict of these was held to other random numbers."
-            )
-            rows = [[c.subject, c.published, c.ours, c.n, c.test, c.verdict] for c in checked]
-            head = ["claim", "published", "ours", "n", "test", "verdict"]
-            document.table(head, rows, words=True)
         return document.text()
 
 

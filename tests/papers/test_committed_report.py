@@ -4,15 +4,17 @@ from __future__ import annotations
 
 import json
 import re
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from benchmarks.papers import archive
-from benchmarks.papers.claims import short
+from benchmarks.papers.claims import UNDECIDED, VERDICTS, short
 from benchmarks.papers.document import number
 from benchmarks.papers.report import ORDER, TEXT
 from benchmarks.papers.runner import studies_of
+from benchmarks.papers.summary import OWN, summary
 from benchmarks.papers.sweeps import RIVALS
 
 REPORT = (archive.HERE.parent / "REPORT.md").read_text()
@@ -95,3 +97,29 @@ def test_medians_of_the_sweeps_are_those_archived(
 @pytest.mark.parametrize("name", ["found", "contradictions", "defaults"])
 def test_the_words_of_the_report_are_those_of_the_texts(name: str) -> None:
     assert (TEXT / f"{name}.md").read_text().strip() in REPORT
+
+
+def test_the_summary_is_that_of_the_archived_claims() -> None:
+    assert f"\n{summary(archive.read_archived_claims(), ORDER)}\n## " in REPORT
+
+
+def test_a_verdict_that_another_seed_turns_is_printed_as_undecided_and_kept() -> None:
+    own = archive.read_archived_claims()[OWN]["E9"]
+    turned = next(c for c in own if c.verdict != UNDECIDED)
+    other = next(v for v in VERDICTS if v not in (turned.verdict, UNDECIDED))
+    made = {"seed-7": {"E9": [replace(c, verdict=other) if c is turned else c for c in own]}}
+    text, seeds = archive.hold(REPORT, made)
+    (line,) = [row for row in text.splitlines() if row.startswith(f"| {turned.subject} |")]
+    assert line.endswith(f"| undecided: {turned.verdict}; another seed: {other} |")
+    assert list(seeds["seed-7"]["E9"]) == made["seed-7"]["E9"]
+    assert archive.hold(text, made)[0] == text
+    assert text.partition("\n## What was found")[2] == REPORT.partition("\n## What was found")[2]
+
+
+def test_figures_of_the_reports_own_seed_are_not_replaced() -> None:
+    assert archive.hold(REPORT, {OWN: {"E9": []}})[0] == REPORT
+
+
+def test_claims_of_another_version_are_refused() -> None:
+    with pytest.raises(ValueError, match="says nothing of"):
+        archive.hold(REPORT, {"seed-7": {"E9": []}})

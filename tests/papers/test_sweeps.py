@@ -9,6 +9,7 @@ import pytest
 
 from benchmarks.papers import archive
 from benchmarks.papers.deviations import GROUPS
+from benchmarks.papers.figures_kept import figures_of
 from benchmarks.papers.rows import COLUMNS, write_rows
 from benchmarks.papers.solving import run_series
 from benchmarks.papers.sweep_cases import (
@@ -82,15 +83,26 @@ def test_digests_leave_out_times_and_nothing_else(tmp_path: Path) -> None:
 def test_rows_that_differ_from_the_manifest_are_named(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    row = np.arange(float(len(COLUMNS) + 2))
+    row = 0.1 + np.arange(float(len(COLUMNS) + 2))
     files = [tmp_path / f"{run:03d}.csv" for run in range(2)]
-    for file in files:
-        write_rows(file, [row.tolist()], 2)
+
+    def made(last: np.ndarray) -> None:
+        for run, file in enumerate(files):
+            values = last if run == 1 else row
+            write_rows(file, [[float(run), 0.0, *values[2:].tolist()]], 2)
+
+    made(row)
     monkeypatch.setattr(archive, "ORDER", ("X",))
     monkeypatch.setattr(archive, "rows_of", lambda _name, _out: [("X/a", files)])
-    manifest = archive.manifest_of(tmp_path)
-    assert archive.verify(tmp_path, manifest) == []
-    write_rows(files[1], [(row + 1.0).tolist()], 2)
-    assert archive.verify(tmp_path, manifest) == ["X/a: other rows"]
+    manifest, kept = archive.manifest_of(tmp_path), figures_of("X/a", files)
+    assert archive.verify(tmp_path, manifest, kept) == ([], [])
+    made(row * (1.0 + 1e-12))
+    assert archive.verify(tmp_path, manifest, kept) == (["X/a"], [])
+    assert archive.verify(tmp_path, manifest, {}) == ([], ["X/a: other rows"])
+    for column in ("eps_p", "theta_deg", "elongation_deg"):
+        changed = row.copy()
+        changed[COLUMNS.index(column)] *= 1.0 + 1e-4
+        made(changed)
+        assert archive.verify(tmp_path, manifest, kept) == ([], ["X/a: other rows"])
     files.pop()
-    assert archive.verify(tmp_path, manifest) == ["X/a: 1 of 2 runs"]
+    assert archive.verify(tmp_path, manifest, kept) == ([], ["X/a: 1 of 2 runs"])

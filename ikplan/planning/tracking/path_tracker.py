@@ -16,7 +16,11 @@ from typing import Self
 import numpy as np
 
 from ikplan.arrays import Array
-from ikplan.planning.ladder.path_shortening import shorten_sequence
+from ikplan.planning.tracking.coarse_shortening import (
+    LONG,
+    shortened,
+    shortened_coarse_first,
+)
 from ikplan.planning.tracking.densify import densify
 from ikplan.planning.tracking.dodge import dodged_sequence
 from ikplan.planning.tracking.flood import flooded_sequences
@@ -89,12 +93,14 @@ class PathTracker(TrackedArm):
             broken = farthest_failure(broken, failure)
             if not sequences:
                 break  # smaller steps were tried where it failed
+            tried = iter([sequences[:_TRIED]])
             if redundant:
-                sequences = self._shorten_all(reference, sequences[:_TRIED])
-            try:
-                return self._densify_first(reference, sequences[:_TRIED])
-            except TrackingFailed as later:
-                broken = farthest_failure(broken, later)
+                tried = self._shortened(reference, sequences[:_TRIED])
+            for some in tried:
+                try:
+                    return self._densify_first(reference, some)
+                except TrackingFailed as later:
+                    broken = farthest_failure(broken, later)
         if broken is None:
             raise ValueError("no start was given")
         raise broken
@@ -254,35 +260,38 @@ class PathTracker(TrackedArm):
             raise TrackingFailed(float(part.s[-1]), part.q[-1].copy())
         return part.s, part.q
 
-    def _shorten_all(
+    def _shortened(
         self, reference: ReferencePath, sequences: list[JointSequence]
+    ) -> Iterator[list[JointSequence]]:
+        """Yield the sequences made shorter, shortest first; long ones in the better way first."""
+        if any(len(s) > LONG for _, s, _ in sequences):
+            yield self._shorten_all(reference, sequences, coarse_first=True)
+        yield self._shorten_all(reference, sequences, coarse_first=False)
+
+    def _shorten_all(
+        self, reference: ReferencePath, sequences: list[JointSequence], *, coarse_first: bool
     ) -> list[JointSequence]:
         """Return the sequences made shorter, shortest first."""
         shorter: list[JointSequence] = []
         for length, s, q in sequences:
-            self.clock.check()
-            q_short = self._shorten(reference, s, q)
-            if self.first_contact(reference, s, q_short) is not None:
-                q_short = q
+            q_short = q
+            for coarse in (True, False) if coarse_first and len(s) > LONG else (False,):
+                self.clock.check()
+                q_tried = self._shorten(reference, s, q, coarse_first=coarse)
+                if self.first_contact(reference, s, q_tried) is None:
+                    q_short = q_tried
+                    break
             saved = self.sequence_cost(s, q) - self.sequence_cost(s, q_short)
             shorter.append((length - saved, s, q_short))
         return shortest_first(shorter)
 
-    def _shorten(self, reference: ReferencePath, s: Array, q: Array) -> Array:
+    def _shorten(
+        self, reference: ReferencePath, s: Array, q: Array, *, coarse_first: bool
+    ) -> Array:
         """Shorten a sequence by self-motion; whether it stays continuous, densifying shows."""
-        shorter = q[1:].copy()
-        _, spent = shorten_sequence(
-            self.arm.chain,
-            self.targets_at(reference, s[1:]),
-            shorter,
-            q[0],
-            False,
-            self.arm.lower,
-            self.arm.upper,
-            self.cost,
-            30,
-            1e-4,
-        )
+        targets = self.targets_at(reference, s[1:])
+        shorten = shortened_coarse_first if coarse_first else shortened
+        shorter, spent = shorten(self.arm, targets, q[1:], q[0], self.cost)
         self.clock.count(spent)
         return np.vstack([q[:1], shorter])
 

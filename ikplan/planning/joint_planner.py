@@ -97,7 +97,7 @@ class JointPathPlanner:
         return self.q[-1] if self.q else self.problem.q_start
 
     def _target(self, pose: Pose) -> Target:
-        return target_of(self.problem.path, pose)
+        return target_of(self.problem.path, pose, self.freedom)
 
     def joint_leg(self, leg: JointLeg, after: Leg | None) -> None:
         """Plan a joint leg; its last pose is left to a tool path that begins there."""

@@ -15,7 +15,7 @@ from typing import Self
 
 import numpy as np
 
-from ikplan.arrays import Array
+from ikplan.arrays import Array, Indices
 from ikplan.planning.tracking.coarse_shortening import (
     LONG,
     shortened,
@@ -55,6 +55,8 @@ _GLOBAL_STEPS = ((0.05, 0.01), (0.01, 0.003))
 """Least spacing of the points that sequences are chosen over [m], also as a share of the path."""
 _TRIED = 3
 """Sequences that are made dense, shortest first."""
+_FEW_POINTS = 64
+"""About how many points of a long path tell which of many starts lead to short sequences."""
 _DIGITS = 9
 """Digits after the point to which lengths of sequences are compared."""
 
@@ -89,18 +91,22 @@ class PathTracker(TrackedArm):
         redundant = self.redundant(reference)
         broken: TrackingFailed | None = None
         for step in FIRST_STEPS:
-            sequences, failure = self._track_starts(reference, starts, costs, step, copies)
-            broken = farthest_failure(broken, failure)
+            first = first_points(self, reference, step)
+            for some in self._promising(reference, starts, costs, first, copies):
+                sequences, failure = self._track_starts(
+                    reference, starts[some], costs[some], first, copies
+                )
+                broken = farthest_failure(broken, failure)
+                tried = iter([sequences[:_TRIED]] if sequences else [])
+                if redundant and sequences:
+                    tried = self._shortened(reference, sequences[:_TRIED])
+                for shortest in tried:
+                    try:
+                        return self._densify_first(reference, shortest)
+                    except TrackingFailed as later:
+                        broken = farthest_failure(broken, later)
             if not sequences:
                 break  # smaller steps were tried where it failed
-            tried = iter([sequences[:_TRIED]])
-            if redundant:
-                tried = self._shortened(reference, sequences[:_TRIED])
-            for some in tried:
-                try:
-                    return self._densify_first(reference, some)
-                except TrackingFailed as later:
-                    broken = farthest_failure(broken, later)
         if broken is None:
             raise ValueError("no start was given")
         raise broken
@@ -118,7 +124,8 @@ class PathTracker(TrackedArm):
             BudgetExceeded: The time budget ran out.
         """
         costs = np.zeros(len(starts))
-        return self._track_starts(reference, starts, costs, FIRST_STEPS[0], None)[0]
+        first = first_points(self, reference, FIRST_STEPS[0])
+        return self._track_starts(reference, starts, costs, first, None)[0]
 
     def track_global(self, reference: ReferencePath, starts: Array, costs: Array) -> TrackedPath:
         """Track a tool path with a redundant arm on a sequence chosen over all points at once.
@@ -184,7 +191,7 @@ class PathTracker(TrackedArm):
         reference: ReferencePath,
         starts: Array,
         costs: Array,
-        step: float,
+        first: FirstPoints,
         copies: StartCopies | None,
     ) -> tuple[list[JointSequence], TrackingFailed | None]:
         """Track the path from every start.
@@ -194,7 +201,6 @@ class PathTracker(TrackedArm):
         """
         sequences: list[JointSequence] = []
         farthest: TrackingFailed | None = None
-        first = first_points(self, reference, step)
         for q_start, cost in zip(starts, costs, strict=True):
             self.clock.check()
             try:
@@ -208,6 +214,34 @@ class PathTracker(TrackedArm):
             before = float(cost) if copies is None else copies.cost(q[0])
             sequences.append((before + self.sequence_cost(s, q), s, q))
         return shortest_first(sequences), farthest
+
+    def _promising(
+        self,
+        reference: ReferencePath,
+        starts: Array,
+        costs: Array,
+        first: FirstPoints,
+        copies: StartCopies | None,
+    ) -> Iterator[Indices]:
+        """Yield which starts to track the path from: all; of a long path first the best one.
+
+        From that one the motion through a few of the points is the shortest. Each of the others
+        would cost as much as the whole tracking and shortening from the one.
+        """
+        if len(first.s) > LONG and len(starts) > _TRIED:
+            few = first.thinned(_FEW_POINTS)
+            lengths = np.full(len(starts), np.inf)
+            for k, q_start in enumerate(starts):
+                self.clock.check()
+                with contextlib.suppress(TrackingFailed):
+                    s, q = self._track_copies(reference, q_start, few, copies)
+                    before = float(costs[k]) if copies is None else copies.cost(q[0])
+                    if few.redundant:
+                        q = self._shorten(reference, s, q, coarse_first=False)
+                    lengths[k] = round(before + self.sequence_cost(s, q), _DIGITS)
+            if np.isfinite(lengths.min()):
+                yield np.argmin(lengths, keepdims=True)
+        yield np.arange(len(starts))
 
     def _unlimited(self) -> Self:
         """The tracker of the arm whose turning joints have no limits."""

@@ -35,6 +35,23 @@ class FirstPoints:
     targets: Targets
     redundant: bool
 
+    def thinned(self, count: int) -> FirstPoints:
+        """Return about so many of the points: an even number of steps, the last point included."""
+        stride = max(1, (len(self.s) - 1) // count)
+        last = len(self.s) - 1
+        rows = np.append(np.arange(0, last - stride + 1, stride), last)
+        if len(rows) % 2 == 0:
+            rows = np.insert(rows, -1, (rows[-2] + last) // 2)
+        t = self.targets
+        some = Targets(
+            np.ascontiguousarray(t.R[rows]),
+            np.ascontiguousarray(t.p[rows]),
+            t.oriented[rows],
+            t.weight[rows],
+            t.freedom,
+        )
+        return FirstPoints(self.s[rows], some, self.redundant)
+
 
 def first_points(
     tracked: TrackedArm, reference: ReferencePath, step: float, begin: float = 0.0

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ikplan.arrays import Array
+from ikplan.arrays import Array, Indices
 from ikplan.kinematics.arm import Arm
 from ikplan.planning.ladder.ik_candidates import Targets
 from ikplan.planning.ladder.motion_cost import MotionCost, sequence_cost
@@ -21,8 +21,8 @@ __all__ = ["LONG", "shortened", "shortened_coarse_first"]
 
 LONG = 256
 """Points of a sequence from which on it is shortened coarsely first."""
-_COARSER = 4
-_FEWEST = 16
+_FINEST, _COARSER, _FEWEST = 2, 4, 16
+"""Of every 2nd, 8th, 32nd ... point; of 16 points at least."""
 _ITERATIONS = 30
 _GAIN = 1e-4
 
@@ -62,7 +62,7 @@ def shortened_coarse_first(
         cost: As there.
     """
     n, evaluations = len(q), 0
-    stride = _COARSER
+    stride = _FINEST
     while n >= _FEWEST * _COARSER * stride:
         stride *= _COARSER
     while stride > 1:
@@ -84,7 +84,7 @@ def shortened_coarse_first(
     return shorter, evaluations + spent
 
 
-def _chosen(targets: Targets, rows: Array) -> Targets:
+def _chosen(targets: Targets, rows: Indices) -> Targets:
     """Return some of the targets."""
     return Targets(
         np.ascontiguousarray(targets.R[rows]),

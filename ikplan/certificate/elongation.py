@@ -8,7 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 import pinocchio as pin
 
-from ikplan.arrays import Array
+from ikplan.arrays import Array, length_of
 from ikplan.certificate.offsets import Allowance
 from ikplan.certificate.requested import RequestedWaypoint
 from ikplan.certificate.waypoints import Misses
@@ -56,13 +56,16 @@ def elongation_lower_bound(
     for k in range(1, len(rows)):
 
         def step(before: _Pose, after: _Pose, k: int = k) -> float:
-            distance = float(np.linalg.norm(after[0] - before[0])) - near[k] - near[k - 1]
+            distance = length_of(after[0] - before[0]) - near[k] - near[k - 1]
             least = max(distance, 0.0) / linear if linear else 0.0
             if before[1] is None or after[1] is None or not angular or allowance.positions_only:
                 return float(least)
             angle = _turn(before[1], after[1], allowance.free_axis) - like[k] - like[k - 1]
             return float(max(least, angle / angular))
 
+        if len(rows[k]) == len(total) == 1:
+            total[0] += step(rows[k - 1][0], rows[k][0])
+            continue
         total = [
             min(sum_before + step(a, b) for sum_before, a in zip(total, rows[k - 1], strict=True))
             for b in rows[k]
@@ -74,7 +77,7 @@ def elongation_lower_bound(
 def _turn(before: Array, after: Array, free_axis: int | None) -> float:
     """Angle between two orientations, or between the directions of their free axes [rad]."""
     if free_axis is None:
-        return float(np.linalg.norm(pin.log3(before.T @ after)))
+        return length_of(pin.log3(before.T @ after))
     a, b = before[:, free_axis], after[:, free_axis]
     return math.atan2(float(np.linalg.norm(np.cross(a, b))), float(a @ b))
 

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-import numpy as np
-
+from ikplan.arrays import length_of
 from ikplan.path.pieces.piece import Pose
 from ikplan.path.rotation.so3 import angle_between
 
@@ -21,7 +20,7 @@ within it. Every part of a path that is left is longer than the rounding errors 
 
 def coincide(a: Pose, b: Pose) -> bool:
     """Whether two poses are one; a free orientation is that of the other."""
-    if not float(np.linalg.norm(b.p - a.p)) <= COINCIDENT:
+    if not length_of(b.p - a.p) <= COINCIDENT:
         return False
     return a.R is None or b.R is None or float(angle_between(a.R, b.R)) <= COINCIDENT
 

@@ -125,6 +125,11 @@ class ToolPath:
         return np.array([piece.oriented for piece in self.pieces])
 
     @cached_property
+    def _all_alike(self) -> bool:
+        """Whether an orientation is asked for on all pieces, or on none."""
+        return bool(self._oriented.all() or not self._oriented.any())
+
+    @cached_property
     def _stack(self) -> PieceStack:
         return stack_pieces(self.pieces)
 
@@ -155,7 +160,10 @@ class ToolPath:
 
         At a joint: the piece after it, unless only the one before asks for an orientation.
         """
-        piece = np.clip(np.searchsorted(self.begins, s, "right") - 1, 0, len(self.pieces) - 1)
+        after = np.searchsorted(self.begins, s, "right")
+        piece = np.minimum(np.maximum(after - 1, 0), len(self.pieces) - 1)
+        if self._all_alike:
+            return piece
         before = np.maximum(piece - 1, 0)
         back = (s == self.begins[piece]) & ~self._oriented[piece] & self._oriented[before]
         return np.where(back, before, piece)
@@ -176,4 +184,6 @@ class ToolPath:
 
     def orientation_mask(self, s: Array) -> Flags:
         """Return :meth:`oriented` at path lengths s, shape (m,)."""
+        if self._all_alike:
+            return np.full(len(s), self._oriented[0])
         return self._oriented[self.piece_at(np.asarray(s, dtype=np.float64))]

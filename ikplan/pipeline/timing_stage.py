@@ -28,7 +28,7 @@ from ikplan.timing import (
     periods,
     sample_at_nodes,
     sampled_within_limits,
-    what_if,
+    what_ifs,
 )
 from ikplan.timing.braking import turning_points
 from ikplan.timing.constraints.models import inverse_dynamics, tool_motion
@@ -364,7 +364,7 @@ def report_of(
     slow = timed.jerk_limited or any(span.problem.constraints for span in timed.spans)
     most = (_ASKED_OF_SLOW if slow else _ASKED) if widened else 0
     asked = [s for s in shares if s.share >= _LEAST_SHARE][:most]
-    wider = [what_if(timed, s.limit, s.joint, _WIDER, check) for s in asked]
+    wider = what_ifs(timed, [(s.limit, s.joint) for s in asked], _WIDER, check)
     return TimingReport(
         duration=duration,
         unlimited_duration=timed.unlimited_duration if timed.jerk_limited else duration,

@@ -97,7 +97,7 @@ class JointPathPlanner:
         return self.q[-1] if self.q else self.problem.q_start
 
     def _target(self, pose: Pose) -> Target:
-        return target_of(self.problem.path, pose)
+        return target_of(self.problem.path, pose, self.freedom)
 
     def joint_leg(self, leg: JointLeg, after: Leg | None) -> None:
         """Plan a joint leg; its last pose is left to a tool path that begins there."""
@@ -280,8 +280,9 @@ class JointPathPlanner:
             pose = Pose(waypoint.R, waypoint.p)
             row = RouteWaypoint(waypoint.row, first + int(k), self._target(pose), waypoint.exact)
             self.waypoints.append(row)
-        for segment in path.segments:
-            begin, end = points_around(path, tracked.s, segment.begin, segment.end)
+        ranges = np.array([(x.begin, x.end) for x in path.segments]).reshape(-1, 2)
+        around = points_around(path, tracked.s, *ranges.T)
+        for segment, begin, end in zip(path.segments, *(k.tolist() for k in around), strict=True):
             self.segments.append(RouteSegment(segment.field, first + begin, first + end))
 
     def _add(self, q: Array, waypoint: JointWaypoint, target: Target) -> None:

@@ -18,10 +18,16 @@ def counts_orientation(path: PathRequest) -> bool:
     return path.orientation_free != "all"
 
 
-def target_of(path: PathRequest, pose: Pose) -> Target:
-    """Return the target that a pose of a path is: what counts of it, and what is left free."""
+def target_of(path: PathRequest, pose: Pose, freedom: Freedom | None = None) -> Target:
+    """Return the target that a pose of a path is: what counts of it, and what is left free.
+
+    Args:
+        path: The path.
+        pose: The pose.
+        freedom: What the path leaves free, where that is known already.
+    """
     R = pose.R if counts_orientation(path) else None
-    return pose_target(pose.p, R, freedom=freedom_of(path))
+    return pose_target(pose.p, R, freedom=freedom or freedom_of(path))
 
 
 def freedom_of(path: PathRequest) -> Freedom:

@@ -1,6 +1,6 @@
 """Timing: when the joints are where along a geometric path, under the limits of the robot."""
 
-from ikplan.timing.binding import Binding, BindingShare, WhatIf, binding, what_if
+from ikplan.timing.binding import Binding, BindingShare, WhatIf, binding, what_if, what_ifs
 from ikplan.timing.constraints.constraints import ConstraintRows, PathConstraint, PathPoints
 from ikplan.timing.constraints.tool_limits import ToolLimits, ToolRates
 from ikplan.timing.constraints.torque_limits import InverseDynamics, TorqueLimits
@@ -32,4 +32,5 @@ __all__ = [
     "sampled_within_limits",
     "time_joint_path",
     "what_if",
+    "what_ifs",
 ]

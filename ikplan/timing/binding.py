@@ -12,12 +12,13 @@ from ikplan.errors import InvalidRequest, TimingFailed
 from ikplan.timing.constraints.constraints import Label, PathConstraint, PathPoints
 from ikplan.timing.engines.engine import Check, EngineFailed, unlimited
 from ikplan.timing.jerk.jerk import smooth_span_alike
+from ikplan.timing.jerk.smoothed import Smoothed
 from ikplan.timing.problem import SpanProblem
 from ikplan.timing.profile import LimitProfile
 from ikplan.timing.span import SpanTiming
 from ikplan.timing.timed_path import TimedPath
 
-__all__ = ["Binding", "BindingShare", "WhatIf", "binding", "what_if"]
+__all__ = ["Binding", "BindingShare", "WhatIf", "binding", "what_if", "what_ifs"]
 
 
 @dataclass(frozen=True)
@@ -244,34 +245,75 @@ def what_if(
         InvalidRequest: There is no such limit, or the factor is not positive.
         TimingFailed: There is no timing with a limit that is narrower.
     """
+    return what_ifs(timed, [(limit, joint)], factor, check)[0]
+
+
+def what_ifs(
+    timed: TimedPath,
+    labels: Sequence[Label],
+    factor: float = 1.1,
+    check: Check = unlimited,
+) -> list[WhatIf]:
+    """Time a motion again with one limit changed, and once more with another one.
+
+    Args:
+        timed: The timing.
+        labels: The limits, as in its binding, each changed by itself.
+        factor: By what to multiply them, > 0.
+        check: Is called now and then, and may end the search by an error of its own.
+
+    Returns:
+        The new durations, as :func:`what_if` has them.
+
+    Raises:
+        InvalidRequest: There is no such limit, or the factor is not positive.
+        TimingFailed: There is no timing with a limit that is narrower.
+    """
     if not factor > 0.0 or not np.isfinite(factor):
         raise InvalidRequest(
             f"factor must be positive, not {factor!r}", field="factor", allowed="a positive number"
         )
-    _check_label(timed, (limit, joint))
-    before = after = 0.0
+    for label in labels:
+        _check_label(timed, label)
+    before, after = 0.0, np.zeros(len(labels))
     for k, span in enumerate(timed.spans):
-        changed = _changed(span.problem, (limit, joint), factor)
         known = timed.smoothed[k] if timed.jerk_limited else None
         mine = known.duration if known is not None else span.problem.compiled_duration
-        try:
-            if changed is span.problem:
-                new = mine
-            elif known is None:
-                check()
-                new = _changed_duration(span.problem, changed, joint, factor)
-            else:
-                new = smooth_span_alike(changed, known, check).duration
-        except EngineFailed as error:
-            new = _unsolved(span, error, WhatIf(limit, joint, factor, mine, 0.0))
+        before += mine
+        for i, label in enumerate(labels):
+            after[i] += _duration_with(span, known, mine, label, factor, check)
         if len(span.problem.rests):
             span.problem.forget()
-        before += mine
-        # The motion that is known keeps a wider limit as well.
-        after += new if factor < 1.0 else min(new, mine)
-    ratio = after / before if before > 0.0 else 1.0
-    duration = timed.duration * ratio
-    return WhatIf(limit, joint, factor, duration, timed.duration - duration)
+    ratios = after / before if before > 0.0 else np.ones(len(labels))
+    durations = [timed.duration * float(ratio) for ratio in ratios]
+    return [
+        WhatIf(limit, joint, factor, duration, timed.duration - duration)
+        for (limit, joint), duration in zip(labels, durations, strict=True)
+    ]
+
+
+def _duration_with(
+    span: SpanTiming,
+    known: Smoothed | None,
+    mine: float,
+    label: Label,
+    factor: float,
+    check: Check,
+) -> float:
+    """Duration of a span with one limit changed [s]; ``mine`` without."""
+    changed = _changed(span.problem, label, factor)
+    try:
+        if changed is span.problem:
+            new = mine
+        elif known is None:
+            check()
+            new = _changed_duration(span.problem, changed, label[1], factor)
+        else:
+            new = smooth_span_alike(changed, known, check).duration
+    except EngineFailed as error:
+        new = _unsolved(span, error, WhatIf(*label, factor, mine, 0.0))
+    # The motion that is known keeps a wider limit as well.
+    return new if factor < 1.0 else min(new, mine)
 
 
 def _unsolved(span: SpanTiming, error: EngineFailed, change: WhatIf) -> float:

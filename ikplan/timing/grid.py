@@ -58,17 +58,21 @@ def _place(s: Array, pieces: Indices, counts: Array) -> tuple[Array, Indices]:
     return nodes[: count + 1].copy(), owner[:count].copy()
 
 
-def regridded(grid: Grid, counts: Array) -> Grid:
+def regridded(grid: Grid, counts: Array, kept: Array | None = None) -> Grid:
     """Return a grid with about as many intervals as given in place of each interval.
 
     Args:
         grid: The old grid.
         counts: Number of intervals in place of each, > 0, fractions allowed, shape (n,).
+        kept: Nodes that stay, all ends of pieces among them, in order; None: only those.
 
     Returns:
-        The new grid; it keeps the ends of the pieces and nothing else of the old one.
+        The new grid; it keeps these nodes and no others of the old one.
     """
-    s, pieces = _place(grid.s.copy(), grid.pieces, counts)  # one compiled kind of arrays
+    runs = grid.pieces if kept is None else np.searchsorted(kept, grid.s[:-1], "right")
+    s, pieces = _place(grid.s.copy(), runs, counts)  # one compiled kind of arrays
+    if kept is not None:
+        pieces = grid.pieces[np.searchsorted(runs, pieces)]
     # A node that rounding put on its neighbour would be an interval of length zero.
     distinct = np.append(np.diff(s) > 0.0, True)
     return Grid(s[distinct], pieces[distinct[:-1]])

@@ -23,7 +23,7 @@ from ikplan.timing.engines.toppra_engine import ToppraEngine
 from ikplan.timing.limit_ratios import limit_ratios
 from ikplan.timing.profile import LimitProfile
 from ikplan.timing.span_intervals import SpanIntervals
-from ikplan.timing.span_ratios import largest_ratios, speed_ratios
+from ikplan.timing.span_ratios import largest_ratios, run_durations, speed_ratios
 
 __all__ = ["SpanProblem"]
 
@@ -166,7 +166,9 @@ class SpanProblem(SpanIntervals):
             self.ends,
         )
         x = wider._solved_span_by_span(held, x)
-        return float(wider.times(wider.kept(x, 1e-300)).sum())
+        factor = wider._joint_ratios(x, 1e-300, held)
+        durations = run_durations(self.h, x, self.ends, factor)
+        return float(np.where(held, durations, self._compiled_durations).sum())
 
     def _in_units_of(
         self, engine: Engine, tightening: Array | None = None
@@ -198,7 +200,15 @@ class SpanProblem(SpanIntervals):
         Raises:
             EngineFailed: As for compiled_solution.
         """
+        if len(self.rests):
+            return float(self._compiled_durations.sum())
         return float(self.times(self.kept(self.compiled_solution, 1e-300)).sum())
+
+    @functools.cached_property
+    def _compiled_durations(self) -> Array:
+        """The same of each span from rest to rest [s], shape (k + 1,)."""
+        x = self.compiled_solution
+        return run_durations(self.h, x, self.ends, self._largest_ratios(x, 1e-300))
 
     def largest_ratio(self, x: Array) -> float:
         """Return the largest limit ratio: x divided by it keeps every limit.
@@ -210,22 +220,17 @@ class SpanProblem(SpanIntervals):
 
     def _largest_ratios(self, x: Array, least: float) -> Array:
         """Largest limit ratio of each span from rest to rest, or the least, shape (k + 1,)."""
-        largest = largest_ratios(
-            self.h,
-            x,
-            self.qs0,
-            self.qss0,
-            self.qss1,
-            self.grid.pieces,
-            *self.piece_limits,
-            self.ends,
-            least,
-        )
+        largest = self._joint_ratios(x, least, np.ones(len(self.rests) + 1, dtype=np.bool_))
         for points, ratios in self.others.ratios(x):
             of_interval = np.zeros(len(self.h))
             of_interval[points.inside] = highest(ratios).max(axis=1)
             largest = np.maximum(largest, np.maximum.reduceat(of_interval, self.ends[:-1]))
         return largest
+
+    def _joint_ratios(self, x: Array, least: float, wanted: Flags) -> Array:
+        """Largest ratio to a limit of a joint of each wanted span, or the least, shape (k + 1,)."""
+        slopes, limits = self.slopes, self.piece_limits
+        return largest_ratios(slopes[0], x, *slopes[1:], *limits, self.ends, least, wanted)
 
     def interval_ratios(self, x: Array) -> Array:
         """Return the largest limit ratio on each interval, as a ratio of x, shape (n,).

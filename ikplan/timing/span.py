@@ -19,20 +19,25 @@ from ikplan.timing.grid import Grid, curvature_grid, regridded
 from ikplan.timing.problem import SpanProblem
 from ikplan.timing.profile import LimitProfile
 
-__all__ = ["SpanTiming", "time_span", "time_through", "time_together"]
+__all__ = [
+    "COARSE_ROUNDS",
+    "MAX_INTERVALS",
+    "SpanTiming",
+    "acceleration_weight",
+    "divided",
+    "refined",
+    "time_span",
+    "time_through",
+    "within_limits",
+]
 
 
 # Kept below the limits, so that rounding in a sample cannot step over one.
 _MARGIN = 2e-9
 _COARSE_INTERVALS = 100
-# Of each of many short spans, most of which only speed up and slow down.
-_FEW_INTERVALS = 32
-# What the grid of spans that are timed together may cost, as a share of what the first one does:
-# where that is much, a twentieth is already less than a span's own grid costs.
-_SHARE_OF_LOSS = 0.05
-_COARSE_ROUNDS = 8
+COARSE_ROUNDS = 8
 _VERIFY = 4.0
-_MAX_INTERVALS = 40_000
+MAX_INTERVALS = 40_000
 _DIVISIONS = 3
 _MOST_DIVIDED = 10_000
 # toppra takes about ten microseconds an interval; beyond this the compiled engine takes over.
@@ -102,7 +107,7 @@ def time_span(
                 continue
             check()
             try:
-                found.append(_within_limits(problem, candidate))
+                found.append(within_limits(problem, candidate))
             except EngineFailed as error:
                 failure = (problem, error.stage)
         if found:
@@ -123,16 +128,16 @@ def _problems(
     check: Check,
 ) -> Iterator[SpanProblem]:
     """Yield the problem on a grid that is good enough, then on finer ones."""
-    weight = _weight(profile, first, last)
+    weight = acceleration_weight(profile, first, last)
     grid = curvature_grid(path, (first, last), weight, _COARSE_INTERVALS)
     problem: SpanProblem | None = None
     # Where the compiled engine fails, the finer grids tell whether it is for good, and where.
     with contextlib.suppress(EngineFailed):
         coarse = SpanProblem.build(path, grid, profile, constraints, fine=False)
-        problem = _refined(coarse, tolerance, check)
+        problem = refined(coarse, tolerance, check)
         if constraints:
             problem = problem.on(problem.grid)
-            problem = _divided(problem, steady, check)
+            problem = divided(problem, steady, check)
     problem = problem or SpanProblem.build(path, grid, profile, constraints)
     yield problem
     for _ in range(2):
@@ -141,52 +146,13 @@ def _problems(
         yield problem
 
 
-def _weight(profile: LimitProfile, first: int, last: int) -> Array:
+def acceleration_weight(profile: LimitProfile, first: int, last: int) -> Array:
     """How much each joint counts between two knots: by its least acceleration limit."""
     piece = slice(first, last)
     least = np.minimum(
         profile.acceleration[piece].min(axis=0), -profile.acceleration_lower[piece].max(axis=0)
     )
     return np.asarray(1.0 / least)
-
-
-def time_together(
-    path: JointPath,
-    knots: Sequence[int],
-    profile: LimitProfile,
-    constraints: Sequence[PathConstraint] = (),
-    tolerance: float = 1e-4,
-    steady: bool = True,
-    check: Check = unlimited,
-) -> SpanTiming:
-    """Time many short spans as one problem, by the compiled engine.
-
-    Args:
-        path: The path.
-        knots: The knots where the motion rests, in order: the ends of the spans.
-        profile: Joint limits on every piece of the path.
-        constraints: Limits other than those of single joints.
-        tolerance: As for time_span, of all spans; less, since their grids begin coarser.
-        steady: As for time_span.
-        check: As for time_span.
-
-    Returns:
-        The timing of all spans, within every limit.
-
-    Raises:
-        EngineFailed: The compiled engine found none.
-    """
-    grid = curvature_grid(path, knots, _weight(profile, knots[0], knots[-1]), _FEW_INTERVALS)
-    rests = path.s_knots[list(knots[1:-1])]
-    coarse = SpanProblem.build(path, grid, profile, constraints, fine=False, rests=rests)
-    x = coarse.kept(coarse.compiled_solution, 1.0)
-    lost = float(coarse.loss(x).sum() / coarse.times(x).sum())
-    problem = _refined(coarse, max(tolerance, _SHARE_OF_LOSS * lost), check)
-    if constraints:
-        problem = _divided(problem.on(problem.grid), steady, check)
-    timing = _within_limits(problem, CompiledEngine())
-    problem.forget()
-    return timing
 
 
 def time_through(spans: Sequence[SpanTiming]) -> SpanTiming:
@@ -209,12 +175,12 @@ def time_through(spans: Sequence[SpanTiming]) -> SpanTiming:
     pieces = np.concatenate([problem.grid.pieces for problem in problems])
     constraints = dict.fromkeys(c for problem in problems for c in problem.constraints)
     problem = SpanProblem.build(first.path, Grid(s, pieces), first.profile, tuple(constraints))
-    return _within_limits(problem, CompiledEngine())
+    return within_limits(problem, CompiledEngine())
 
 
-def _refined(problem: SpanProblem, tolerance: float, check: Check) -> SpanProblem:
+def refined(problem: SpanProblem, tolerance: float, check: Check) -> SpanProblem:
     """Return a problem on a grid on which the compiled solution is near its optimum."""
-    for _ in range(_COARSE_ROUNDS):
+    for _ in range(COARSE_ROUNDS):
         check()
         x = problem.kept(problem.compiled_solution, 1.0)
         loss, total = problem.loss(x), float(problem.times(x).sum())
@@ -225,11 +191,11 @@ def _refined(problem: SpanProblem, tolerance: float, check: Check) -> SpanProble
             finer = problem.on(regridded(problem.grid, np.full(n, _VERIFY)), fine=False)
             x = finer.kept(finer.compiled_solution, 1.0)
             best = float(finer.times(x).sum())
-            if total <= (1.0 + 1.5 * tolerance) * best or n * _VERIFY > _MAX_INTERVALS:
+            if total <= (1.0 + 1.5 * tolerance) * best or n * _VERIFY > MAX_INTERVALS:
                 return problem
             problem = finer
             continue
-        if n >= _MAX_INTERVALS:
+        if n >= MAX_INTERVALS:
             return problem
         # The loss falls with the first power of the interval's length; the least number of
         # nodes for a given sum of losses then goes with the root of each.
@@ -237,12 +203,12 @@ def _refined(problem: SpanProblem, tolerance: float, check: Check) -> SpanProble
         # Of spans that are timed together none may be left with fewer nodes than it began with.
         fewest = 0.33 if len(problem.rests) == 0 else 1.0
         counts = np.clip(root * (root.sum() / (0.9 * tolerance * total)), fewest, 16.0)
-        counts *= min(1.0, _MAX_INTERVALS / float(counts.sum()))
+        counts *= min(1.0, MAX_INTERVALS / float(counts.sum()))
         problem = problem.on(regridded(problem.grid, counts), fine=False)
     return problem
 
 
-def _divided(problem: SpanProblem, steady: bool, check: Check) -> SpanProblem:
+def divided(problem: SpanProblem, steady: bool, check: Check) -> SpanProblem:
     """Return a problem on a grid so fine that constraints are nearly straight where they bind."""
     for _ in range(_DIVISIONS):
         check()
@@ -255,7 +221,7 @@ def _divided(problem: SpanProblem, steady: bool, check: Check) -> SpanProblem:
     return problem
 
 
-def _within_limits(problem: SpanProblem, engine: Engine) -> SpanTiming:
+def within_limits(problem: SpanProblem, engine: Engine) -> SpanTiming:
     """Slow an engine's solution by what it exceeds the limits."""
     x = problem.compiled_solution if isinstance(engine, CompiledEngine) else problem.solve(engine)
     x = problem.kept(x, 0.0, _MARGIN)

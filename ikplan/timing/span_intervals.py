@@ -84,6 +84,8 @@ class SpanIntervals:
         """Return the same problem with other limits of the joints."""
         other = replace(self, profile=profile)
         other.__dict__["_derivatives"] = self._derivatives
+        if profile.velocity is self.profile.velocity:
+            other.__dict__["velocity_bounds"] = self.velocity_bounds
         return other
 
     def under(self, constraints: tuple[PathConstraint, ...]) -> Self:

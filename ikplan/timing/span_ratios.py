@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 
 from ikplan._jit import kernel
-from ikplan.arrays import Array, Indices
+from ikplan.arrays import Array, Flags, Indices
 from ikplan.timing.limit_ratios import acceleration_ratio, ratio_of, velocity_ratio
 
-__all__ = ["largest_ratios", "speed_ratios"]
+__all__ = ["largest_ratios", "run_durations", "speed_ratios"]
 
 # A ratio is computed only where it may be the largest: what is compared instead of dividing may
 # be off by rounding.
@@ -30,6 +30,7 @@ def largest_ratios(
     acceleration_lower: Array,
     ends: Indices,
     least: float,
+    wanted: Flags,
 ) -> Array:
     """Return the greatest limit ratio of each run of intervals, as a ratio of x.
 
@@ -48,6 +49,7 @@ def largest_ratios(
         acceleration_lower: Lower acceleration limits of the pieces, shape (k, dof), negative.
         ends: First interval of each run, and n, shape (r + 1,).
         least: Smaller ratios count as this.
+        wanted: Which runs are looked at, shape (r,); of the others the least is returned.
 
     Returns:
         The ratios, shape (r,).
@@ -56,6 +58,9 @@ def largest_ratios(
     largest = np.empty(len(ends) - 1)
     for run in range(len(largest)):
         best = least
+        if not wanted[run]:
+            largest[run] = best
+            continue
         for i in range(ends[run], ends[run + 1]):
             k, d, x0, x1 = pieces[i], h[i], x[i], x[i + 1]
             u = (x1 - x0) / (2.0 * d)
@@ -144,3 +149,24 @@ def speed_ratios(
             ratio = max(v_best[part], np.sqrt(a_best[part]))
             mean[i] += ratio * (4.0 if part == 1 else 1.0) / 6.0
     return mean
+
+
+@kernel
+def run_durations(h: Array, x: Array, ends: Indices, factor: Array) -> Array:
+    """Return the duration of each run of intervals [s], shape (r,).
+
+    Args:
+        h: As in largest_ratios.
+        x: As in largest_ratios.
+        ends: As in largest_ratios.
+        factor: By what x is divided in each run, shape (r,).
+    """
+    durations = np.empty(len(factor))
+    for run in range(len(factor)):
+        total, here = 0.0, np.sqrt(x[ends[run]])
+        for i in range(ends[run], ends[run + 1]):
+            after = np.sqrt(x[i + 1])
+            total += 2.0 * h[i] / (here + after)
+            here = after
+        durations[run] = total * np.sqrt(factor[run])
+    return durations

@@ -16,15 +16,16 @@ from ikplan.timing.engines.compiled_engine import CompiledEngine
 from ikplan.timing.engines.engine import Check, Engine, EngineFailed, unlimited
 from ikplan.timing.limit_jerk import limit_jerk
 from ikplan.timing.profile import LimitProfile, SegmentJointLimits
-from ikplan.timing.span import SpanTiming, time_span, time_through, time_together
+from ikplan.timing.span import SpanTiming, time_span, time_through
 from ikplan.timing.timed_path import TimedPath
+from ikplan.timing.together.time_together import time_together
 
 __all__ = ["MANY_RESTS", "check_inside", "passing_jumps", "time_before_jerk", "time_joint_path"]
 
 
 MANY_RESTS = 24
 """With more rests than this the spans between them are timed together."""
-_TOGETHER = 16
+_TOGETHER = 32
 """Most spans that are timed together: as many as a processor's cache holds the limits of."""
 
 

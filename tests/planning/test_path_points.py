@@ -60,7 +60,9 @@ def test_every_corner_and_waypoint_has_a_point(steps: list[float], every: int) -
     assert points[-1] == len(s) - 1 or path.length <= slack
     assert rest_points(path, s) == nearest_points(s, path.corners).tolist()
     for begin, end in itertools.pairwise(places.tolist()):
-        first, last = points_around(path, s, begin, end)
+        first, last = (
+            int(k[0]) for k in points_around(path, s, np.array([begin]), np.array([end]))
+        )
         assert 0 <= first <= last < len(s)
         assert s[first] <= begin + slack
         assert s[last] >= end - slack
@@ -80,7 +82,7 @@ def test_a_segment_between_points_is_within_those_around_it(seed: int, count: in
     rng = np.random.default_rng(seed)
     path = Straight(1.0, np.zeros(0), np.zeros(0))
     s = np.unique([0.0, *rng.uniform(0.0, 1.0, count), 1.0])
-    begin, end = np.sort(rng.uniform(0.0, 1.0, 2)).tolist()
+    begin, end = np.sort(rng.uniform(0.0, 1.0, (2, 1)), axis=0)
     first, last = points_around(path, s, begin, end)
     assert s[first] <= begin < s[first + 1]
     assert s[last - 1] < end <= s[last]

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ikplan.arrays import Array
+from ikplan.arrays import Array, length_of
 from ikplan.certificate.requested.arc_length import ArcLength
 from ikplan.certificate.requested.rotations import exp
 from ikplan.certificate.requested.turning import EvenTurn, HeadingTurn, Turning
@@ -188,8 +188,8 @@ def line(p0: Array, p1: Array, R0: Array | None = None, turn: Array | None = Non
     """
     step, zero = p1 - p0, np.zeros(3)
     turn = zero if turn is None else turn
-    distance = float(np.linalg.norm(step))
-    turned = TURN_LENGTH * float(np.linalg.norm(turn))
+    distance = length_of(step)
+    turned = TURN_LENGTH * length_of(turn)
     spot = distance <= _ON_THE_SPOT and turned > distance
     length = turned if spot else distance
     scale = 1.0 / length if length > 0.0 else 0.0

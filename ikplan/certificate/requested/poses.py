@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ikplan.arrays import Array
+from ikplan.arrays import Array, length_of
 from ikplan.certificate.requested.rotations import angle_between, rotation_of, unit
 from ikplan.documents.path import PathRequest
 from ikplan.documents.poses import Frame, Waypoint
@@ -33,7 +33,7 @@ class RequestedPose:
 
     def passed_from(self, before: RequestedPose) -> RequestedPose:
         """Return where the tool passes this pose: where it is already if both are one place."""
-        if not float(np.linalg.norm(self.p - before.p)) <= SAME_PLACE:
+        if not length_of(self.p - before.p) <= SAME_PLACE:
             return self
         if self.R is None or before.R is None:
             return RequestedPose(before.p, self.R)

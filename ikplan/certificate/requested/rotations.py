@@ -10,7 +10,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ikplan.arrays import Array
+from ikplan.arrays import Array, length_of
 
 __all__ = [
     "angle_between",
@@ -109,4 +109,4 @@ def rotation_between(A: Array, B: Array) -> Array:
 
 def angle_between(A: Array, B: Array) -> float:
     """Return the angle of the rotation from A to B [rad]."""
-    return float(np.linalg.norm(rotation_between(A, B)))
+    return length_of(rotation_between(A, B))

@@ -7,7 +7,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from ikplan.arrays import Array
+from ikplan.arrays import Array, length_of
 from ikplan.certificate.requested.arc_length import ArcLength
 from ikplan.certificate.requested.corners import PathItem
 from ikplan.certificate.requested.curves import CubicCurve
@@ -32,7 +32,7 @@ def spline_items(poses: Sequence[RequestedPose], rows: Sequence[int], field: str
         field: The field of the request; empty: that of each waypoint.
     """
     turned, items, first = _with_lead_in(poses), [], 0
-    moves = [float(np.linalg.norm(b.p - a.p)) > SAME_PLACE for a, b in pairwise(turned)]
+    moves = [length_of(b.p - a.p) > SAME_PLACE for a, b in pairwise(turned)]
     for k, on in enumerate([*moves, False]):
         if on:
             continue
@@ -54,7 +54,7 @@ def _with_lead_in(poses: Sequence[RequestedPose]) -> list[RequestedPose]:
         if b == a + 1 or Ra is None or Rb is None:
             continue
         turn = rotation_between(Ra, Rb)
-        steps = [float(np.linalg.norm(q.p - p.p)) for p, q in pairwise(poses[a : b + 1])]
+        steps = [length_of(q.p - p.p) for p, q in pairwise(poses[a : b + 1])]
         way, whole = 0.0, sum(steps)
         for k in range(a + 1, b):
             way += steps[k - a - 1]

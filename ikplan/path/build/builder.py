@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Container, Sequence
+from itertools import pairwise
 
 import numpy as np
 
@@ -28,12 +29,13 @@ from ikplan.path.curves.named_curves import curve_pieces
 from ikplan.path.pieces.piece import Piece, Pose
 from ikplan.path.pieces.steady import line
 from ikplan.path.rotation.geodesic import shortest_turn
-from ikplan.path.rotation.so3 import angle_between, exp
+from ikplan.path.rotation.so3 import angle_between, exp, log
 from ikplan.path.tool_path import ToolPath
 
 __all__ = ["PathBuilder"]
 
 
+_UNTURNED = np.eye(3)
 _AXES = {"tool_x": 0, "tool_y": 1, "tool_z": 2}
 
 
@@ -102,6 +104,28 @@ class PathBuilder:
         R0 = None if turn is None else self._at.R
         self._append(line(self._at.p, end.p, R0, turn), to, name, field, blend)
         self._at = end
+
+    def add_lines(self, poses: Sequence[Pose], names: Sequence[str]) -> None:
+        """Append lines through poses; their turns are computed all at once."""
+        rotations = [self._at.R, *(pose.R for pose in poses)]
+        told = [
+            (A, B) if A is not None and B is not None else (_UNTURNED, _UNTURNED)
+            for A, B in pairwise(rotations)
+        ]
+        turns = log(np.array([A.T @ B for A, B in told]))
+        for pose, name, (A, _), turn in zip(poses, names, told, turns, strict=True):
+            before = self._at
+            _, end = joined([before, pose])
+            # Where poses are joined, the orientation before may be another one.
+            if end is not pose or before.R is not A or end.R is None:
+                self.add_line(pose, name)
+                continue
+            between = (self._name, name)
+            checked = shortest_turn(
+                A, end.R, between, free_axis=self._free_axis, field=name, turn=turn
+            )
+            self._append(line(before.p, end.p, A, checked), pose, name, "", None)
+            self._at = end
 
     def add_line_segment(self, segment: LineSegment, field: str) -> None:
         """Append the line of a request."""

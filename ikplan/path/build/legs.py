@@ -161,7 +161,7 @@ class _Walk:
     def waypoints(self) -> None:
         """Walk along plain waypoints."""
         path = self._path
-        poses = [self._frame.pose(waypoint) for waypoint in path.waypoints or ()]
+        poses = self._frame.poses(path.waypoints or ())
         names = [f"path.waypoints[{k}]" for k in range(len(poses))]
         if path.interpolation == "joint":
             for position, k in enumerate(self._order):
@@ -173,8 +173,8 @@ class _Walk:
         elif self._at is None or path.approach != "path":
             self._go_to(poses.pop(0), names.pop(0))
         if path.interpolation == "line":
-            for pose, name in zip(poses, names, strict=True):
-                self._tool().add_line(pose, name)
+            if poses:
+                self._tool().add_lines(poses, names)
         elif path.interpolation == "spline" and poses:
             self._tool().add_spline(poses, names)
         self._close()

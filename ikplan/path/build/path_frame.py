@@ -48,6 +48,17 @@ class PathFrame:
         """Return the pose of a waypoint in the base."""
         return Pose(self.rotation(waypoint.quaternion_xyzw), self.point(waypoint.position))
 
+    def poses(self, waypoints: Sequence[Waypoint]) -> list[Pose]:
+        """Return the poses of waypoints in the base."""
+        points = [self.point(waypoint.position) for waypoint in waypoints]
+        rotations: list[Array | None] = [None] * len(points)
+        told = [k for k, w in enumerate(waypoints) if w.quaternion_xyzw is not None]
+        if told and not self.positions_only:
+            turned = self._R @ rotation_of(np.array([waypoints[k].quaternion_xyzw for k in told]))
+            for k, R in zip(told, turned, strict=True):
+                rotations[k] = R
+        return [Pose(R, p) for R, p in zip(rotations, points, strict=True)]
+
     def frame(self, frame: Frame) -> tuple[Array, Array]:
         """Return rotation (3, 3) and origin (3,) [m] of a frame in the base."""
         R = self._R @ rotation_of(frame.quaternion_xyzw)

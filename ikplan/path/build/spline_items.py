@@ -8,7 +8,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from ikplan.arrays import Array
+from ikplan.arrays import Array, length_of
 from ikplan.errors import InvalidRequest
 from ikplan.path.build.items import ItemWaypoint, PathItem
 from ikplan.path.coincidence import COINCIDENT, joined
@@ -43,7 +43,7 @@ def spline_items(
         InvalidRequest: Two neighbouring orientations are 180 degrees apart, or the orientations
             turn too fast to be turned through.
     """
-    steps = [np.linalg.norm(b.p - a.p) > COINCIDENT for a, b in pairwise(poses)]
+    steps = [length_of(b.p - a.p) > COINCIDENT for a, b in pairwise(poses)]
     poses = _with_lead_in(poses, names)
     items: list[PathItem] = []
     first = 0
@@ -75,7 +75,7 @@ def _with_lead_in(poses: Sequence[Pose], names: Sequence[str]) -> list[Pose]:
         if b == a + 1:
             continue
         turn = shortest_turn(Ra, Rb, (names[a], names[b]), field=names[b])
-        way = np.cumsum([np.linalg.norm(q.p - p.p) for p, q in pairwise(poses[a : b + 1])])
+        way = np.cumsum([length_of(q.p - p.p) for p, q in pairwise(poses[a : b + 1])])
         for k in range(a + 1, b):
             share = way[k - a - 1] / way[-1] if way[-1] > COINCIDENT else 1.0
             turned[k] = Pose(Ra @ exp(share * turn), poses[k].p)

@@ -16,7 +16,7 @@ from functools import cached_property
 
 import numpy as np
 
-from ikplan.arrays import Array
+from ikplan.arrays import Array, length_of
 from ikplan.path.pieces.piece import TURN_LENGTH, PathDerivatives, Piece
 from ikplan.path.pieces.piece_kernels import empty_rows, scratch, steady_rows
 from ikplan.path.pieces.steady_kernels import SteadyStack
@@ -124,9 +124,9 @@ def line(p0: Array, p1: Array, R0: Array | None = None, rotvec: Array | None = N
         and less than it turns, the angle times TURN_LENGTH.
     """
     step = p1 - p0
-    distance = float(np.linalg.norm(step))
+    distance = length_of(step)
     rotvec = np.zeros(3) if rotvec is None else rotvec
-    turn = TURN_LENGTH * float(np.linalg.norm(rotvec))
+    turn = TURN_LENGTH * length_of(rotvec)
     turns = distance <= _ON_THE_SPOT and turn > distance
     length = turn if turns else distance
     scale = 1.0 / length if length > 0.0 else 0.0

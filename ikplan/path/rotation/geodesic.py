@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from ikplan.arrays import Array
+from ikplan.arrays import Array, length_of
 from ikplan.errors import InvalidRequest
 from ikplan.path.rotation.so3 import log
 
@@ -25,6 +25,7 @@ def shortest_turn(
     turn_axis: Array | None = None,
     free_axis: int | None = None,
     field: str = "",
+    turn: Array | None = None,
 ) -> Array:
     """Return the rotation vector, in the tool frame, that turns R0 to R1.
 
@@ -37,14 +38,15 @@ def shortest_turn(
         free_axis: Axis of the tool (0, 1, 2) about which its orientation is free; a half turn
             about it is as good one way as the other.
         field: Field of the request to be named in an error.
+        turn: The shorter way, where it is known already.
 
     Raises:
         InvalidRequest: The orientations are 180 degrees apart and nothing tells which way.
     """
     if R1 is R0:
         return np.zeros(3)
-    turn = log(R0.T @ R1)
-    angle = float(np.linalg.norm(turn))
+    turn = log(R0.T @ R1) if turn is None else turn
+    angle = length_of(turn)
     if turn_axis is not None:
         if angle < AMBIGUOUS:
             return turn

@@ -15,8 +15,12 @@ from typing import Self
 
 import numpy as np
 
-from ikplan.arrays import Array
-from ikplan.planning.ladder.path_shortening import shorten_sequence
+from ikplan.arrays import Array, Indices
+from ikplan.planning.tracking.coarse_shortening import (
+    LONG,
+    shortened,
+    shortened_coarse_first,
+)
 from ikplan.planning.tracking.densify import densify
 from ikplan.planning.tracking.dodge import dodged_sequence
 from ikplan.planning.tracking.flood import flooded_sequences
@@ -51,6 +55,8 @@ _GLOBAL_STEPS = ((0.05, 0.01), (0.01, 0.003))
 """Least spacing of the points that sequences are chosen over [m], also as a share of the path."""
 _TRIED = 3
 """Sequences that are made dense, shortest first."""
+_FEW_POINTS = 64
+"""About how many points of a long path tell which of many starts lead to short sequences."""
 _DIGITS = 9
 """Digits after the point to which lengths of sequences are compared."""
 
@@ -85,16 +91,22 @@ class PathTracker(TrackedArm):
         redundant = self.redundant(reference)
         broken: TrackingFailed | None = None
         for step in FIRST_STEPS:
-            sequences, failure = self._track_starts(reference, starts, costs, step, copies)
-            broken = farthest_failure(broken, failure)
+            first = first_points(self, reference, step)
+            for some in self._promising(reference, starts, costs, first, copies):
+                sequences, failure = self._track_starts(
+                    reference, starts[some], costs[some], first, copies
+                )
+                broken = farthest_failure(broken, failure)
+                tried = iter([sequences[:_TRIED]] if sequences else [])
+                if redundant and sequences:
+                    tried = self._shortened(reference, sequences[:_TRIED])
+                for shortest in tried:
+                    try:
+                        return self._densify_first(reference, shortest)
+                    except TrackingFailed as later:
+                        broken = farthest_failure(broken, later)
             if not sequences:
                 break  # smaller steps were tried where it failed
-            if redundant:
-                sequences = self._shorten_all(reference, sequences[:_TRIED])
-            try:
-                return self._densify_first(reference, sequences[:_TRIED])
-            except TrackingFailed as later:
-                broken = farthest_failure(broken, later)
         if broken is None:
             raise ValueError("no start was given")
         raise broken
@@ -112,7 +124,8 @@ class PathTracker(TrackedArm):
             BudgetExceeded: The time budget ran out.
         """
         costs = np.zeros(len(starts))
-        return self._track_starts(reference, starts, costs, FIRST_STEPS[0], None)[0]
+        first = first_points(self, reference, FIRST_STEPS[0])
+        return self._track_starts(reference, starts, costs, first, None)[0]
 
     def track_global(self, reference: ReferencePath, starts: Array, costs: Array) -> TrackedPath:
         """Track a tool path with a redundant arm on a sequence chosen over all points at once.
@@ -178,7 +191,7 @@ class PathTracker(TrackedArm):
         reference: ReferencePath,
         starts: Array,
         costs: Array,
-        step: float,
+        first: FirstPoints,
         copies: StartCopies | None,
     ) -> tuple[list[JointSequence], TrackingFailed | None]:
         """Track the path from every start.
@@ -188,7 +201,6 @@ class PathTracker(TrackedArm):
         """
         sequences: list[JointSequence] = []
         farthest: TrackingFailed | None = None
-        first = first_points(self, reference, step)
         for q_start, cost in zip(starts, costs, strict=True):
             self.clock.check()
             try:
@@ -202,6 +214,34 @@ class PathTracker(TrackedArm):
             before = float(cost) if copies is None else copies.cost(q[0])
             sequences.append((before + self.sequence_cost(s, q), s, q))
         return shortest_first(sequences), farthest
+
+    def _promising(
+        self,
+        reference: ReferencePath,
+        starts: Array,
+        costs: Array,
+        first: FirstPoints,
+        copies: StartCopies | None,
+    ) -> Iterator[Indices]:
+        """Yield which starts to track the path from: all; of a long path first the best one.
+
+        From that one the motion through a few of the points is the shortest. Each of the others
+        would cost as much as the whole tracking and shortening from the one.
+        """
+        if len(first.s) > LONG and len(starts) > _TRIED:
+            few = first.thinned(_FEW_POINTS)
+            lengths = np.full(len(starts), np.inf)
+            for k, q_start in enumerate(starts):
+                self.clock.check()
+                with contextlib.suppress(TrackingFailed):
+                    s, q = self._track_copies(reference, q_start, few, copies)
+                    before = float(costs[k]) if copies is None else copies.cost(q[0])
+                    if few.redundant:
+                        q = self._shorten(reference, s, q, coarse_first=False)
+                    lengths[k] = round(before + self.sequence_cost(s, q), _DIGITS)
+            if np.isfinite(lengths.min()):
+                yield np.argmin(lengths, keepdims=True)
+        yield np.arange(len(starts))
 
     def _unlimited(self) -> Self:
         """The tracker of the arm whose turning joints have no limits."""
@@ -254,35 +294,38 @@ class PathTracker(TrackedArm):
             raise TrackingFailed(float(part.s[-1]), part.q[-1].copy())
         return part.s, part.q
 
-    def _shorten_all(
+    def _shortened(
         self, reference: ReferencePath, sequences: list[JointSequence]
+    ) -> Iterator[list[JointSequence]]:
+        """Yield the sequences made shorter, shortest first; long ones in the better way first."""
+        if any(len(s) > LONG for _, s, _ in sequences):
+            yield self._shorten_all(reference, sequences, coarse_first=True)
+        yield self._shorten_all(reference, sequences, coarse_first=False)
+
+    def _shorten_all(
+        self, reference: ReferencePath, sequences: list[JointSequence], *, coarse_first: bool
     ) -> list[JointSequence]:
         """Return the sequences made shorter, shortest first."""
         shorter: list[JointSequence] = []
         for length, s, q in sequences:
-            self.clock.check()
-            q_short = self._shorten(reference, s, q)
-            if self.first_contact(reference, s, q_short) is not None:
-                q_short = q
+            q_short = q
+            for coarse in (True, False) if coarse_first and len(s) > LONG else (False,):
+                self.clock.check()
+                q_tried = self._shorten(reference, s, q, coarse_first=coarse)
+                if self.first_contact(reference, s, q_tried) is None:
+                    q_short = q_tried
+                    break
             saved = self.sequence_cost(s, q) - self.sequence_cost(s, q_short)
             shorter.append((length - saved, s, q_short))
         return shortest_first(shorter)
 
-    def _shorten(self, reference: ReferencePath, s: Array, q: Array) -> Array:
+    def _shorten(
+        self, reference: ReferencePath, s: Array, q: Array, *, coarse_first: bool
+    ) -> Array:
         """Shorten a sequence by self-motion; whether it stays continuous, densifying shows."""
-        shorter = q[1:].copy()
-        _, spent = shorten_sequence(
-            self.arm.chain,
-            self.targets_at(reference, s[1:]),
-            shorter,
-            q[0],
-            False,
-            self.arm.lower,
-            self.arm.upper,
-            self.cost,
-            30,
-            1e-4,
-        )
+        targets = self.targets_at(reference, s[1:])
+        shorten = shortened_coarse_first if coarse_first else shortened
+        shorter, spent = shorten(self.arm, targets, q[1:], q[0], self.cost)
         self.clock.count(spent)
         return np.vstack([q[:1], shorter])
 

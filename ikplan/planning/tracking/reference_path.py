@@ -22,6 +22,9 @@ __all__ = [
 ]
 
 
+_MANY = 64
+"""Between more required points than this two steps each are enough to begin with, else four:
+densifying adds what the joint spline through many short parts needs, and that is little."""
 _ROUNDING = 1e-12
 """Path positions this near to one another [m], or this share of the path, differ by rounding."""
 
@@ -76,7 +79,8 @@ def initial_points(reference: ReferencePath, step: float, begin: float = 0.0) ->
         kept.append(reference.length)
     ends = np.array(kept)
     gaps = np.diff(ends)
-    steps = 2 * np.maximum(2, np.ceil(gaps / (2.0 * step)).astype(np.int64))
+    least = 2 if len(gaps) <= _MANY else 1
+    steps = 2 * np.maximum(least, np.ceil(gaps / (2.0 * step)).astype(np.int64))
     # Even steps between each two; the points required are exact.
     part = np.repeat(np.arange(len(gaps)), steps)
     count = np.arange(len(part)) - np.repeat(np.cumsum(steps) - steps, steps) + 1
@@ -102,18 +106,20 @@ def nearest_points(s: Array, positions: Array) -> Indices:
     return np.where(positions - s[before] <= s[after] - positions, before, after)
 
 
-def points_around(reference: ReferencePath, s: Array, begin: float, end: float) -> tuple[int, int]:
-    """Return the last point not after a begin, and the first not before an end.
+def points_around(
+    reference: ReferencePath, s: Array, begins: Array, ends: Array
+) -> tuple[Indices, Indices]:
+    """Return the last points not after begins, and the first not before ends, shape (n,) each.
 
     Args:
         reference: The path.
         s: Path positions of the points, from 0 to the path's length, shape (m,).
-        begin: A path position.
-        end: One not before it.
+        begins: Path positions, shape (n,).
+        ends: As many not before them.
     """
     slack = _slack(reference)
-    first, last = (int(k) for k in nearest_points(s, np.array([begin, end])))
-    return first - int(s[first] > begin + slack), last + int(s[last] < end - slack)
+    first, last = nearest_points(s, begins), nearest_points(s, ends)
+    return first - (s[first] > begins + slack), last + (s[last] < ends - slack)
 
 
 def _slack(reference: ReferencePath) -> float:

@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TypeVar
 
 import numpy as np
 
-from ikplan.arrays import Array
+from ikplan.arrays import Array, Flags
 from ikplan.planning.ladder.ik_candidates import Targets
 from ikplan.planning.tracking.reference_path import ReferencePath, initial_points, turn_between
 from ikplan.planning.tracking.tracked_arm import MAX_POINTS, TrackedArm
 from ikplan.planning.tracking.tracking_kernels import NO_EXTRA_OFFSET, track_points
+
+Rows = TypeVar("Rows", Array, Flags)
 
 __all__ = ["FirstPoints", "TrackedPart", "first_points", "track_from"]
 
@@ -34,6 +37,23 @@ class FirstPoints:
     s: Array
     targets: Targets
     redundant: bool
+
+    def thinned(self, count: int) -> FirstPoints:
+        """Return about so many of the points: an even number of steps, the last point included."""
+        stride = max(1, (len(self.s) - 1) // count)
+        last = len(self.s) - 1
+        rows = np.append(np.arange(0, last - stride + 1, stride), last)
+        if len(rows) % 2 == 0:
+            rows = np.insert(rows, -1, (rows[-2] + last) // 2)
+        t = self.targets
+        some = Targets(
+            np.ascontiguousarray(t.R[rows]),
+            np.ascontiguousarray(t.p[rows]),
+            t.oriented[rows],
+            t.weight[rows],
+            t.freedom,
+        )
+        return FirstPoints(self.s[rows], some, self.redundant)
 
 
 def first_points(
@@ -123,18 +143,22 @@ def track_from(
             reached += over
             continue
         halves = 0.5 * (s[reached : reached + 2] + s[reached + 1 : reached + 3])
-        places = [reached + 1, reached + 2]
-        s = np.insert(s, places, halves)
+        s = _halved(s, reached, halves)
         q = np.vstack([q[: reached + 1], np.empty((len(s) - reached - 1, q.shape[1]))])
-        targets = _inserted(targets, places, tracked.targets_at(reference, halves))
+        further = tracked.targets_at(reference, halves)
+        targets = Targets(
+            _halved(targets.R, reached, further.R),
+            _halved(targets.p, reached, further.p),
+            _halved(targets.oriented, reached, further.oriented),
+            _halved(targets.weight, reached, further.weight),
+            targets.freedom,
+        )
 
 
-def _inserted(targets: Targets, places: list[int], further: Targets) -> Targets:
-    """Insert further targets before places."""
-    return Targets(
-        np.insert(targets.R, places, further.R, axis=0),
-        np.insert(targets.p, places, further.p, axis=0),
-        np.insert(targets.oriented, places, further.oriented),
-        np.insert(targets.weight, places, further.weight),
-        targets.freedom,
-    )
+def _halved(rows: Rows, k: int, halves: Rows) -> Rows:
+    """Return rows with one more in each of the two steps after row k, as numpy.insert has them."""
+    longer = np.empty((len(rows) + 2, *rows.shape[1:]), dtype=rows.dtype)
+    longer[: k + 1] = rows[: k + 1]
+    longer[k + 1], longer[k + 2], longer[k + 3] = halves[0], rows[k + 1], halves[1]
+    longer[k + 4 :] = rows[k + 2 :]
+    return longer

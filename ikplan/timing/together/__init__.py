@@ -1,0 +1,1 @@
+"""Timing of many short spans, each from rest to rest, as one problem."""

@@ -24,7 +24,7 @@ demo: $(STAMP)   ## plan the helix of examples/ and write out/helix.{json,csv,pn
 
 kernels: $(STAMP) ## compile every kernel, for any processor of the family, into a wheel in dist; minutes
 	$(BIN)/python kernels/build.py kernels/ikplan_kernels/kernels.pack
-	$(BIN)/python -m pip wheel --quiet --disable-pip-version-check --no-deps --wheel-dir dist kernels
+	$(BIN)/python -m pip wheel --quiet --disable-pip-version-check --no-deps --wheel-dir dist ./kernels
 
 client: $(STAMP) ## write the wheel of the client alone to dist
 	$(BIN)/python -m pip wheel --quiet --disable-pip-version-check --no-deps --wheel-dir dist ./client

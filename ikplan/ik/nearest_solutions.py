@@ -13,6 +13,7 @@ import numpy as np
 
 from ikplan._jit import kernel
 from ikplan.arrays import Array
+from ikplan.copying import copy_into
 from ikplan.ik.levenberg_marquardt import Effort, refine
 from ikplan.ik.restarts import PATIENCE, nearest_turns, restart_into
 from ikplan.ik.self_motion import nearest_on_manifold
@@ -99,17 +100,17 @@ def nearest_solutions(
         if distance <= tolerance_position and angle <= tolerance_orientation:
             nearest_turns(chain, q, q_start, lower, upper)
             if not _doubles(q, pool, count, 1e-4):
-                pool[count] = q
+                copy_into(pool[count], q)
                 lengths[count] = _distance(q, q_start)
                 count += 1
         elif count == 0 and distance * distance + angle * angle < best:
             best = distance * distance + angle * angle
-            solutions[0] = q
+            copy_into(solutions[0], q)
             errors[0, 0], errors[0, 1], errors[0, 2] = distance, angle, math.inf
-    order = np.argsort(lengths[:count])
+    order = np.argsort(lengths[:count], kind="mergesort")
     found = 0
     for j in range(min(count, slides)):
-        q[:] = pool[order[j]]
+        copy_into(q, pool[order[j]])
         evaluations += nearest_on_manifold(chain, target, q, q_start, lower, upper, 60, w)
         distance, angle, spent = refine(chain, target, q, lower, upper, Effort(3, PATIENCE), w)
         evaluations += spent
@@ -118,10 +119,10 @@ def nearest_solutions(
         length = _distance(q, q_start)
         place = found
         while place > 0 and length < errors[place - 1, 2]:
-            solutions[place] = solutions[place - 1]
-            errors[place] = errors[place - 1]
+            copy_into(solutions[place], solutions[place - 1])
+            copy_into(errors[place], errors[place - 1])
             place -= 1
-        solutions[place] = q
+        copy_into(solutions[place], q)
         errors[place, 0], errors[place, 1], errors[place, 2] = distance, angle, length
         found += 1
     return found, evaluations

@@ -13,6 +13,7 @@ import numpy as np
 
 from ikplan._jit import kernel, leaf_kernel
 from ikplan.arrays import Array
+from ikplan.copying import copy_into
 from ikplan.ik.levenberg_marquardt import (
     Effort,
     Workspace,
@@ -146,10 +147,10 @@ def nearest_on_manifold(
         best += (q[j] - q_start[j]) ** 2
     scale = 1.0
     for iteration in range(iterations):
-        here[:] = q
+        copy_into(here, q)
         differentiate(chain, target, w)
         length = _pull(here, q_start, lower, upper, w)
-        pull[:] = w.dq
+        copy_into(pull, w.dq)
         if iteration > 0:
             moved, turned = 0.0, 0.0
             for j in range(dof):
@@ -157,8 +158,8 @@ def nearest_on_manifold(
                 turned += (here[j] - before[j]) * (pull_before[j] - pull[j])
             scale = min(moved / turned, 1e3) if turned > 0.0 else 4.0 * scale
         scale = min(scale, _LONGEST / max(length, 1e-300))
-        before[:] = here
-        pull_before[:] = pull
+        copy_into(before, here)
+        copy_into(pull_before, pull)
         nearer = False
         for attempt in range(10):
             # What there is to gain must show in the digits of the distance.
@@ -181,7 +182,7 @@ def nearest_on_manifold(
             if exact and total < best:
                 nearer, best = True, total
                 break
-            q[:] = here
+            copy_into(q, here)
             scale *= 0.25
         if not nearer:
             break

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+import contextlib
+from typing import NamedTuple
 
 import yaml
 
 from ikplan.robots.folders import robot_folder, robot_names
-from ikplan.robots.yaml_text import load_yaml
+from ikplan.robots.yaml_text import glance_at_yaml
 
 __all__ = ["ListedRobot", "listed_robots"]
 
@@ -38,13 +39,11 @@ def listed_robots() -> list[ListedRobot]:
 def _listed(name: str) -> ListedRobot:
     """What the list shows of a robot; a file that does not show it is read in full."""
     text = (robot_folder(name) / "robot.yaml").read_bytes()
-    try:
-        content: Any = load_yaml(text)
-        title, joints = content["title"], content["joints"]
-        if content["name"] == name and isinstance(title, str) and isinstance(joints, list):
-            return ListedRobot(name, title, len(joints))
-    except (yaml.YAMLError, RecursionError, KeyError, TypeError):
-        pass  # the full reader says what is wrong
+    with contextlib.suppress(yaml.YAMLError):  # the full reader says what is wrong
+        shown = glance_at_yaml(text)
+        title, joints = shown.get("title"), shown.get("joints")
+        if shown.get("name") == name and isinstance(title, str) and isinstance(joints, int):
+            return ListedRobot(name, title, joints)
     from ikplan.robots.load import catalogue_robot
 
     robot = catalogue_robot(name)

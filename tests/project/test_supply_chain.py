@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 import runpy
 import subprocess
 import sys
@@ -78,3 +79,11 @@ def test_the_bill_of_materials_lists_what_is_locked_with_its_licences(tmp_path: 
         (licence,) = component["licenses"]
         assert licence["expression"] == DEPENDENCIES[component["name"]]["license"]
         assert component["externalReferences"][0]["hashes"]
+
+
+def test_the_wheels_that_make_builds_are_of_this_checkout() -> None:
+    """A bare name is a project of the package index to pip, whatever folder has it."""
+    makefile = (ROOT / "Makefile").read_text()
+    built = re.findall(r"pip wheel .* (\S+)$", makefile, re.MULTILINE)
+    assert sorted(built) == ["./client", "./kernels"]
+    assert all((ROOT / place / "pyproject.toml").is_file() for place in built)

@@ -3,69 +3,103 @@
 from __future__ import annotations
 
 import asyncio
+import json
+import pickle
 import socket
-from concurrent.futures import Future
 from typing import Any
 
 import pytest
+from pebble import ProcessExpired
 
+from ikplan import RobotNotFound, WorkerLost
 from ikplan.workers.process import TaskNotStarted
 from ikplan_api.workers import shared_memory, worker
+from ikplan_api.workers.task_line import TaskLine, hear, say
 from ikplan_api.workers.tasks import TaskInput, TaskResult
 from ikplan_api.workers.worker_slot import WorkerSlot
 
 LONG = bytes(range(256)) * 1024
+TASK = TaskInput(b"{}")
 
 
-def slot_with(reply: worker.WorkerReply) -> tuple[WorkerSlot, socket.socket]:
-    """A slot whose worker has this reply, and the worker's end of its pair of sockets."""
+class Worker:
+    """What answers in the place of a worker, over the sockets of its slot.
 
-    class Process:
-        def begin(self, *_: object, **__: object) -> Future[worker.WorkerReply]:
-            done: Future[worker.WorkerReply] = Future()
-            done.set_result(reply)
-            return done
+    Args:
+        answer: What it says to any task.
+        document: What it sends in shared memory before; None: nothing.
+        closes: Whether it closes that socket.
+    """
 
-        def stop(self) -> None:
-            return None
+    def __init__(self, answer: object, document: bytes | None = None, closes: bool = False) -> None:
+        self.slot = WorkerSlot(0)
+        self.slot._line = self._line = TaskLine()
+        self.slot._documents = here, there = socket.socketpair()
+        self.slot._reports = socket.socketpair(socket.AF_UNIX, socket.SOCK_DGRAM)
+        for end in (here, self.slot._reports[0]):
+            end.setblocking(False)
+        self._answer, self._document, self._closes, self._there = answer, document, closes, there
 
-    slot = WorkerSlot(0, socket.socket())
-    here, there = socket.socketpair()
-    here.setblocking(False)
-    slot._process = Process()  # type: ignore[assignment]
-    slot._documents = here, there
-    return slot, there
+    def _work(self) -> None:
+        number, _ = hear(self._line.there, lambda _: None)
+        if self._document is not None:
+            shared_memory.send(self._there, self._document)
+        if self._closes:
+            self._there.close()
+        if isinstance(self._answer, ProcessExpired):
+            self.slot._reports[1].send(json.dumps([number, "", 0, 0]).encode())
+            self._loop.call_soon_threadsafe(self.slot._end, self._line, self._answer)
+        else:
+            say(self._line.there, number, pickle.dumps(self._answer))
 
+    def run(self, healthy: list[bool], task: TaskInput = TASK) -> TaskResult:
+        async def ask() -> TaskResult:
+            self._loop = asyncio.get_running_loop()
+            working = asyncio.create_task(asyncio.to_thread(self._work))
+            try:
+                return await self.slot.run("fk", task, worker.TaskLimits(1.0, 1.0), lambda *_: None)
+            finally:
+                await working
+                healthy.append(self.slot.healthy)
+                await self.slot.empty()
 
-def run(slot: WorkerSlot, healthy: list[bool]) -> TaskResult:
-    async def ask() -> TaskResult:
-        try:
-            return await slot.run(1, "fk", TaskInput(b"{}"), worker.TaskLimits(1.0, 1.0))
-        finally:
-            healthy.append(slot.healthy)
-            slot._initial[1].close()
-            await slot.empty()
-
-    return asyncio.run(ask())
+        return asyncio.run(ask())
 
 
 def test_a_long_answer_arrives_by_shared_memory() -> None:
-    slot, there = slot_with(worker.WorkerReply(TaskResult(b""), len(LONG)))
-    shared_memory.send(there, LONG)
     healthy: list[bool] = []
-    assert run(slot, healthy).document == LONG
+    ready = Worker(worker.WorkerReply(TaskResult(b""), len(LONG)), LONG)
+    assert ready.run(healthy).document == LONG
     assert healthy == [True]
 
 
 @pytest.mark.parametrize("closed", [False, True])
 def test_a_long_answer_that_does_not_arrive_is_made_again(closed: bool) -> None:
-    slot, there = slot_with(worker.WorkerReply(TaskResult(b""), len(LONG)))
-    if closed:
-        there.close()
     healthy: list[bool] = []
     with pytest.raises(TaskNotStarted):
-        run(slot, healthy)
+        Worker(worker.WorkerReply(TaskResult(b""), len(LONG)), closes=closed).run(healthy)
     assert healthy == [False]  # it is replaced
+
+
+def test_a_task_and_an_answer_longer_than_any_buffer_arrive() -> None:
+    long, healthy = bytes(8 * 2**20), list[bool]()
+    echo = Worker(worker.WorkerReply(TaskResult(long), 0))
+    assert echo.run(healthy, TaskInput(long)).document == long
+    assert healthy == [True]
+
+
+def test_a_verdict_leaves_the_worker_as_it_is() -> None:
+    healthy: list[bool] = []
+    with pytest.raises(RobotNotFound):
+        Worker(RobotNotFound("no such robot", name="x", valid=[])).run(healthy)
+    assert healthy == [True]
+
+
+def test_a_worker_that_ends_in_a_task_that_it_began_is_lost() -> None:
+    healthy: list[bool] = []
+    with pytest.raises(WorkerLost):
+        Worker(ProcessExpired("ended", code=-11)).run(healthy)
+    assert healthy == [False]
 
 
 @pytest.mark.parametrize("nth", [1, 2])

@@ -85,8 +85,9 @@ def test_damaged_pages_end_in_a_refusal_or_are_planned_again(seed: int, tmp_path
     path = tmp_path / "store.sqlite3"
     fill(path)
     content = bytearray(path.read_bytes())
-    page = int(np.random.default_rng(seed).integers(1, len(content) // 4096))
-    content[4096 * page : 4096 * (page + 1)] = b"\xff" * 4096
+    size = int.from_bytes(content[16:18])  # as the file itself says
+    page = int(np.random.default_rng(seed).integers(1, len(content) // size))
+    content[size * page : size * (page + 1)] = b"\xff" * size
     path.write_bytes(content)
     with pytest.raises(InvalidRequest, match="IKPLAN_STORE_PATH"):
         use(read, path)

@@ -64,7 +64,8 @@ class PlanInProgress:
         self._update(state=state)
 
     def _update(self, **fields: Any) -> None:
-        self._status = self._status.model_copy(update=fields)
+        # Of our own making: nothing is to be validated, and this is done for every report.
+        self._status = PlanStatus.model_construct(**{**self._status.__dict__, **fields})
         self._changed.set()
         self._changed = asyncio.Event()
 

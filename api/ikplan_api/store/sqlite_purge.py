@@ -21,12 +21,12 @@ _SLICE = 32
 _AUDIT_SLICE = 256
 _MOST_AUDIT = 1_000_000
 """Most actions of the audit that are stored."""
-_PAGES = 64
-"""Most pages that one statement gives back."""
+_GIVEN_BACK = 256 * 1024
+"""Most that one statement gives back [bytes]."""
 _FREE_SHARE = 1 / 8
 """Share of unused pages in the file from which it is shortened."""
-_LEAST_FREE = 256
-"""Unused pages that the file may always have."""
+_LEAST_FREE = 1024 * 1024
+"""What may be unused in any file [bytes]."""
 _PAUSE_S = 0.002
 """Pause between two slices, in which waiting writes have their turn [s]."""
 _AGE_EVERY_S = 60.0
@@ -142,8 +142,9 @@ class SqlitePurge:
         """Give some unused pages back; return whether there are more."""
         (free,) = await self._file.row("PRAGMA freelist_count", ())
         (pages,) = await self._file.row("PRAGMA page_count", ())
-        if free <= max(_LEAST_FREE, math.ceil(_FREE_SHARE * pages)):
+        (size,) = await self._file.row("PRAGMA page_size", ())
+        if free <= max(_LEAST_FREE // size, math.ceil(_FREE_SHARE * pages)):
             return False
-        await self._file.change(f"PRAGMA incremental_vacuum({_PAGES})", ())
+        await self._file.change(f"PRAGMA incremental_vacuum({_GIVEN_BACK // size})", ())
         (left,) = await self._file.row("PRAGMA freelist_count", ())
         return bool(left < free)  # a file that cannot shrink stays as it is

@@ -6,8 +6,11 @@ __all__ = ["ADDED", "OPEN", "SCHEMA", "SHARED", "UPGRADE", "VERSION"]
 
 VERSION = 2
 """Version of the file's content."""
-# Pages of what is deleted can be given back only in a file that was made so.
+# Pages of what is deleted can be given back only in a file that was made so. Documents are long: in
+# pages of 16 KiB one takes two thirds of the processor time that it takes in the usual 4 KiB, while
+# larger pages make the small changes dear. A file keeps the pages that it was made with.
 OPEN = """
+PRAGMA page_size = 16384;
 PRAGMA locking_mode = EXCLUSIVE;
 PRAGMA auto_vacuum = INCREMENTAL;
 PRAGMA journal_mode = WAL;

@@ -3,12 +3,8 @@
 from __future__ import annotations
 
 import asyncio
-import contextlib
-import itertools
-import json
 import logging
 import math
-import socket
 import time
 
 from ikplan.errors import BudgetExceeded, MemoryExceeded, ServiceUnavailable
@@ -77,13 +73,10 @@ class ProcessPlanner:
         self._mean_s = 0.0  # of the latest tasks
         self._pending = 0
         self._running = 0
-        self._numbers = itertools.count()
-        self._progress_of: dict[int, _TaskProgress] = {}
         self._slots: list[WorkerSlot] = []
         self._idle: asyncio.Queue[WorkerSlot | None] = asyncio.Queue()
         self._filling: set[asyncio.Task[None]] = set()
         self._warming: asyncio.Task[None] | None = None
-        self._reports: tuple[socket.socket, socket.socket] | None = None
         self._ready = False
         self._closed = False
 
@@ -178,13 +171,11 @@ class ProcessPlanner:
             if slot is None:
                 self._idle.put_nowait(None)  # for the next waiting task
                 raise _stopping()
-            number = next(self._numbers)
-            self._progress_of[number] = task_progress
             self._running += 1
             began = time.monotonic()
             attempts.begin()
             try:
-                return await slot.run(number, kind, task, limits)
+                return await slot.run(kind, task, limits, task_progress)
             except TaskNotStarted:
                 attempts.withdraw()
                 continue
@@ -210,7 +201,6 @@ class ProcessPlanner:
                 self._running -= 1
                 took_s = time.monotonic() - began
                 self._mean_s += (took_s - self._mean_s) * (_SHARE if self._mean_s else 1.0)
-                del self._progress_of[number]
                 self._release(slot)
         raise ServiceUnavailable(
             "the workers are being replaced",
@@ -247,11 +237,7 @@ class ProcessPlanner:
         await asyncio.shield(self._warming)
 
     async def _warm_up(self) -> None:
-        here, there = socket.socketpair(socket.AF_UNIX, socket.SOCK_DGRAM)
-        here.setblocking(False)
-        self._reports = here, there
-        asyncio.get_running_loop().add_reader(here, self._read_reports)
-        self._slots = [WorkerSlot(self._memory_bytes, there) for _ in range(self._workers)]
+        self._slots = [WorkerSlot(self._memory_bytes) for _ in range(self._workers)]
         # This process itself lists and describes the robots.
         await asyncio.gather(
             asyncio.to_thread(tasks.robots_document), *(slot.fill() for slot in self._slots)
@@ -260,15 +246,6 @@ class ProcessPlanner:
             self._idle.put_nowait(slot)
         self._ready = True
         _log.info("ready")
-
-    def _read_reports(self) -> None:
-        """Pass on the workers' progress reports."""
-        assert self._reports is not None
-        with contextlib.suppress(BlockingIOError):
-            while True:
-                task, stage, done, total = json.loads(self._reports[0].recv(4096))
-                if report := self._progress_of.get(task):
-                    report(stage, done, total)
 
     async def close(self) -> None:
         """Stop the workers and cancel their tasks."""
@@ -280,11 +257,6 @@ class ProcessPlanner:
         for filling in list(self._filling):
             await asyncio.wait([filling])
         await asyncio.gather(*(slot.empty() for slot in self._slots))
-        if self._reports is not None:
-            asyncio.get_running_loop().remove_reader(self._reports[0])
-            for end in self._reports:
-                end.close()
-            self._reports = None
 
 
 def _stopping() -> ServiceUnavailable:

@@ -6,6 +6,7 @@ import contextlib
 import functools
 import json
 import os
+import pickle
 import resource
 import signal
 import socket
@@ -16,7 +17,7 @@ from typing import NamedTuple
 
 from ikplan.errors import IkplanError
 from ikplan.workers.child import Fault, set_up
-from ikplan_api.workers import shared_memory, tasks
+from ikplan_api.workers import shared_memory, task_line, tasks
 from ikplan_api.workers.tasks import TaskInput, TaskResult
 
 __all__ = [
@@ -28,6 +29,7 @@ __all__ = [
     "prepare",
     "ready",
     "run",
+    "serve",
 ]
 
 OUT_OF_MEMORY = 76
@@ -36,7 +38,7 @@ READY_S = 300.0
 """Time to load or compile kernels before a task's clock starts [s]; not part of its budget."""
 _EVERY_S = 0.05
 _SHORT = 32 * 1024
-"""Longest document that a pipe carries in one piece [bytes]."""
+"""Longest document that the line of the task carries [bytes]."""
 _reports: list[socket.socket] = []
 _documents: list[socket.socket] = []
 
@@ -109,10 +111,46 @@ class _Reporter:
         elif stage == self._stage and now < self._next:
             return
         self._stage, self._next = stage, now + _EVERY_S
-        # The reader may be slower: the next report replaces a lost one.
-        with contextlib.suppress(BlockingIOError):
-            for reports in _reports:
-                reports.send(json.dumps([self._task, stage, done, total]).encode())
+        _report(self._task, stage, done, total)
+
+
+def _report(task: int, stage: str, done: int, total: int) -> None:
+    # The reader may be slower: the next report replaces a lost one.
+    with contextlib.suppress(BlockingIOError):
+        for reports in _reports:
+            reports.send(json.dumps([task, stage, done, total]).encode())
+
+
+def _begun(task: int) -> None:
+    """Report that a task has arrived, by a stage without a name."""
+    _report(task, "", 0, 0)
+
+
+def serve(connection: socket.socket) -> None:
+    """Run the tasks that arrive, one after the other, until the service ends.
+
+    Args:
+        connection: The worker's end of its line.
+    """
+    while True:
+        try:
+            number, message = task_line.hear(connection, _begun)
+        except OSError:
+            return
+        except MemoryError:
+            os._exit(OUT_OF_MEMORY)
+        task_line.say(connection, number, _answer(number, message))
+
+
+def _answer(number: int, message: bytes) -> bytes:
+    """Run the task of a message; return its reply or its error, pickled."""
+    try:
+        answer: WorkerReply | Exception = run(number, *pickle.loads(message))
+    except (IkplanError, Fault) as error:
+        answer = error
+    except MemoryError:
+        os._exit(OUT_OF_MEMORY)
+    return pickle.dumps(answer, pickle.HIGHEST_PROTOCOL)
 
 
 def _set_alarms(processor_s: float, wall_s: float) -> None:
@@ -144,14 +182,14 @@ def run(number: int, kind: str, task: TaskInput, limits: TaskLimits) -> WorkerRe
     except Exception:
         raise Fault(traceback.format_exc()) from None
     finally:
-        # Before the reply is sent: a worker that ends while it sends breaks the pipe.
+        # Before the reply is sent: nothing is lost on the way.
         _set_alarms(0.0, 0.0)
 
 
 def _reply(result: TaskResult) -> WorkerReply:
     length = len(result.document)
     if length > _SHORT:
-        with contextlib.suppress(OSError):  # then the pipe carries it
+        with contextlib.suppress(OSError):  # then the line carries it
             shared_memory.send(_documents[0], result.document)
             return WorkerReply(result._replace(document=b""), length)
     return WorkerReply(result, 0)

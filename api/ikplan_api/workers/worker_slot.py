@@ -3,20 +3,28 @@
 from __future__ import annotations
 
 import asyncio
+import contextlib
+import itertools
+import json
+import pickle
 import signal
 import socket
 
-from pebble import ProcessExpired
+from pebble import ProcessExpired, ProcessFuture
 
 from ikplan.errors import IkplanError
+from ikplan.planning import Progress
 from ikplan.workers.child import Fault
 from ikplan.workers.process import TaskNotStarted, WorkerProcess, worker_lost
 from ikplan_api.workers import shared_memory, worker
+from ikplan_api.workers.task_line import TaskLine
 from ikplan_api.workers.tasks import TaskInput, TaskResult
 
 __all__ = ["TaskTimeout", "WorkerOutOfMemory", "WorkerSlot"]
 
 _GRACE_S = 5.0
+_EVERY_S = 0.05
+"""Time between two looks at the progress of a task [s]."""
 _LONG = 4 * 2**20
 """Length from which copying a document takes milliseconds [bytes]."""
 
@@ -42,13 +50,16 @@ class WorkerSlot:
 
     Args:
         memory_bytes: Private memory that the worker may allocate [bytes]; 0: no limit.
-        reports: Socket for the worker's progress reports.
     """
 
-    def __init__(self, memory_bytes: int, reports: socket.socket) -> None:
-        self._initial = (memory_bytes, reports)
+    def __init__(self, memory_bytes: int) -> None:
+        self._memory_bytes = memory_bytes
         self._process = WorkerProcess("ikplan_api.workers.preload", worker.initialize)
-        self._documents: tuple[socket.socket, socket.socket] | None = None
+        self._line: TaskLine | None = None
+        self._reports: tuple[socket.socket, ...] = ()
+        self._documents: tuple[socket.socket, ...] = ()
+        self._numbers = itertools.count(1)
+        self._lost: BaseException | None = None
         self.pid = 0
         self.healthy = False
 
@@ -58,31 +69,53 @@ class WorkerSlot:
         Raises:
             Exception: The new worker failed to start.
         """
-        await asyncio.to_thread(self._fill)
+        await self.empty()
+        loop = asyncio.get_running_loop()
+        self._lost = None
+        self._line = line = TaskLine()
+        self._documents = _pair(socket.SOCK_STREAM)
+        self._reports = _pair(socket.SOCK_DGRAM)
+        serving = await asyncio.to_thread(self._start, line)
 
-    def _fill(self) -> None:
-        self._empty()
-        self._documents = here, there = socket.socketpair()
-        here.setblocking(False)
-        self._process.start(*self._initial, there)
-        self.pid = self._process.begin(worker.ready).result()
+        def ended(_: object) -> None:
+            error = serving.exception() or TaskNotStarted()
+            with contextlib.suppress(RuntimeError):  # the loop is closed
+                loop.call_soon_threadsafe(self._end, line, error)
+
+        serving.add_done_callback(ended)
         self.healthy = True
+
+    def _start(self, line: TaskLine) -> ProcessFuture[None]:
+        self._process.start(self._memory_bytes, self._reports[1], self._documents[1])
+        self.pid = self._process.begin(worker.ready).result()
+        return self._process.begin(worker.serve, line.there)
+
+    def _end(self, line: TaskLine, error: BaseException) -> None:
+        """Learn that a worker ended, in a task or not."""
+        line.give_up(error)
+        if line is self._line:
+            self._lost = error
 
     async def empty(self) -> None:
         """End the worker, even during a task."""
-        await asyncio.to_thread(self._empty)
-
-    def _empty(self) -> None:
         self.healthy = False
-        self._process.stop()
-        for end in self._documents or ():
+        await asyncio.to_thread(self._process.stop)
+        if self._line is not None:
+            self._line.close()
+        for end in (*self._documents, *self._reports):
             end.close()
-        self._documents = None
+        self._line, self._documents, self._reports = None, (), ()
 
     async def run(
-        self, number: int, kind: str, task: TaskInput, limits: worker.TaskLimits
+        self, kind: str, task: TaskInput, limits: worker.TaskLimits, progress: Progress
     ) -> TaskResult:
         """Run a task on the worker; if ``healthy`` is false afterwards, call ``fill``.
+
+        Args:
+            kind: Name of the task.
+            task: Its input.
+            limits: Time in which it must end.
+            progress: Receives its progress.
 
         Raises:
             IkplanError: The verdict on the request.
@@ -92,23 +125,27 @@ class WorkerSlot:
             WorkerLost: The worker ended during the task.
         """
         self.healthy = False
+        if self._line is None or self._lost is not None:
+            raise TaskNotStarted
+        reading = _Reading(next(self._numbers), self._reports[0], progress)
+        message = pickle.dumps((kind, task, limits), pickle.HIGHEST_PROTOCOL)
         try:
             # The worker has timers of its own; the longer limit is for a halted process.
-            patience_s = worker.READY_S + limits.wall_s + _GRACE_S
-            doing = self._process.begin(
-                worker.run, number, kind, task, limits, timeout_s=patience_s
-            )
-            reply = await asyncio.wrap_future(doing)
-        except (IkplanError, Fault):
-            self.healthy = True
-            raise
+            async with asyncio.timeout(worker.READY_S + limits.wall_s + _GRACE_S):
+                reply = pickle.loads(await self._line.ask(reading.number, message))
         except ProcessExpired as error:
-            raise _loss(error) from error
+            reading.read()
+            raise (_loss(error) if reading.begun else TaskNotStarted()) from error
         except TimeoutError as error:
             raise TaskTimeout(by_processor=False) from error
-        except RuntimeError as error:  # raised by pebble for a pool that lost its worker
+        except (RuntimeError, OSError) as error:  # a pool that lost its worker
             raise TaskNotStarted from error
-        result = reply.result
+        finally:
+            reading.end()
+        if isinstance(reply, Exception):
+            self.healthy = isinstance(reply, IkplanError | Fault)
+            raise reply
+        result: TaskResult = reply.result
         if reply.shared_bytes:
             try:
                 result = result._replace(document=await self._document(reply.shared_bytes))
@@ -119,11 +156,57 @@ class WorkerSlot:
 
     async def _document(self, length: int) -> bytes:
         """Receive the document that the worker sent."""
-        assert self._documents is not None
-        here, _ = self._documents
+        here = self._documents[0]
         if length > _LONG:
             return await asyncio.to_thread(shared_memory.receive, here)
         return shared_memory.receive(here)
+
+
+class _Reading:
+    """Reads the progress reports of one task, now and then: no report wakes the service.
+
+    Args:
+        number: Number of the task.
+        reports: Where its reports are.
+        progress: Receives them.
+
+    Attributes:
+        begun: Whether the task has arrived at its worker.
+    """
+
+    def __init__(self, number: int, reports: socket.socket, progress: Progress) -> None:
+        self.number = number
+        self.begun = False
+        self._reports = reports
+        self._progress = progress
+        self._loop = asyncio.get_running_loop()
+        self._timer = self._loop.call_later(_EVERY_S, self._again)
+
+    def _again(self) -> None:
+        self.read()
+        self._timer = self._loop.call_later(_EVERY_S, self._again)
+
+    def read(self) -> None:
+        """Pass on what has been reported."""
+        with contextlib.suppress(OSError):  # there is no more
+            while True:
+                task, stage, done, total = json.loads(self._reports.recv(4096))
+                if task == self.number:
+                    self.begun = True
+                    if stage:
+                        self._progress(stage, done, total)
+
+    def end(self) -> None:
+        """Read the last reports."""
+        self._timer.cancel()
+        self.read()
+
+
+def _pair(kind: socket.SocketKind) -> tuple[socket.socket, socket.socket]:
+    """Return a pair of sockets; reading from the first does not block."""
+    here, there = socket.socketpair(socket.AF_UNIX, kind)
+    here.setblocking(False)
+    return here, there
 
 
 def _loss(error: ProcessExpired) -> Exception:

@@ -139,7 +139,8 @@ def search(
     count = shapes.carrier.shape[0]
     centre, bound = np.zeros((count, 3)), np.zeros((count, m + 1))
     remaining = np.zeros((_LEVELS + 1, active.shape[0]), dtype=np.int64)
-    remaining[0, :] = active
+    for k in range(active.shape[0]):  # numba compiles much more for one array into another
+        remaining[0, k] = active[k]
     size = np.zeros(_LEVELS + 1, dtype=np.int64)
     size[0] = active.shape[0]
     starts, ends = np.zeros(_LEVELS + settings.parts), np.zeros(_LEVELS + settings.parts)

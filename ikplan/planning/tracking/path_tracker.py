@@ -11,6 +11,7 @@ from __future__ import annotations
 import contextlib
 from collections.abc import Iterator
 from dataclasses import replace
+from functools import partial
 from typing import Self
 
 import numpy as np
@@ -29,20 +30,19 @@ from ikplan.planning.tracking.reference_path import (
 from ikplan.planning.tracking.start_copies import StartCopies, turning_joints, without_limits
 from ikplan.planning.tracking.track_from import FirstPoints, first_points, track_from
 from ikplan.planning.tracking.tracked_arm import EXACT, TrackedArm
-from ikplan.planning.tracking.tracked_path import TrackedPath, TrackingFailed, in_contact
+from ikplan.planning.tracking.tracked_path import (
+    JointSequence,
+    TrackedPath,
+    TrackedStarts,
+    TrackingFailed,
+    farthest_failure,
+    in_contact,
+    shortest_first,
+)
 from ikplan.planning.tracking.tracking_kernels import first_discontinuity
 from ikplan.planning.within.track_within import SpanList
 
-__all__ = [
-    "FIRST_STEPS",
-    "JointSequence",
-    "PathTracker",
-    "farthest_failure",
-    "shortest_first",
-]
-
-JointSequence = tuple[float, Array, Array]
-"""Cost, path positions, shape (m,), and configurations, shape (m, dof)."""
+__all__ = ["FIRST_STEPS", "PathTracker"]
 
 FIRST_STEPS = (0.04, 0.005)
 """Spacing of the first points [m, or m-equivalent of a rotation]: the second where the first
@@ -51,8 +51,6 @@ _GLOBAL_STEPS = ((0.05, 0.01), (0.01, 0.003))
 """Least spacing of the points that sequences are chosen over [m], also as a share of the path."""
 _TRIED = 3
 """Sequences that are made dense, shortest first."""
-_DIGITS = 9
-"""Digits after the point to which lengths of sequences are compared."""
 
 
 class PathTracker(TrackedArm):
@@ -85,15 +83,17 @@ class PathTracker(TrackedArm):
         redundant = self.redundant(reference)
         broken: TrackingFailed | None = None
         for step in FIRST_STEPS:
-            sequences, failure = self._track_starts(reference, starts, costs, step, copies)
-            broken = farthest_failure(broken, failure)
+            tracked = self._track_starts(reference, starts, costs, step, copies)
+            sequences = tracked.clear(_TRIED)
             if not sequences:
+                broken = farthest_failure(broken, tracked.farthest())
                 break  # smaller steps were tried where it failed
             if redundant:
-                sequences = self._shorten_all(reference, sequences[:_TRIED])
+                sequences = self._shorten_all(reference, sequences)
             try:
-                return self._densify_first(reference, sequences[:_TRIED])
+                return self._densify_first(reference, sequences)
             except TrackingFailed as later:
+                broken = farthest_failure(broken, tracked.farthest())
                 broken = farthest_failure(broken, later)
         if broken is None:
             raise ValueError("no start was given")
@@ -112,7 +112,7 @@ class PathTracker(TrackedArm):
             BudgetExceeded: The time budget ran out.
         """
         costs = np.zeros(len(starts))
-        return self._track_starts(reference, starts, costs, FIRST_STEPS[0], None)[0]
+        return self._track_starts(reference, starts, costs, FIRST_STEPS[0], None).clear()
 
     def track_global(self, reference: ReferencePath, starts: Array, costs: Array) -> TrackedPath:
         """Track a tool path with a redundant arm on a sequence chosen over all points at once.
@@ -180,28 +180,20 @@ class PathTracker(TrackedArm):
         costs: Array,
         step: float,
         copies: StartCopies | None,
-    ) -> tuple[list[JointSequence], TrackingFailed | None]:
-        """Track the path from every start.
-
-        Returns:
-            Sequences, shortest first, and the failure that got farthest.
-        """
-        sequences: list[JointSequence] = []
-        farthest: TrackingFailed | None = None
+    ) -> TrackedStarts:
+        """Track the path from every start."""
+        ends: list[JointSequence | TrackingFailed] = []
         first = first_points(self, reference, step)
         for q_start, cost in zip(starts, costs, strict=True):
             self.clock.check()
             try:
                 s, q = self._track_copies(reference, q_start, first, copies)
             except TrackingFailed as failure:
-                farthest = farthest_failure(farthest, failure)
-                continue
-            if contact := self.first_contact(reference, s, q):
-                farthest = farthest_failure(farthest, in_contact(contact, s))
+                ends.append(failure)
                 continue
             before = float(cost) if copies is None else copies.cost(q[0])
-            sequences.append((before + self.sequence_cost(s, q), s, q))
-        return shortest_first(sequences), farthest
+            ends.append((before + self.sequence_cost(s, q), s, q))
+        return TrackedStarts(ends, partial(self.first_contact, reference))
 
     def _unlimited(self) -> Self:
         """The tracker of the arm whose turning joints have no limits."""
@@ -285,18 +277,3 @@ class PathTracker(TrackedArm):
         )
         self.clock.count(spent)
         return np.vstack([q[:1], shorter])
-
-
-def farthest_failure(a: TrackingFailed | None, b: TrackingFailed | None) -> TrackingFailed | None:
-    """Whichever got farther along the path; the first of those that got equally far.
-
-    What is tracked to the end but for contact counts before what is not: obstacles hold it alone.
-    """
-    if a is None or b is None:
-        return b if a is None else a
-    return b if (b.contact is not None, b.s) > (a.contact is not None, a.s) else a
-
-
-def shortest_first(sequences: list[JointSequence]) -> list[JointSequence]:
-    """Sequences in order of their length; equally long ones, but for rounding, as they are."""
-    return sorted(sequences, key=lambda sequence: round(sequence[0], _DIGITS))

@@ -43,8 +43,8 @@ __all__ = [
     "ToleranceBox",
 ]
 
-MAX_WAYPOINTS = 10_000
-MAX_SEGMENTS = 10_000
+MAX_WAYPOINTS = 20_000
+MAX_SEGMENTS = 20_000
 
 Segment = Annotated[
     LineSegment

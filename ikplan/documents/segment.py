@@ -45,7 +45,7 @@ __all__ = [
     "ToolSegment",
 ]
 
-MAX_SPLINE_POSES = 10_000
+MAX_SPLINE_POSES = 20_000
 MAX_MOVE_TARGETS = 100
 
 UPWARDS = (0.0, 0.0, 1.0)

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 from ikplan._lazy import on_first_use
 
 if TYPE_CHECKING:
+    from ikplan.path.build.found_corners import FoundCorners
     from ikplan.path.build.legs import JointLeg, JointWaypoint, Leg, MoveLeg, ToolLeg, legs_of
     from ikplan.path.build.passed_order import first_rows, passed_rows
     from ikplan.path.build.tolerance_corners import Rounding
@@ -17,6 +18,7 @@ else:
     __getattr__ = on_first_use(
         __name__,
         {
+            "FoundCorners": "build.found_corners",
             "JointLeg": "build.legs",
             "JointWaypoint": "build.legs",
             "Leg": "build.legs",
@@ -41,6 +43,7 @@ else:
 __all__ = [
     "TURN_LENGTH",
     "Corner",
+    "FoundCorners",
     "JointLeg",
     "JointWaypoint",
     "Leg",

@@ -14,7 +14,7 @@ from ikplan.documents.trajectory import MoveReport
 from ikplan.ik.solve import PoseSolver
 from ikplan.kinematics.target import Target
 from ikplan.limits import JointLimits
-from ikplan.path import Rounding, passed_rows
+from ikplan.path import FoundCorners, Rounding, passed_rows
 from ikplan.planning.ladder.motion_cost import MotionCost, plain_cost
 from ikplan.robots import Robot
 from ikplan.time_budget import TimeBudget
@@ -49,6 +49,7 @@ class JointPathProblem:
             the name of the move [m]; absent: none.
         rounding: Which corners are rounded within the tolerance, if the path asks for it.
         stops: Rows of the waypoints at which corners of tool paths are exact all the same.
+        found: Corners rounded so far; variants of the path share them.
         order: Numbers of the waypoints or segments in the order in which they are passed; None:
             as the path is written.
         ends: Configurations at which moves, and joint motions before a tool path, end, by name:
@@ -73,6 +74,7 @@ class JointPathProblem:
     move_margins: Mapping[str, float] = field(default_factory=dict)
     rounding: Rounding = "all"
     stops: frozenset[int] = frozenset()
+    found: FoundCorners = field(default_factory=FoundCorners)
     order: tuple[int, ...] | None = None
     ends: Mapping[str, tuple[Array, Target]] = field(default_factory=dict)
     left_from: Array | None = None

@@ -39,7 +39,7 @@ def plan_joint_path(problem: JointPathProblem) -> JointRoute:
     if not problem.start_free:
         planner.check_start_free()
         start = Pose(*tool_pose(problem, problem.q_start))
-    rules = problem.order, problem.stops
+    rules = problem.order, problem.stops, problem.found
     legs = legs_of(problem.path, start, planner.fk, problem.rounding, *rules)
     check_objective(problem.options, legs)
     try:

@@ -3,13 +3,21 @@
 from __future__ import annotations
 
 import contextlib
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from ikplan.arrays import Array
 from ikplan.collision.check import ContactCheck
-from ikplan.errors import Disconnected, InCollision, InvalidRequest, NoPlan, Unreachable
+from ikplan.errors import (
+    BudgetExceeded,
+    Disconnected,
+    InCollision,
+    InvalidRequest,
+    NoPlan,
+    Unreachable,
+)
 from ikplan.kinematics.target import Freedom, Target
 from ikplan.path import JointWaypoint, MoveLeg, ToolPath
 from ikplan.planning.joint_route import JointPathProblem
@@ -117,7 +125,8 @@ def track_tool_path(
         Disconnected: No continuous motion follows it.
         InCollision: All that was found is in contact.
         TrackingFailed: One of these, where the problem asks for no explanation.
-        BudgetExceeded: The time budget ran out.
+        BudgetExceeded: The time budget ran out; where another way was looked for after a verdict,
+            it carries that in words.
     """
     starts, costs, copies = ways.starts, ways.costs, ways.copies
     try:
@@ -130,16 +139,32 @@ def track_tool_path(
     if tracker.redundant(path):
         verdict = _verdict(problem, tracker, path, failure)
         if isinstance(verdict, Disconnected | InCollision):
-            with contextlib.suppress(TrackingFailed):
+            with contextlib.suppress(TrackingFailed), _telling(verdict):
                 return tracker.track_global(path, starts, costs)
     if failure.contact is None:
-        with contextlib.suppress(TrackingFailed):
+        with contextlib.suppress(TrackingFailed), _telling(verdict):
             return tracker.track_within(path, starts, costs, copies)
     if verdict is None:
         verdict = _verdict(problem, tracker, path, failure)
     if isinstance(verdict, Disconnected):
         verdict = _held_by_contact(problem, tracker, path, ways) or verdict
     raise verdict from failure
+
+
+@contextlib.contextmanager
+def _telling(verdict: NoPlan | None) -> Iterator[None]:
+    """Say what was known, where the time budget runs out in the search for a way around it."""
+    try:
+        yield
+    except BudgetExceeded as over:
+        if verdict is None:
+            raise
+        raise BudgetExceeded(
+            f"{over.detail}. Until then: {verdict.detail}",
+            stage=over.stage,
+            budget_s=over.budget_s,
+            best=over.best,
+        ) from verdict
 
 
 def _held_by_contact(

@@ -188,9 +188,23 @@ def test_many_faults_are_all_listed_and_the_first_is_told() -> None:
     assert fields == {"ik.seed", "budget_s", "colour"}
 
 
+@pytest.mark.parametrize("count", [10_001, 20_000])
+def test_a_recording_of_ten_seconds_at_1_khz_and_twice_as_much_is_a_path(count: int) -> None:
+    """sdu_controllers' circle of the panda has 10,001 rows."""
+    poses = [{"position": [0.5, 0.0, 0.3 + 1e-5 * k]} for k in range(count)]
+    lines = [{"type": "line", "to": pose} for pose in poses]
+    for path in (
+        {"waypoints": poses},
+        {"segments": [{"type": "spline", "through": poses}]},
+        {"segments": lines},
+    ):
+        request = parse(PlanRequest, {"robot": "iiwa14", "path": path})
+        assert request.path.waypoints is None or len(request.path.waypoints) == count
+
+
 def test_a_hundred_thousand_waypoints_and_one_are_too_many() -> None:
     waypoints = [{"position": [0.5, 0.0, 0.5]}] * 100_001
-    with pytest.raises(InvalidRequest, match="at most 10000") as caught:
+    with pytest.raises(InvalidRequest, match="at most 20000") as caught:
         parse(PlanRequest, {"robot": "iiwa14", "path": {"waypoints": waypoints}})
     assert caught.value.field == "path.waypoints"
 

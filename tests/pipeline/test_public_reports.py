@@ -114,6 +114,33 @@ def test_straight_ways_take_the_time_of_the_bang_bang_motion(
     assert exact * (1.0 - 1e-9) <= plan.duration <= exact * 1.01 + 2e-4
 
 
+@pytest.mark.parametrize(("away", "acceleration"), [(1e-5, 1e4), (1e-7, 1e3), (1e-3, 100.0)])
+def test_a_tiny_way_and_back_takes_the_time_of_two_bang_bang_motions(
+    away: float, acceleration: float, tmp_path: Path
+) -> None:
+    """toppra's problem suite, small_joint: to a waypoint where one joint turns back."""
+    links = "".join(
+        f'<link name="l{k}"/><joint name="j{k}" type="revolute"><parent link="l{k - 1}"/>'
+        f'<child link="l{k}"/><origin xyz="0.1 0 0"/><axis xyz="0 0 1"/>'
+        '<limit lower="-10" upper="10" velocity="100" effort="1"/></joint>'
+        for k in (1, 2, 3)
+    )
+    file = tmp_path / "t.urdf"
+    file.write_text(f'<robot name="t"><link name="l0"/>{links}</robot>')
+    own = {f"j{k}": {"acceleration": acceleration if k == 2 else 100.0} for k in (1, 2, 3)}
+    robot = load_robot(file, limits=own)
+    rows = [[0.0, 0.0, 0.0], [0.0, away, 0.0], [0.0, 0.0, 0.0]]
+    plan = ikplan.time_path(robot, rows, rate_hz=10_000)
+    exact = 4.0 * float(np.sqrt(away / acceleration))
+    assert plan.certificate.valid
+    # It ends at a sample, and has three of them at least.
+    assert exact * (1.0 - 1e-9) <= plan.duration <= exact * 1.01 + 3e-4
+    # It turns back between two samples.
+    assert away - 0.5 * acceleration * 1e-4**2 <= np.abs(np.array(plan.q)[:, 1]).max()
+    assert np.abs(np.array(plan.q)[:, 1]).max() <= away * (1.0 + 1e-9)
+    assert np.abs(np.array(plan.q)[:, [0, 2]]).max() == 0.0
+
+
 def test_a_turn_of_half_a_turn_is_refused_with_what_settles_it_and_less_is_planned() -> None:
     """Universal_Robots_ROS_Driver#540: the axis of a turn by 180 degrees is anyone's."""
 

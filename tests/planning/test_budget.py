@@ -11,12 +11,14 @@ import numpy as np
 import pytest
 
 import ikplan
-from ikplan import BudgetExceeded, Plan
+from ikplan import BudgetExceeded, Disconnected, Plan, load_robot
 from ikplan.documents.plan_request import IkOptions, Tolerance
 from ikplan.kinematics.target import pose_target
 from ikplan.planning import TimeBudget, select_configurations
 from ikplan.planning.tracking.densify import densify
+from ikplan.planning.tracking.tracked_path import TrackingFailed
 from ikplan.planning.waypoints.waypoint_problem import WaypointProblem
+from ikplan.planning.within.tolerant_tracker import TolerantTracker
 
 from .conftest import Time
 from .planar import Elongation, Polyline, joints, line, problem_of, solver_of, tracker_of, two_links
@@ -203,3 +205,41 @@ def test_no_further_start_is_led_once_the_budget_is_gone(passing: Time) -> None:
             tracker.track(guide, starts[:count], np.zeros(count))
         looks.append(passing.now)
     assert looks[0] == looks[1] > 1.5
+
+
+@pytest.mark.parametrize("search", ["track_global", "track_within"])
+def test_a_budget_that_is_gone_after_a_verdict_tells_it(
+    search: str, passing: Time, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """tesseract's puzzle_bent.csv with its axis fixed: lost at once, then searched on."""
+    home = load_robot("iiwa14").home
+    turns = {"type": "arc", "centre": [0.5, 0.0, 0.5], "angle": 14.0, "orientation": "follow"}
+    request: dict[str, Any] = {
+        "robot": "iiwa14",
+        "start": home.tolist(),
+        "path": {
+            "begin": {"position": [0.55, 0.0, 0.5], "quaternion_xyzw": [0.0, 1.0, 0.0, 0.0]},
+            "approach": "joint",
+            "segments": [turns],
+        },
+        "budget_s": 100.0,
+        "repairs": 0,
+        "scene": {"self_collision": False},
+    }
+    with pytest.raises(Disconnected) as refused:
+        ikplan.plan(request)
+
+    def slow(tracker: TolerantTracker, *_: Any) -> Any:
+        passing.now += 1000.0
+        tracker.clock.check()
+
+    def failing(*_: Any) -> Any:
+        raise TrackingFailed(0.0, home)
+
+    monkeypatch.setattr(TolerantTracker, "track_global", failing)
+    monkeypatch.setattr(TolerantTracker, search, slow)
+    with pytest.raises(BudgetExceeded) as caught:
+        ikplan.plan(request)
+    assert caught.value.stage == "planning"
+    assert caught.value.detail.startswith("the budget of 100 s")
+    assert caught.value.detail.endswith(f". Until then: {refused.value.detail}")

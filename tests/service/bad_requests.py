@@ -115,7 +115,7 @@ BAD = [
     Bad(
         "100,001 waypoints",
         changed("path", "waypoints", to=[{"position": [0.6, 0.0, 0.4]}] * 100_001),
-        InvalidRequest, ("at most 10000",), {"field": "path.waypoints"},
+        InvalidRequest, ("at most 20000",), {"field": "path.waypoints"},
     ),
     Bad(
         "rate of 0", changed("sampling", "rate_hz", to=0), InvalidRequest, (),

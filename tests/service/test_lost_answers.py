@@ -97,8 +97,9 @@ def test_a_verdict_leaves_the_worker_as_it_is() -> None:
 
 def test_a_worker_that_ends_in_a_task_that_it_began_is_lost() -> None:
     healthy: list[bool] = []
+    expired: Any = ProcessExpired
     with pytest.raises(WorkerLost):
-        Worker(ProcessExpired("ended", code=-11)).run(healthy)
+        Worker(expired("ended", code=-11)).run(healthy)
     assert healthy == [False]
 
 

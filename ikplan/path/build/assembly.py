@@ -10,6 +10,7 @@ import numpy as np
 
 from ikplan.path.build.corners import Junctions, blend_radii
 from ikplan.path.build.dense_runs import smooth_runs
+from ikplan.path.build.found_corners import FoundCorners
 from ikplan.path.build.items import ItemWaypoint, PathItem
 from ikplan.path.build.tolerance_corners import CornerTolerance, may_round, rounded_corners
 from ikplan.path.pieces.blend import Blend, blend_corner
@@ -33,6 +34,7 @@ def assemble(
     *,
     joint_after: bool = False,
     stops: Container[int] = (),
+    found: FoundCorners | None = None,
 ) -> ToolPath:
     """Join items to a path.
 
@@ -44,6 +46,7 @@ def assemble(
         rounding: How much those corners may be rounded instead; None: not at all.
         joint_after: Whether there is a corner at its end, to a joint motion.
         stops: Rows of the waypoints at which corners are exact all the same.
+        found: Corners rounded before, in another variant of the path; None: there are none.
 
     Raises:
         InvalidRequest: A blend does not fit, or there is no corner for it.
@@ -72,15 +75,21 @@ def assemble(
         if len(smooth) != len(kept) or any(a is not b for a, b in zip(smooth, kept, strict=True)):
             kept, junctions = smooth, Junctions.between(smooth)
     radii = blend_radii(kept, junctions, blend, joint_after=joint_after)
+    found = found or FoundCorners()
     blends = [
-        blend_corner(a.piece, b.piece, radius) if radius > 0.0 else None
+        _blended(a.piece, b.piece, radius, found) if radius > 0.0 else None
         for (a, b), radius in zip(pairwise(kept), radii, strict=True)
     ]
     if rounding is not None:
-        blends = rounded_corners(kept, junctions, blends, rounding)
+        blends = rounded_corners(kept, junctions, blends, rounding, found)
     path = _lay_out(waypoints, segments, kept, blends, junctions)
     slight = rounding is not None and len(may) < _FEW and bool((may & ~corners.sharp).any())
     return replace(path, rounded=bool(may.any()), sharp=sharp, slight=slight)
+
+
+def _blended(before: Piece, after: Piece, radius: float, found: FoundCorners) -> Blend | None:
+    """Round a corner within a radius asked for."""
+    return found.between(before, after, (radius,), lambda: blend_corner(before, after, radius))
 
 
 def _is_empty(item: PathItem) -> bool:

@@ -18,6 +18,7 @@ from ikplan.documents.segment import (
 )
 from ikplan.errors import InvalidRequest
 from ikplan.path.build.assembly import assemble
+from ikplan.path.build.found_corners import FoundCorners
 from ikplan.path.build.items import ItemWaypoint, PathItem
 from ikplan.path.build.orientation_lead_in import lead_in_orientations
 from ikplan.path.build.path_frame import PathFrame
@@ -51,6 +52,7 @@ class PathBuilder:
         blend: Radius of the corners that have none of their own [m].
         rounding: How much those corners may be rounded instead; None: not at all.
         stops: Rows of the waypoints at which corners are exact all the same.
+        found: Corners rounded before, in another variant of the path; None: there are none.
     """
 
     def __init__(
@@ -63,6 +65,7 @@ class PathBuilder:
         blend: float = 0.0,
         rounding: CornerTolerance | None = None,
         stops: Container[int] = (),
+        found: FoundCorners | None = None,
     ) -> None:
         self._frame = frame
         self._begin = self._at = begin
@@ -72,6 +75,7 @@ class PathBuilder:
         self._blend = blend
         self._rounding = rounding
         self._stops = stops
+        self._found = found
         self._items: list[PathItem] = []
         self._first: list[ItemWaypoint] = []
 
@@ -268,6 +272,7 @@ class PathBuilder:
             self._rounding,
             joint_after=joint_after,
             stops=self._stops,
+            found=self._found,
         )
 
     def _turn_to(

@@ -22,6 +22,7 @@ from ikplan.documents.segment import (
 )
 from ikplan.errors import InvalidRequest
 from ikplan.path.build.builder import PathBuilder
+from ikplan.path.build.found_corners import FoundCorners
 from ikplan.path.build.passed_order import RowCounter, first_rows
 from ikplan.path.build.path_frame import PathFrame
 from ikplan.path.build.tolerance_corners import CornerTolerance, Rounding
@@ -100,6 +101,7 @@ def legs_of(
     rounding: Rounding = "all",
     order: Sequence[int] | None = None,
     stops: Container[int] = (),
+    found: FoundCorners | None = None,
 ) -> list[Leg]:
     """Return the legs of a path, in order.
 
@@ -116,11 +118,12 @@ def legs_of(
         order: Numbers of the waypoints or segments in the order in which they are passed; None:
             as they are written.
         stops: Rows of the waypoints at which corners of tool paths are exact all the same.
+        found: Corners rounded before, in another variant of the path; None: there are none.
 
     Raises:
         InvalidRequest: The path makes no sense; names the field.
     """
-    walk = _Walk(path, start, fk, rounding, order, stops)
+    walk = _Walk(path, start, fk, rounding, order, stops, found)
     if path.waypoints is not None:
         walk.waypoints()
     else:
@@ -139,6 +142,7 @@ class _Walk:
         rounding: Rounding,
         order: Sequence[int] | None,
         stops: Container[int],
+        found: FoundCorners | None,
     ) -> None:
         self._path = path
         parts = path.segments if path.waypoints is None else path.waypoints
@@ -146,6 +150,7 @@ class _Walk:
         self._first_rows = first_rows(path)
         self._rounding = CornerTolerance.of(path, rounding)
         self._stops = stops
+        self._found = found
         self._frame = PathFrame(path)
         self._fk = fk
         self._row = RowCounter()
@@ -318,7 +323,15 @@ class _Walk:
         axis = None if free is None or free == "all" else free.about
         blend = self._path.blend or 0.0
         return PathBuilder(
-            self._frame, begin, self._name, self._row, axis, blend, self._rounding, self._stops
+            self._frame,
+            begin,
+            self._name,
+            self._row,
+            axis,
+            blend,
+            self._rounding,
+            self._stops,
+            self._found,
         )
 
     def _close(self) -> None:

@@ -12,6 +12,7 @@ import numpy as np
 from ikplan.arrays import Array, Flags
 from ikplan.documents.path import PathRequest
 from ikplan.path.build.corners import Junctions
+from ikplan.path.build.found_corners import FoundCorners
 from ikplan.path.build.items import PathItem
 from ikplan.path.pieces.blend import Blend, blend_corner
 from ikplan.path.pieces.piece import PathDerivatives, Piece, dot
@@ -79,6 +80,7 @@ def rounded_corners(
     junctions: Junctions,
     blends: Sequence[Blend | None],
     allowed: CornerTolerance,
+    found: FoundCorners,
 ) -> list[Blend | None]:
     """Round the corners that ask for no radius of their own as far as the tolerance allows.
 
@@ -90,13 +92,14 @@ def rounded_corners(
         junctions: The junctions between them.
         blends: The corners that are rounded within radii asked for.
         allowed: How far from the sharp path the tool may be.
+        found: Corners rounded before.
     """
     wanted = [bool(may) for may in may_round(items, junctions)]
     if allowed.slight_only:
         wanted = [may and not sharp for may, sharp in zip(wanted, junctions.sharp, strict=True)]
     rooms = _rooms(items, blends, wanted)
     return [
-        _rounded(a.piece, b.piece, rooms[k], allowed) if wanted[k] else blends[k]
+        _rounded(a.piece, b.piece, rooms[k], allowed, found) if wanted[k] else blends[k]
         for k, (a, b) in enumerate(pairwise(items))
     ]
 
@@ -132,12 +135,20 @@ def _rooms(
     return rooms
 
 
-def _rounded(before: Piece, after: Piece, room: float, allowed: CornerTolerance) -> Blend | None:
+def _rounded(
+    before: Piece, after: Piece, room: float, allowed: CornerTolerance, found: FoundCorners
+) -> Blend | None:
     """Round one corner; None: there is no room for it."""
     a = before.evaluate(np.array([before.length]))
     b = after.evaluate(np.zeros(1))
     bend = max(float(np.linalg.norm(b.v - a.v)), 1e-12)
     reach = min(room, allowed.position / (MIDDLE * bend))
+    bounds = reach, allowed.position, allowed.orientation, allowed.lever
+    return found.between(before, after, bounds, lambda: _shrunk(before, after, reach, allowed))
+
+
+def _shrunk(before: Piece, after: Piece, reach: float, allowed: CornerTolerance) -> Blend | None:
+    """Round one corner by a reach that shrinks until the curve is within the tolerance."""
     for _ in range(_TRIES):
         if reach < _LEAST:
             return None

@@ -44,7 +44,8 @@ def orders_of(
         BudgetExceeded: The time budget ran out.
     """
     tasks = tasks_of(problem.path, attached)
-    legs = legs_of(problem.path, _start(problem), partial(tool_pose, problem), problem.rounding)
+    fk, found = partial(tool_pose, problem), problem.found
+    legs = legs_of(problem.path, _start(problem), fk, problem.rounding, found=found)
     q_start: Array | None = None if problem.start_free else problem.q_start
     after = _after_begin(legs)
     if after and after[0] is not legs[0]:

@@ -12,7 +12,7 @@ from ikplan.errors import InvalidRequest
 from ikplan.joint_path import JointPath
 from ikplan.planning.tracking.path_deviation import deviation_ratios
 from ikplan.planning.tracking.reference_path import ReferencePath, rest_points, turn_between
-from ikplan.planning.tracking.tracked_arm import EXACT, MAX_POINTS, TrackedArm
+from ikplan.planning.tracking.tracked_arm import EXACT, TrackedArm, most_points
 from ikplan.planning.tracking.tracked_path import TrackingFailed
 from ikplan.planning.tracking.tracking_kernels import project_onto_targets
 from ikplan.planning.within.tolerance_window import error_ratios, project_within
@@ -54,6 +54,7 @@ def densify(
         InvalidRequest: The path takes more points than there may be.
         BudgetExceeded: The time budget ran out.
     """
+    most = most_points(len(s))
     targets_at = functools.partial(tracked.targets_at, reference)
     while True:
         tracked.clock.check()
@@ -72,9 +73,9 @@ def densify(
         wide = np.flatnonzero(off > _allowed(tracked, reference, s, q, windows or []))
         if len(wide) == 0:
             return s, q, rest
-        if len(s) > MAX_POINTS:
+        if len(s) > most:
             raise InvalidRequest(
-                f"path: more than {MAX_POINTS} path points are needed to keep the tool "
+                f"path: more than {most} path points are needed to keep the tool "
                 f"within {tracked.tolerance.position:.6g} m and "
                 f"{tracked.tolerance.orientation:.6g} rad of it; allow more, or send the path in "
                 "parts",

@@ -11,6 +11,7 @@ from __future__ import annotations
 import contextlib
 from collections.abc import Iterator
 from dataclasses import replace
+from functools import partial
 from typing import Self
 
 import numpy as np
@@ -33,20 +34,19 @@ from ikplan.planning.tracking.reference_path import (
 from ikplan.planning.tracking.start_copies import StartCopies, turning_joints, without_limits
 from ikplan.planning.tracking.track_from import FirstPoints, first_points, track_from
 from ikplan.planning.tracking.tracked_arm import EXACT, TrackedArm
-from ikplan.planning.tracking.tracked_path import TrackedPath, TrackingFailed, in_contact
+from ikplan.planning.tracking.tracked_path import (
+    JointSequence,
+    TrackedPath,
+    TrackedStarts,
+    TrackingFailed,
+    farthest_failure,
+    in_contact,
+    shortest_first,
+)
 from ikplan.planning.tracking.tracking_kernels import first_discontinuity
 from ikplan.planning.within.track_within import SpanList
 
-__all__ = [
-    "FIRST_STEPS",
-    "JointSequence",
-    "PathTracker",
-    "farthest_failure",
-    "shortest_first",
-]
-
-JointSequence = tuple[float, Array, Array]
-"""Cost, path positions, shape (m,), and configurations, shape (m, dof)."""
+__all__ = ["FIRST_STEPS", "PathTracker"]
 
 FIRST_STEPS = (0.04, 0.005)
 """Spacing of the first points [m, or m-equivalent of a rotation]: the second where the first
@@ -58,7 +58,7 @@ _TRIED = 3
 _FEW_POINTS = 64
 """About how many points of a long path tell which of many starts lead to short sequences."""
 _DIGITS = 9
-"""Digits after the point to which lengths of sequences are compared."""
+"""Digits after the point to which lengths are compared."""
 
 
 class PathTracker(TrackedArm):
@@ -93,18 +93,16 @@ class PathTracker(TrackedArm):
         for step in FIRST_STEPS:
             first = first_points(self, reference, step)
             for some in self._promising(reference, starts, costs, first, copies):
-                sequences, failure = self._track_starts(
-                    reference, starts[some], costs[some], first, copies
-                )
-                broken = farthest_failure(broken, failure)
-                tried = iter([sequences[:_TRIED]] if sequences else [])
-                if redundant and sequences:
-                    tried = self._shortened(reference, sequences[:_TRIED])
-                for shortest in tried:
+                tracked = self._track_starts(reference, starts[some], costs[some], first, copies)
+                sequences = tracked.clear(_TRIED)
+                for shortest in self._in_order(reference, sequences, redundant=redundant):
                     try:
                         return self._densify_first(reference, shortest)
                     except TrackingFailed as later:
+                        broken = farthest_failure(broken, tracked.farthest())
                         broken = farthest_failure(broken, later)
+                if not sequences:
+                    broken = farthest_failure(broken, tracked.farthest())
             if not sequences:
                 break  # smaller steps were tried where it failed
         if broken is None:
@@ -125,7 +123,7 @@ class PathTracker(TrackedArm):
         """
         costs = np.zeros(len(starts))
         first = first_points(self, reference, FIRST_STEPS[0])
-        return self._track_starts(reference, starts, costs, first, None)[0]
+        return self._track_starts(reference, starts, costs, first, None).clear()
 
     def track_global(self, reference: ReferencePath, starts: Array, costs: Array) -> TrackedPath:
         """Track a tool path with a redundant arm on a sequence chosen over all points at once.
@@ -193,27 +191,19 @@ class PathTracker(TrackedArm):
         costs: Array,
         first: FirstPoints,
         copies: StartCopies | None,
-    ) -> tuple[list[JointSequence], TrackingFailed | None]:
-        """Track the path from every start.
-
-        Returns:
-            Sequences, shortest first, and the failure that got farthest.
-        """
-        sequences: list[JointSequence] = []
-        farthest: TrackingFailed | None = None
+    ) -> TrackedStarts:
+        """Track the path from every start."""
+        ends: list[JointSequence | TrackingFailed] = []
         for q_start, cost in zip(starts, costs, strict=True):
             self.clock.check()
             try:
                 s, q = self._track_copies(reference, q_start, first, copies)
             except TrackingFailed as failure:
-                farthest = farthest_failure(farthest, failure)
-                continue
-            if contact := self.first_contact(reference, s, q):
-                farthest = farthest_failure(farthest, in_contact(contact, s))
+                ends.append(failure)
                 continue
             before = float(cost) if copies is None else copies.cost(q[0])
-            sequences.append((before + self.sequence_cost(s, q), s, q))
-        return shortest_first(sequences), farthest
+            ends.append((before + self.sequence_cost(s, q), s, q))
+        return TrackedStarts(ends, partial(self.first_contact, reference))
 
     def _promising(
         self,
@@ -294,10 +284,18 @@ class PathTracker(TrackedArm):
             raise TrackingFailed(float(part.s[-1]), part.q[-1].copy())
         return part.s, part.q
 
-    def _shortened(
-        self, reference: ReferencePath, sequences: list[JointSequence]
+    def _in_order(
+        self, reference: ReferencePath, sequences: list[JointSequence], *, redundant: bool
     ) -> Iterator[list[JointSequence]]:
-        """Yield the sequences made shorter, shortest first; long ones in the better way first."""
+        """Yield what is made dense, shortest first.
+
+        Of a redundant arm the sequences made shorter, long ones in the better way first.
+        """
+        if not sequences:
+            return
+        if not redundant:
+            yield sequences
+            return
         if any(len(s) > LONG for _, s, _ in sequences):
             yield self._shorten_all(reference, sequences, coarse_first=True)
         yield self._shorten_all(reference, sequences, coarse_first=False)
@@ -328,18 +326,3 @@ class PathTracker(TrackedArm):
         shorter, spent = shorten(self.arm, targets, q[1:], q[0], self.cost)
         self.clock.count(spent)
         return np.vstack([q[:1], shorter])
-
-
-def farthest_failure(a: TrackingFailed | None, b: TrackingFailed | None) -> TrackingFailed | None:
-    """Whichever got farther along the path; the first of those that got equally far.
-
-    What is tracked to the end but for contact counts before what is not: obstacles hold it alone.
-    """
-    if a is None or b is None:
-        return b if a is None else a
-    return b if (b.contact is not None, b.s) > (a.contact is not None, a.s) else a
-
-
-def shortest_first(sequences: list[JointSequence]) -> list[JointSequence]:
-    """Sequences in order of their length; equally long ones, but for rounding, as they are."""
-    return sorted(sequences, key=lambda sequence: round(sequence[0], _DIGITS))

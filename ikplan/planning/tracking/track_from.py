@@ -10,7 +10,7 @@ import numpy as np
 from ikplan.arrays import Array, Flags
 from ikplan.planning.ladder.ik_candidates import Targets
 from ikplan.planning.tracking.reference_path import ReferencePath, initial_points, turn_between
-from ikplan.planning.tracking.tracked_arm import MAX_POINTS, TrackedArm
+from ikplan.planning.tracking.tracked_arm import TrackedArm, most_points
 from ikplan.planning.tracking.tracking_kernels import NO_EXTRA_OFFSET, track_points
 
 Rows = TypeVar("Rows", Array, Flags)
@@ -107,7 +107,7 @@ def track_from(
     s, targets, redundant = first.s, first.targets, first.redundant
     q = np.empty((len(s), tracked.arm.dof))
     q[0] = q_start
-    reached = 0
+    reached, most = 0, most_points(len(s))
     while True:
         reached, spent = track_points(
             tracked.arm.chain,
@@ -129,7 +129,7 @@ def track_from(
         finest = gap < min(_FINEST * reference.length, _FINEST_STEP)
         if finest and tracked.oriented:
             finest = turn_between(reference, s[reached], s[reached + 2]) < _FINEST_TURN
-        if finest or len(s) > MAX_POINTS:
+        if finest or len(s) > most:
             # Over a sharp bend, or a jump: whether the arm can move so, densifying shows.
             these = slice(reached, reached + 3)
             over, spent = track_points(

@@ -19,13 +19,16 @@ from ikplan.planning.segment_number import segment_number
 from ikplan.planning.tracking.reference_path import ReferencePath
 from ikplan.time_budget import TimeBudget
 
-__all__ = ["EXACT", "MAX_POINTS", "TrackedArm"]
+__all__ = ["EXACT", "TrackedArm", "most_points"]
 
 
 EXACT = 1e-9
 """Error of a point that counts as none [m and rad]."""
-MAX_POINTS = 20_000
-"""Points of a path at which more are no longer added."""
+_MOST_POINTS = 20_000
+"""Points of a path at which more are no longer added, unless it begins with many."""
+_MOST_TIMES = 2
+"""The same as a multiple of the points that a path begins with: four to a stop, one to a waypoint
+that is passed."""
 
 
 @dataclass(frozen=True)
@@ -127,3 +130,12 @@ class TrackedArm:
         """Return whether the arm has self-motion along a path."""
         targets = self.targets_at(reference, np.array([0.5 * reference.length]))
         return self.arm.dof > constraint_rows(target_at(targets, 0))
+
+
+def most_points(begun_with: int) -> int:
+    """Return the number of points of a path at which more are no longer added.
+
+    Args:
+        begun_with: The number of points that it begins with.
+    """
+    return max(_MOST_POINTS, _MOST_TIMES * begun_with)

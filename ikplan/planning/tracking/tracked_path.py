@@ -2,12 +2,27 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
 
 from ikplan.arrays import Array, Indices
 from ikplan.collision.check import Contact
 
-__all__ = ["TrackedPath", "TrackingFailed", "in_contact"]
+__all__ = [
+    "JointSequence",
+    "TrackedPath",
+    "TrackedStarts",
+    "TrackingFailed",
+    "farthest_failure",
+    "in_contact",
+    "shortest_first",
+]
+
+JointSequence = tuple[float, Array, Array]
+"""Cost, path positions, shape (m,), and configurations, shape (m, dof)."""
+
+_DIGITS = 9
+"""Digits after the point to which lengths of sequences are compared."""
 
 
 @dataclass(frozen=True)
@@ -60,3 +75,65 @@ def in_contact(contact: Contact, s: Array) -> TrackingFailed:
     if contact.step + 1 < len(s):
         at += contact.share * float(s[contact.step + 1] - s[contact.step])
     return TrackingFailed(at, contact.q.copy(), contact=contact)
+
+
+def farthest_failure(a: TrackingFailed | None, b: TrackingFailed | None) -> TrackingFailed | None:
+    """Whichever got farther along the path; the first of those that got equally far.
+
+    What is tracked to the end but for contact counts before what is not: obstacles hold it alone.
+    """
+    if a is None or b is None:
+        return b if a is None else a
+    return b if (b.contact is not None, b.s) > (a.contact is not None, a.s) else a
+
+
+def shortest_first(sequences: Sequence[JointSequence]) -> list[JointSequence]:
+    """Sequences in order of their length; equally long ones, but for rounding, as they are."""
+    return sorted(sequences, key=lambda sequence: round(sequence[0], _DIGITS))
+
+
+@dataclass(frozen=True, eq=False)
+class TrackedStarts:
+    """What a path was tracked to from each start, and which of that is free of contact.
+
+    Only the shortest sequences are needed, and to look for contact costs more than to track: it
+    is looked for where a sequence, or the failure that got farthest, is asked for.
+
+    Attributes:
+        ends: What each start led to, in order.
+        contact: Looks for contact between the points of a sequence.
+    """
+
+    ends: Sequence[JointSequence | TrackingFailed]
+    contact: Callable[[Array, Array], Contact | None]
+    _met: dict[int, Contact | None] = field(default_factory=dict)
+
+    def clear(self, most: int | None = None) -> list[JointSequence]:
+        """Return the sequences free of contact, shortest first.
+
+        Args:
+            most: How many of them at most; None: all.
+        """
+        sequences = [end for end in self.ends if not isinstance(end, TrackingFailed)]
+        found: list[JointSequence] = []
+        for sequence in shortest_first(sequences):
+            if len(found) == most:
+                break
+            if self._contact_of(sequence) is None:
+                found.append(sequence)
+        return found
+
+    def farthest(self) -> TrackingFailed | None:
+        """Return the failure that got farthest; None: all are free of contact to their ends."""
+        farthest: TrackingFailed | None = None
+        for end in self.ends:
+            if isinstance(end, TrackingFailed):
+                farthest = farthest_failure(farthest, end)
+            elif contact := self._contact_of(end):
+                farthest = farthest_failure(farthest, in_contact(contact, end[1]))
+        return farthest
+
+    def _contact_of(self, sequence: JointSequence) -> Contact | None:
+        if id(sequence) not in self._met:
+            self._met[id(sequence)] = self.contact(sequence[1], sequence[2])
+        return self._met[id(sequence)]

@@ -7,16 +7,16 @@ from typing import Self
 
 from ikplan.arrays import Array
 from ikplan.path.tolerance_shares import left_to_tracking
-from ikplan.planning.tracking.path_tracker import (
-    FIRST_STEPS,
+from ikplan.planning.tracking.path_tracker import FIRST_STEPS, PathTracker
+from ikplan.planning.tracking.reference_path import ReferencePath
+from ikplan.planning.tracking.start_copies import StartCopies, turning_joints
+from ikplan.planning.tracking.tracked_path import (
     JointSequence,
-    PathTracker,
+    TrackedPath,
+    TrackingFailed,
     farthest_failure,
     shortest_first,
 )
-from ikplan.planning.tracking.reference_path import ReferencePath
-from ikplan.planning.tracking.start_copies import StartCopies, turning_joints
-from ikplan.planning.tracking.tracked_path import TrackedPath, TrackingFailed
 from ikplan.planning.within.straightening import straightened
 from ikplan.planning.within.track_within import SpanList, track_within
 

@@ -47,12 +47,17 @@ class Server(uvicorn.Server):
         stop = self.lifespan.state.get("stop")
         last_s = math.ceil(stop() if stop is not None else 0.0) + _LAST_BYTES_S
         self.config.timeout_graceful_shutdown = last_s
+        warming = self.lifespan.state.get("warming")
+        cold = warming is not None and not warming.done()
         try:
-            async with asyncio.timeout(last_s + _CLOSING_S):
+            async with asyncio.timeout(_LAST_BYTES_S if cold else last_s + _CLOSING_S):
                 await super().shutdown(sockets)
         except TimeoutError:
-            # As where kernels are just being compiled. Nothing is lost that a kill would not
-            # lose: what is kept is on the disk, and workers end with their service.
-            _log.error("the service did not end in time, and is ended")
+            # Nothing is lost that a kill would not lose: what is kept is on the disk, and workers
+            # end with their service. One that still loads its kernels cannot end before.
+            if cold:
+                _log.info("stopped before it was ready")
+            else:
+                _log.error("the service did not end in time, and is ended")
             logging.shutdown()
-            os._exit(1)
+            os._exit(0 if cold else 1)

@@ -149,7 +149,9 @@ def test_a_service_that_is_stuck_ends_all_the_same() -> None:
     with subprocess.Popen(command, **pipes) as process:
         assert process.stderr is not None
         address = process.stderr.readline().split()[3]
-        assert httpx.get(f"{address}/livez", timeout=WAIT_S).status_code == 200
+        # Before it is ready it does not wait: what loads kernels cannot be stopped.
+        while httpx.get(f"{address}/readyz", timeout=WAIT_S).status_code != 200:
+            time.sleep(0.1)
         process.send_signal(signal.SIGTERM)
         begin = time.monotonic()
         assert process.wait(WAIT_S) == 1

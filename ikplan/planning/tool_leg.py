@@ -27,7 +27,7 @@ from ikplan.planning.tracking.path_tracker import PathTracker
 from ikplan.planning.tracking.start_copies import StartCopies
 from ikplan.planning.tracking.tracked_path import TrackedPath, TrackingFailed, in_contact
 from ikplan.planning.tracking.tracking_failure import explain_tracking_failure
-from ikplan.planning.waypoints.ik_branches import branches
+from ikplan.planning.waypoints.ik_branches import branches, further_branches
 from ikplan.planning.waypoints.in_collision import motion_in_collision
 from ikplan.planning.waypoints.waypoint_problem import WaypointProblem
 from ikplan.planning.within.tolerant_tracker import TolerantTracker
@@ -141,6 +141,8 @@ def track_tool_path(
         if isinstance(verdict, Disconnected | InCollision):
             with contextlib.suppress(TrackingFailed), _telling(verdict):
                 return tracker.track_global(path, starts, costs)
+            with contextlib.suppress(TrackingFailed), _telling(verdict):
+                return _track_from_more(tracker, path, ways)
     if failure.contact is None:
         with contextlib.suppress(TrackingFailed), _telling(verdict):
             return tracker.track_within(path, starts, costs, copies)
@@ -149,6 +151,27 @@ def track_tool_path(
     if isinstance(verdict, Disconnected):
         verdict = _held_by_contact(problem, tracker, path, ways) or verdict
     raise verdict from failure
+
+
+def _track_from_more(tracker: TolerantTracker, path: ToolPath, ways: StartingWays) -> TrackedPath:
+    """Track a tool path from more of the solutions of its begin than were tried at first.
+
+    Those of a redundant arm are a continuum, of which a few tell where the branches are; that a
+    joint comes to its limit near the end of the path, others along its self-motion avoid.
+
+    Raises:
+        TrackingFailed: None of them leads to the end either.
+        BudgetExceeded: The time budget ran out.
+    """
+    if ways.problem is None:
+        raise TrackingFailed(0.0, ways.starts[0])
+    more = further_branches(ways.problem, ways.starts)
+    if len(more) == 0:
+        raise TrackingFailed(0.0, ways.starts[0])
+    costs = np.zeros(len(more))
+    if ways.costs.any():
+        costs = np.linalg.norm(more - ways.problem.q_start, axis=1)
+    return tracker.track(path, more, costs, ways.copies)
 
 
 @contextlib.contextmanager

@@ -16,24 +16,31 @@ from ikplan.planning.waypoints.stack import stack_targets
 from ikplan.planning.waypoints.waypoint_ik import solve_waypoint
 from ikplan.planning.waypoints.waypoint_problem import WaypointProblem
 
-__all__ = ["branches"]
+__all__ = ["branches", "further_branches"]
 
 
 _STARTS = 24
 """Starts of a tool path that are tried where it may begin in any branch."""
 _SEEDS = 150
+_FURTHER = 48
+"""Starts that are tried where those tried first do not do."""
+_EFFORT = 16
+"""How many times as many solutions these are chosen from."""
+_APART = 1e-6
+"""Solutions nearer to each other than this are one [rad or m]."""
 _FAR = 1.0
 """Where every solution moves a joint by more than this, those at limits are looked at too
 [rad or m]."""
 
 
-def branches(problem: WaypointProblem, *, turns: bool = False) -> Array:
+def branches(problem: WaypointProblem, *, turns: bool = False, effort: int = 1) -> Array:
     """Return solutions of a single target, nearest to the start first.
 
     Args:
         problem: A problem of one target.
         turns: Whether full turns of a solution are solutions too; otherwise each is at its copy
             nearest to the start.
+        effort: How many times as many are looked for.
 
     Returns:
         Solutions, shape (c, dof), c >= 1 [rad or m].
@@ -51,8 +58,8 @@ def branches(problem: WaypointProblem, *, turns: bool = False) -> Array:
             problem.q_start,
             arm.lower,
             arm.upper,
-            2 * _STARTS,
-            _SEEDS,
+            2 * effort * _STARTS,
+            effort * _SEEDS,
             0,
             (0.5 + problem.solver.seed * 0.6180339887498949) % 1.0,
             1e-9,
@@ -72,4 +79,30 @@ def branches(problem: WaypointProblem, *, turns: bool = False) -> Array:
             q = q[free] if free.any() else free_solutions(problem, 0, problem.q_start)
     away = np.linalg.norm(problem.cost.weights * (q - problem.q_start), axis=1)
     order = np.argsort(away + posture_distances(q, problem.cost), kind="stable")
-    return np.ascontiguousarray(q[order[:_STARTS]])
+    return np.ascontiguousarray(q[order[: effort * _STARTS]])
+
+
+def further_branches(problem: WaypointProblem, tried: Array) -> Array:
+    """Return solutions of a single target far from those tried, and from each other.
+
+    The solutions of a redundant arm are a continuum; the nearest ones show where its branches are,
+    but not how far one of them leads.
+
+    Args:
+        problem: A problem of one target.
+        tried: Its solutions tried before, shape (k, dof), k >= 1 [rad or m].
+
+    Returns:
+        Solutions, shape (c, dof) [rad or m]: each the farthest from all before it.
+
+    Raises:
+        Unreachable: There is none within tolerance.
+        InCollision: All that were found are in contact.
+    """
+    every = branches(problem, effort=_EFFORT)
+    away = np.abs(every[:, None] - tried).max(axis=2).min(axis=1)
+    chosen: list[int] = []
+    while len(chosen) < _FURTHER and away.max() > _APART:
+        chosen.append(int(np.argmax(away)))
+        away = np.minimum(away, np.abs(every - every[chosen[-1]]).max(axis=1))
+    return np.ascontiguousarray(every[chosen])

@@ -14,14 +14,20 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import ikplan
+from ikplan.documents.plan_request import Tolerance
 from ikplan.kinematics.arm import arm_of
+from ikplan.kinematics.target import pose_target
 from ikplan.planning.tracking.start_copies import (
     StartCopies,
     distinct_modulo_turns,
     turning_joints,
     without_limits,
 )
+from ikplan.planning.waypoints.ik_branches import branches, further_branches
+from ikplan.planning.waypoints.waypoint_problem import WaypointProblem
 from ikplan.robots import load_robot
+from ikplan.time_budget import TimeBudget
+from tests.planning.planar import solver_of
 
 TURN = 2.0 * math.pi
 UR5 = arm_of(load_robot("ur5"))
@@ -163,3 +169,50 @@ def test_a_free_start_of_a_motion_could_not_be_a_turn_nearer_to_home(seed: int) 
             moved = plan.q[:, j] + turn
             if (robot.lower[j] <= moved).all() and (moved <= robot.upper[j]).all():
                 assert abs(plan.q[0, j] - home[j]) <= abs(moved[0] - home[j]) + 1e-9
+
+
+def test_a_redundant_arm_begins_where_its_joints_have_the_range_for_the_whole_turn() -> None:
+    """Of the starts tried first none has: 7.26 rad about the flange are beyond A1 or A7."""
+    robot = load_robot("iiwa14")
+    q = [1.26190997, -0.40777144, -1.63637987, -2.05388097, -0.46478294, -0.14375344, -0.57461279]
+    T = robot.fk(q)
+    x, y, z, *quaternion = pin.SE3ToXYZQUAT(T).tolist()
+    circle = {
+        "type": "arc",
+        "centre": (T.translation - 0.01304 * T.rotation[:, 0]).tolist(),
+        "axis": T.rotation[:, 2].tolist(),
+        "angle": 7.2577,
+        "orientation": "follow",
+    }
+    begin = {"position": [x, y, z], "quaternion_xyzw": quaternion}
+    request = {
+        "robot": "iiwa14",
+        "start": "free",
+        "path": {"begin": begin, "segments": [circle]},
+        "scene": QUIET,
+    }
+    plan = ikplan.plan(request)
+    assert plan.certificate.valid
+    turned = robot.fk(plan.q[-1]).rotation @ T.rotation.T
+    np.testing.assert_allclose(turned @ T.rotation[:, 2], T.rotation[:, 2], atol=1e-8)
+
+
+def test_further_starts_are_solutions_far_from_those_tried() -> None:
+    robot = load_robot("iiwa14")
+    problem = WaypointProblem(
+        robot,
+        solver_of(robot),
+        [pose_target(robot.fk(robot.home).translation, robot.fk(robot.home).rotation)],
+        robot.home,
+        True,
+        Tolerance(),
+        TimeBudget(60.0),
+    )
+    tried = branches(problem)
+    further = further_branches(problem, tried)
+    assert 24 < len(further) <= 48
+    for k, q in enumerate(further):
+        before = np.vstack([tried, further[:k]])
+        assert np.abs(before - q).max(axis=1).min() > 1e-6
+        T = robot.fk(q)
+        np.testing.assert_allclose(T.homogeneous, robot.fk(robot.home).homogeneous, atol=1e-8)

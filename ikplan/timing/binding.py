@@ -273,6 +273,8 @@ def what_ifs(
         raise InvalidRequest(
             f"factor must be positive, not {factor!r}", field="factor", allowed="a positive number"
         )
+    if not labels:
+        return []
     for label in labels:
         _check_label(timed, label)
     before, after = 0.0, np.zeros(len(labels))

@@ -49,6 +49,11 @@ def _after(change: Callable[[Any], Any]) -> Callable[[Any], Any]:
     return plant
 
 
+def _columns_moved(R: Any) -> Any:
+    """The axes of a rotation with each other's names."""
+    return np.ascontiguousarray(R[:, [1, 2, 0]])
+
+
 def _bent(piece: Any) -> Any:
     """A line that swerves by a twentieth of its length."""
     if piece.turns or piece.length < 1e-3:
@@ -327,11 +332,17 @@ FAULTS: dict[str, Fault] = {
         "PathFrame.point",
         lambda _: lambda self, position: self._p + np.array(position),
     ),
-    "orientations of the path frame are not turned": (
+    "orientations of a path's waypoints are not turned": (
         "joint waypoints",
         "ikplan.path.build.path_frame",
+        "PathFrame.poses",
+        _after(lambda poses: [pose._replace(R=_columns_moved(pose.R)) for pose in poses]),
+    ),
+    "orientations of the path frame are not turned": (
+        "line",
+        "ikplan.path.build.path_frame",
         "PathFrame.rotation",
-        _after(lambda R: R if R is None else np.ascontiguousarray(R[:, [1, 2, 0]])),
+        _after(lambda R: R if R is None else _columns_moved(R)),
     ),
     "a curve's frame is turned the other way": (
         "sinusoid",

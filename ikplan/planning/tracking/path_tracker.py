@@ -57,6 +57,9 @@ _TRIED = 3
 """Sequences that are made dense, shortest first."""
 _FEW_POINTS = 64
 """About how many points of a long path tell which of many starts lead to short sequences."""
+_WINDING = 4
+"""Where tracking through few points makes this many times as many of them, a path winds between
+them: tracking through all costs no more, and shortening at few points leads to longer sequences."""
 _DIGITS = 9
 """Digits after the point to which lengths are compared."""
 
@@ -92,10 +95,13 @@ class PathTracker(TrackedArm):
         broken: TrackingFailed | None = None
         for step in FIRST_STEPS:
             first = first_points(self, reference, step)
-            for some in self._promising(reference, starts, costs, first, copies):
+            few = self._few_points(reference, starts, first, copies)
+            for some in self._promising(reference, starts, costs, few, copies):
                 tracked = self._track_starts(reference, starts[some], costs[some], first, copies)
                 sequences = tracked.clear(_TRIED)
-                for shortest in self._in_order(reference, sequences, redundant=redundant):
+                for shortest in self._in_order(
+                    reference, sequences, redundant=redundant, coarse_first=few is not None
+                ):
                     try:
                         return self._densify_first(reference, shortest)
                     except TrackingFailed as later:
@@ -210,7 +216,7 @@ class PathTracker(TrackedArm):
         reference: ReferencePath,
         starts: Array,
         costs: Array,
-        first: FirstPoints,
+        few: FirstPoints | None,
         copies: StartCopies | None,
     ) -> Iterator[Indices]:
         """Yield which starts to track the path from: all; of a long path first the best one.
@@ -218,8 +224,7 @@ class PathTracker(TrackedArm):
         From that one the motion through a few of the points is the shortest. Each of the others
         would cost as much as the whole tracking and shortening from the one.
         """
-        if len(first.s) > LONG and len(starts) > _TRIED:
-            few = first.thinned(_FEW_POINTS)
+        if few is not None and len(starts) > _TRIED:
             lengths = np.full(len(starts), np.inf)
             for k, q_start in enumerate(starts):
                 self.clock.check()
@@ -232,6 +237,24 @@ class PathTracker(TrackedArm):
             if np.isfinite(lengths.min()):
                 yield np.argmin(lengths, keepdims=True)
         yield np.arange(len(starts))
+
+    def _few_points(
+        self,
+        reference: ReferencePath,
+        starts: Array,
+        first: FirstPoints,
+        copies: StartCopies | None,
+    ) -> FirstPoints | None:
+        """Return a few of the points of a long path; None where it winds between these."""
+        if len(first.s) <= LONG:
+            return None
+        few = first.thinned(_FEW_POINTS)
+        for q_start in starts:
+            self.clock.check()
+            with contextlib.suppress(TrackingFailed):
+                s, _ = self._track_copies(reference, q_start, few, copies)
+                return few if len(s) <= _WINDING * len(few.s) else None
+        return few
 
     def _unlimited(self) -> Self:
         """The tracker of the arm whose turning joints have no limits."""
@@ -285,7 +308,12 @@ class PathTracker(TrackedArm):
         return part.s, part.q
 
     def _in_order(
-        self, reference: ReferencePath, sequences: list[JointSequence], *, redundant: bool
+        self,
+        reference: ReferencePath,
+        sequences: list[JointSequence],
+        *,
+        redundant: bool,
+        coarse_first: bool,
     ) -> Iterator[list[JointSequence]]:
         """Yield what is made dense, shortest first.
 
@@ -296,7 +324,7 @@ class PathTracker(TrackedArm):
         if not redundant:
             yield sequences
             return
-        if any(len(s) > LONG for _, s, _ in sequences):
+        if coarse_first and any(len(s) > LONG for _, s, _ in sequences):
             yield self._shorten_all(reference, sequences, coarse_first=True)
         yield self._shorten_all(reference, sequences, coarse_first=False)
 

@@ -48,16 +48,17 @@ class Server(uvicorn.Server):
         last_s = math.ceil(stop() if stop is not None else 0.0) + _LAST_BYTES_S
         self.config.timeout_graceful_shutdown = last_s
         warming = self.lifespan.state.get("warming")
-        cold = warming is not None and not warming.done()
+        # Who waits for an answer still gets one.
+        idle = warming is not None and not (warming.done() or self.server_state.tasks)
         try:
-            async with asyncio.timeout(_LAST_BYTES_S if cold else last_s + _CLOSING_S):
+            async with asyncio.timeout(_LAST_BYTES_S if idle else last_s + _CLOSING_S):
                 await super().shutdown(sockets)
         except TimeoutError:
             # Nothing is lost that a kill would not lose: what is kept is on the disk, and workers
             # end with their service. One that still loads its kernels cannot end before.
-            if cold:
+            if idle:
                 _log.info("stopped before it was ready")
             else:
                 _log.error("the service did not end in time, and is ended")
             logging.shutdown()
-            os._exit(0 if cold else 1)
+            os._exit(0 if idle else 1)

@@ -141,7 +141,9 @@ def track_tool_path(
         if isinstance(verdict, Disconnected | InCollision):
             with contextlib.suppress(TrackingFailed), _telling(verdict):
                 return tracker.track_global(path, starts, costs)
-            with contextlib.suppress(TrackingFailed), _telling(verdict):
+            # Whatever is wrong with further starts, the verdict is on those tried first.
+            nothing = contextlib.suppress(TrackingFailed, Unreachable, InCollision)
+            with nothing, _telling(verdict):
                 return _track_from_more(tracker, path, ways)
     if failure.contact is None:
         with contextlib.suppress(TrackingFailed), _telling(verdict):
@@ -161,6 +163,8 @@ def _track_from_more(tracker: TolerantTracker, path: ToolPath, ways: StartingWay
 
     Raises:
         TrackingFailed: None of them leads to the end either.
+        Unreachable: None was found.
+        InCollision: All that were found are in contact.
         BudgetExceeded: The time budget ran out.
     """
     if ways.problem is None:

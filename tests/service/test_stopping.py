@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import json
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -158,3 +159,27 @@ def test_a_service_that_is_stuck_ends_all_the_same() -> None:
         assert 5.0 < time.monotonic() - begin < bound_s(20.0)
         said = process.stderr.read()
     assert "did not end in time" in said
+
+
+def test_who_waits_for_a_service_that_is_not_ready_yet_gets_an_answer() -> None:
+    environment = {**os.environ, "IKPLAN_STORE_PATH": ":memory:", "IKPLAN_STOP_S": str(int(WAIT_S))}
+    command = [sys.executable, "-m", "ikplan", "serve", "--port", "0", "--workers", "1"]
+    pipes: dict[str, Any] = {"stderr": subprocess.PIPE, "text": True, "env": environment}
+    answers = []
+    with subprocess.Popen(command, **pipes) as process:
+        assert process.stderr is not None
+        address = process.stderr.readline().split()[3]
+        waiting = threading.Thread(
+            target=lambda: answers.append(
+                httpx.post(f"{address}/v1/plans", json=GOOD, timeout=WAIT_S)
+            )
+        )
+        waiting.start()
+        arrived = re.compile("^ikplan_tasks_(queued|running) 1.0$", re.MULTILINE)
+        while waiting.is_alive() and not arrived.search(httpx.get(f"{address}/metrics").text):
+            time.sleep(0.02)
+        process.send_signal(signal.SIGTERM)
+        waiting.join(WAIT_S)
+        process.wait(WAIT_S)
+    assert answers[0].status_code in (200, 503)  # the plan, or when to ask again
+    assert answers[0].headers["content-type"].startswith("application/")

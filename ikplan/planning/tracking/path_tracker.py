@@ -245,8 +245,8 @@ class PathTracker(TrackedArm):
         first: FirstPoints,
         copies: StartCopies | None,
     ) -> FirstPoints | None:
-        """Return a few of the points of a long path; None where it winds between these."""
-        if len(first.s) <= LONG:
+        """Return a few of the points of a long path; None where it winds, or nothing needs them."""
+        if len(first.s) <= LONG or not (first.redundant or len(starts) > _TRIED):
             return None
         few = first.thinned(_FEW_POINTS)
         for q_start in starts:

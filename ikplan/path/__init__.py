@@ -10,9 +10,9 @@ if TYPE_CHECKING:
     from ikplan.path.build.found_corners import FoundCorners
     from ikplan.path.build.legs import JointLeg, JointWaypoint, Leg, MoveLeg, ToolLeg, legs_of
     from ikplan.path.build.passed_order import first_rows, passed_rows
-    from ikplan.path.build.tolerance_corners import Rounding
     from ikplan.path.pieces.piece import TURN_LENGTH, PathDerivatives, Piece, Pose
     from ikplan.path.rotation.so3 import rotation_of
+    from ikplan.path.tolerance_shares import Rounding
     from ikplan.path.tool_path import Corner, PathWaypoint, SegmentRange, ToolPath
 else:
     __getattr__ = on_first_use(
@@ -27,7 +27,7 @@ else:
             "legs_of": "build.legs",
             "first_rows": "build.passed_order",
             "passed_rows": "build.passed_order",
-            "Rounding": "build.tolerance_corners",
+            "Rounding": "tolerance_shares",
             "TURN_LENGTH": "pieces.piece",
             "PathDerivatives": "pieces.piece",
             "Piece": "pieces.piece",

@@ -11,6 +11,7 @@ from ikplan.arrays import Array, Flags, Indices
 from ikplan.path.pieces.piece import PathDerivatives, Piece
 from ikplan.path.pieces.piece_kernels import PieceStack
 from ikplan.path.pieces.piece_stack import motion_on, stack_pieces
+from ikplan.path.tolerance_shares import Rounding
 
 __all__ = ["Corner", "PathWaypoint", "SegmentRange", "ToolPath"]
 
@@ -87,18 +88,16 @@ class ToolPath:
         corner_list: Every corner, rounded or exact, in order.
         segments: What of the request each part comes from, in order; rounded corners belong to
             both their neighbours.
-        rounded: Whether corners may be rounded within the tolerance.
-        sharp: Whether sharp ones are among them.
-        slight: Whether others are among them, of a path of few pieces.
+        taken: Share of the tolerance that rounded corners take; 0: none may be rounded.
+        other_roundings: Other ways to round corners that may be faster.
     """
 
     pieces: tuple[Piece, ...]
     waypoints: tuple[PathWaypoint, ...] = ()
     corner_list: tuple[Corner, ...] = ()
     segments: tuple[SegmentRange, ...] = ()
-    rounded: bool = False
-    sharp: bool = False
-    slight: bool = False
+    taken: float = 0.0
+    other_roundings: frozenset[Rounding] = frozenset()
 
     @cached_property
     def begins(self) -> Array:

@@ -15,7 +15,7 @@ from ikplan.documents.trajectory import OrderReport
 from ikplan.errors import Disconnected, InCollision, TimingFailed, Unreachable
 from ikplan.joint_path import JointPath
 from ikplan.limits.motion_limits import LimitedSegment, MotionLimits
-from ikplan.path import passed_rows
+from ikplan.path import Rounding, passed_rows
 from ikplan.pipeline.asked.asked_motion import asked_of_plan
 from ikplan.pipeline.asked.asked_timing import time_as_asked
 from ikplan.pipeline.corner_stops.corner_times import (
@@ -42,6 +42,8 @@ _FEW = 64
 where a corner may be faster to stop at."""
 _BOUND = 5e-3
 """How far above the least duration a timing without jerk limits may be, as a share."""
+_OTHERS: tuple[Rounding, ...] = ("slight", "none", "smooth")
+"""Other ways to round corners, in the order in which they are planned."""
 _NoMotion = (Unreachable, Disconnected, InCollision, TimingFailed, TrackingFailed)
 
 
@@ -151,10 +153,9 @@ class MotionStages:
         is it known whether one may.
         """
         others: list[JointPathProblem] = []
-        if route.sharp:
-            others.append(replace(problem, rounding="slight"))
-        if route.slight:
-            others.append(replace(problem, rounding="none"))
+        for rounding in _OTHERS:
+            if rounding in route.other_roundings:
+                others.append(replace(problem, rounding=rounding))
         exact = without_blends(problem.path) if _few(problem.path) else None
         if exact is not None:
             others.append(replace(problem, path=exact))

@@ -69,8 +69,8 @@ class _Backwards:
         return ()
 
     @property
-    def rounded(self) -> bool:
-        return self._path.rounded
+    def taken(self) -> float:
+        return self._path.taken
 
     def poses(self, s: Array) -> tuple[Array, Array]:
         return self._path.poses(self.length - s)

@@ -16,6 +16,7 @@ from ikplan.path import (
     Leg,
     MoveLeg,
     Pose,
+    Rounding,
     ToolLeg,
     ToolPath,
 )
@@ -68,8 +69,7 @@ class JointPathPlanner:
         self.joint_steps: list[RouteJointStep] = []
         self.move_planner = MovePlanner(problem)
         self.joins: list[Join] = []
-        self.sharp = False
-        self.slight = False
+        self.other_roundings: frozenset[Rounding] = frozenset()
         self.opened: OpenPose | None = None
 
     def check_start_free(self) -> None:
@@ -87,9 +87,7 @@ class JointPathPlanner:
         passed = self.problem.places
         waypoints = sorted(self.waypoints, key=lambda w: passed.get(w.row, w.row))
         q, parts = np.ascontiguousarray(self.q), (self.segments, self.moves)
-        route = JointRoute(
-            q, self.rest, waypoints, *parts, self.sharp, self.slight, self.joint_steps
-        )
+        route = JointRoute(q, self.rest, waypoints, *parts, self.other_roundings, self.joint_steps)
         return with_joins(self.tracker, route, self.joins)
 
     @property
@@ -231,8 +229,7 @@ class JointPathPlanner:
                 if len(ways.starts) == 0:
                     raise
         self._append(leg, self.tracker.straighten(path, tracked) if last else tracked)
-        self.sharp |= path.sharp
-        self.slight |= path.slight
+        self.other_roundings |= path.other_roundings
 
     def _check_free(self, q: Array, waypoint: JointWaypoint) -> None:
         """Refuse joint values that are asked for and in contact."""

@@ -175,8 +175,7 @@ class JointRoute:
         waypoints: The waypoints of the request, in the order passed.
         segments: The segments of the request, in order.
         moves: The moves around obstacles, in order.
-        sharp: Whether sharp corners are rounded within the tolerance.
-        slight: Whether others are, of a path of few pieces.
+        other_roundings: Other ways to round corners within the tolerance that may be faster.
         joint_steps: The steps of joint legs, in order.
         stopped: The same route with stops at the corners between joint motions and tool paths;
             None: it passes none of them without.
@@ -187,8 +186,7 @@ class JointRoute:
     waypoints: list[RouteWaypoint]
     segments: list[RouteSegment]
     moves: list[RouteMove] = field(default_factory=list)
-    sharp: bool = False
-    slight: bool = False
+    other_roundings: frozenset[Rounding] = frozenset()
     joint_steps: list[RouteJointStep] = field(default_factory=list)
     stopped: JointRoute | None = None
 

@@ -45,7 +45,8 @@ def plan_joint_path(problem: JointPathProblem) -> JointRoute:
     try:
         return _planned(planner, legs)
     except (Unreachable, Disconnected, InCollision, TrackingFailed):
-        if not any(isinstance(leg, ToolLeg) and leg.path.rounded for leg in legs):
+        rounded = any(isinstance(leg, ToolLeg) and leg.path.taken > 0.0 for leg in legs)
+        if not rounded or problem.rounding == "smooth":
             raise
     # The path itself may be passed where its rounded corners are not, and is what was asked for.
     problem = replace(problem, rounding="none")

@@ -20,6 +20,7 @@ from ikplan.errors import (
 )
 from ikplan.kinematics.target import Freedom, Target
 from ikplan.path import JointWaypoint, MoveLeg, ToolPath
+from ikplan.path.tolerance_shares import exact_tracking
 from ikplan.planning.joint_route import JointPathProblem
 from ikplan.planning.segment_number import segment_number
 from ikplan.planning.task_freedom import counts_orientation, freedom_of
@@ -106,6 +107,7 @@ def path_tracker(problem: JointPathProblem) -> TolerantTracker:
         problem.contact,
         posture=problem.posture,
         closeness=problem.closeness,
+        exact_share=exact_tracking(problem.rounding),
     )
 
 

@@ -1,21 +1,23 @@
-"""The cubic spline of least bending found that stays within a box about each point.
+"""The cubic spline of least bending found that stays near each point, in a box or in a ball.
 
 A penalised spline (Eilers and Marx, Flexible smoothing with B-splines and penalties, Statistical
 Science 11, 1996, with the integral of the squared second derivative as the penalty): least squares
-on few knots, which are added where the curve leaves a box; then the weight of the bending is
-raised as far as the boxes allow.
+on few knots, which are added where the curve is too far from a point; then the weight of the
+bending is raised as far as the points allow.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from scipy.interpolate import BSpline
-from scipy.linalg import solveh_banded
 from scipy.sparse import csr_array, diags_array
 
-from ikplan.arrays import Array, Flags
+from ikplan.arrays import Array, Flags, Indices
+from ikplan.smoothing.box_fit_kernels import BANDS, minimax_fit
 
 __all__ = ["fit_within"]
 
@@ -28,23 +30,45 @@ _LEAST_BENDING = 1e-9
 _DECADES = 14.0
 _BISECTIONS = 22
 _MINIMAX = 12
-"""Rounds in which points near the edge of their box get more weight (C. L. Lawson, 1961)."""
+"""Rounds in which the points farthest off get more weight (C. L. Lawson, 1961)."""
+
+
+class _Points(NamedTuple):
+    """Points to pass near, and how near; see :func:`fit_within`.
+
+    Attributes:
+        y: The points, shape (n, d).
+        half_width: How far the curve may be from them along each axis, shape (n, d).
+        group: Number of the group of each axis, shape (d,).
+    """
+
+    y: Array
+    half_width: Array
+    group: Indices
 
 
 @dataclass(frozen=True, eq=False)
 class _Basis:
-    """B-splines on knots, their values at the points and their bending."""
+    """Cubic B-splines on knots.
+
+    Attributes:
+        knots: The knots, with those repeated at the ends.
+        first: Index of the first spline that is not zero at each point, shape (n,).
+        values: The values of it and the next ones there, shape (n, BANDS).
+        bending: Lower bands of the integral of the squared second derivative, shape (m, BANDS).
+    """
 
     knots: Array
-    values: csr_array
-    bending: csr_array
+    first: Indices
+    values: Array
+    bending: Array
 
     @classmethod
     def on(cls, breaks: Array, u: Array) -> _Basis:
         k = _DEGREE
         t = np.concatenate([np.repeat(breaks[0], k), breaks, np.repeat(breaks[-1], k)])
         m = len(t) - k - 1
-        values = csr_array(BSpline.design_matrix(u, t, k))
+        design = BSpline.design_matrix(u, t, k)
         # From coefficients to those of the second derivative, a spline of degree 1.
         first = k / (t[k + 1 : k + m] - t[1:m])
         second = (k - 1) / (t[k + 1 : k + m - 1] - t[2:m])
@@ -54,45 +78,45 @@ class _Basis:
         main = (np.append(h, 0.0) + np.append(0.0, h)) / 3.0
         gram = diags_array([h / 6.0, main, h / 6.0], offsets=[-1, 0, 1])
         bend = csr_array(d2 @ d1)
-        return cls(t, values, csr_array(bend.T @ gram @ bend))
+        whole = csr_array(bend.T @ gram @ bend)
+        bands = np.zeros((m, BANDS))
+        for band in range(BANDS):
+            bands[: m - band, band] = whole.diagonal(-band)
+        of_points = np.asarray(design.indices[::BANDS], dtype=np.int64)
+        return cls(t, of_points, np.ascontiguousarray(design.data.reshape(-1, BANDS)), bands)
 
-    def fit(self, y: Array, weights: Array, bending: float) -> Array:
-        """Coefficients of the best curve that begins at the first and ends at the last point.
+    def weight_of_bending(self, share: float) -> float:
+        """Weight of the bending, of a share of that of the points."""
+        points = float((self.values**2).sum()) / len(self.bending)
+        return share * points / float(self.bending[:, 0].mean())
 
-        Args:
-            y: Points, shape (n, d).
-            weights: Their weights, shape (n,).
-            bending: Weight of the integral of the squared second derivative.
-        """
-        weighted = diags_array(weights) @ self.values
-        matrix = csr_array(self.values.T @ weighted + bending * self.bending)
-        right = weighted.T @ y
-        ends = matrix[:, [0, -1]] @ y[[0, -1]]
-        inner = (right - ends)[1:-1]
-        m = matrix.shape[0] - 2
-        bands = np.zeros((_DEGREE + 1, m))
-        for k in range(_DEGREE + 1):
-            bands[k, : m - k] = matrix.diagonal(-k)[1 : 1 + m - k]
-        solved = solveh_banded(bands, inner, lower=True, check_finite=False)
-        return np.vstack([y[:1], solved, y[-1:]])
+    def minimax(self, near: _Points, bending: float, rounds: int = _MINIMAX) -> tuple[Array, Array]:
+        """Fit points; see :func:`ikplan.smoothing.box_fit_kernels.minimax_fit`."""
+        return minimax_fit(self.first, self.values, self.bending, *near, bending, rounds)
 
 
-def fit_within(u: Array, y: Array, half_width: Array) -> BSpline:
-    """Return a cubic spline that passes each point within its box and bends little.
+def fit_within(
+    u: Array, y: Array, half_width: Array, together: Sequence[int] | None = None
+) -> BSpline:
+    """Return a cubic spline that passes near each point and bends little.
 
     It begins at the first point and ends at the last one exactly.
 
     Args:
         u: Parameters of the points, shape (n,), n >= 2, increasing strictly.
         y: Points, shape (n, d).
-        half_width: Half widths of the boxes about them, shape (n, d), positive.
+        half_width: How far the curve may be from them along each axis, shape (n, d), positive.
+        together: How many successive axes are held to their half widths together, by the root of
+            the sum of the squares: a ball; None: each by itself, a box.
     """
+    sizes = np.ones(y.shape[1], dtype=np.int64) if together is None else np.array(together)
+    near = _Points(y, half_width, np.repeat(np.arange(len(sizes)), sizes))
     breaks = np.linspace(u[0], u[-1], _FIRST_SPANS + 1)
     basis = _Basis.on(breaks, u)
     least = _LEAST_BENDING
     for _ in range(_ROUNDS):
-        weights = np.ones(len(u))
-        coefficients, off = _minimax(basis, y, half_width, weights, _bending(basis, least))
+        weight = basis.weight_of_bending(least)
+        coefficients, off = basis.minimax(near, weight)
         if off.max() <= 1.0:
             break
         divided = _divided(breaks, u, off > 1.0)
@@ -100,7 +124,8 @@ def fit_within(u: Array, y: Array, half_width: Array) -> BSpline:
             # Every span is as short as the points allow: pass through them.
             breaks, least = u, 1e-3 * least
             basis = _Basis.on(breaks, u)
-            coefficients = basis.fit(y, weights, _bending(basis, least))
+            weight = basis.weight_of_bending(least)
+            coefficients, _ = basis.minimax(near, weight, rounds=1)
             break
         breaks = divided
         basis = _Basis.on(breaks, u)
@@ -108,9 +133,8 @@ def fit_within(u: Array, y: Array, half_width: Array) -> BSpline:
     low, high = 0.0, _DECADES
     for _ in range(_BISECTIONS):
         at = 0.5 * (low + high)
-        coefficients, off = _minimax(
-            basis, y, half_width, np.ones(len(u)), _bending(basis, least) * 10.0**at
-        )
+        weight = basis.weight_of_bending(least)
+        coefficients, off = basis.minimax(near, weight * 10.0**at)
         if off.max() <= 1.0:
             best, low = coefficients, at
         else:
@@ -118,41 +142,19 @@ def fit_within(u: Array, y: Array, half_width: Array) -> BSpline:
     return BSpline(basis.knots, best, _DEGREE)
 
 
-def _bending(basis: _Basis, share: float) -> float:
-    """Weight of the bending as a share of that of the points."""
-    points = float((basis.values.T @ basis.values).diagonal().mean())
-    return share * points / float(basis.bending.diagonal().mean())
-
-
-def _minimax(
-    basis: _Basis, y: Array, half_width: Array, weights: Array, bending: float
-) -> tuple[Array, Array]:
-    """Fit, with more weight on the points farthest off in their boxes; the best of some rounds.
-
-    Returns:
-        Coefficients, and the ratio of each point's distance to its half width, shape (n,).
-    """
-    best, least = None, np.full(len(y), np.inf)
-    for _ in range(_MINIMAX):
-        coefficients = basis.fit(y, weights, bending)
-        off = np.abs((basis.values @ coefficients - y) / half_width).max(axis=1)
-        if best is None or off.max() < least.max():
-            best, least = coefficients, off
-        if off.max() <= 1.0 or off.max() > 3.0:
-            break
-        weights = weights * (0.2 + off / off.max())
-        weights /= weights.mean()
-    assert best is not None
-    return best, least
-
-
 def _divided(breaks: Array, u: Array, off: Flags) -> Array | None:
-    """Breaks with the spans halved in which points are off; None: they have too few points."""
+    """Breaks with the spans halved in which points are off; None: they have too few points.
+
+    Where no such span has points enough, the points that are off and those beside them are breaks.
+    """
     span = np.clip(np.searchsorted(breaks, u, "right") - 1, 0, len(breaks) - 2)
     count = np.bincount(span, minlength=len(breaks) - 1)
     bad = np.unique(span[off])
     bad = bad[count[bad] >= 3]
-    if len(bad) == 0:
-        return None
-    middles = 0.5 * (breaks[bad] + breaks[bad + 1])
-    return np.sort(np.concatenate([breaks, middles]))
+    if len(bad):
+        middles = 0.5 * (breaks[bad] + breaks[bad + 1])
+        return np.sort(np.concatenate([breaks, middles]))
+    at = np.flatnonzero(off)
+    beside = np.unique(np.clip(np.concatenate([at - 1, at, at + 1]), 0, len(u) - 1))
+    more = np.union1d(breaks, u[beside])
+    return more if len(more) > len(breaks) else None

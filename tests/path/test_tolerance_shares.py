@@ -16,7 +16,9 @@ from ikplan.limits import JointLimits
 from ikplan.path.tolerance_shares import (
     MET,
     ROUNDING,
+    SMOOTHING,
     TRACKING,
+    TRACKING_SMOOTHED,
     TRACKING_WITHIN,
     left_to_tracking,
 )
@@ -30,8 +32,9 @@ UR5 = ikplan.load_robot("ur5")
 
 def test_shares_that_act_together_are_no_more_than_the_whole() -> None:
     assert ROUNDING + TRACKING < 1.0
-    assert left_to_tracking(rounded=False) * TRACKING_WITHIN < 1.0
-    assert ROUNDING + left_to_tracking(rounded=True) * TRACKING_WITHIN < 1.0
+    assert SMOOTHING + TRACKING_SMOOTHED < 1.0
+    for taken in (0.0, ROUNDING, SMOOTHING):
+        assert taken + left_to_tracking(taken) * TRACKING_WITHIN < 1.0
     assert MET < TRACKING_WITHIN
 
 
@@ -39,8 +42,8 @@ class RoundedPolyline(Polyline):
     """A path that is within the tolerance of another."""
 
     @property
-    def rounded(self) -> bool:
-        return True
+    def taken(self) -> float:
+        return ROUNDING
 
 
 @pytest.mark.parametrize(("kind", "left"), [(Polyline, 1.0), (RoundedPolyline, 0.6)])

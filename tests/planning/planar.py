@@ -107,8 +107,8 @@ class Polyline:
         return ()
 
     @property
-    def rounded(self) -> bool:
-        return False
+    def taken(self) -> float:
+        return 0.0
 
     def poses(self, s: Array) -> tuple[Array, Array]:
         p = np.stack([np.interp(s, self._s, column) for column in self.points.T], axis=1)

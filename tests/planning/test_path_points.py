@@ -31,7 +31,7 @@ class Straight:
     corners: Array
     waypoint_s: Array
     segments: tuple[SegmentRange, ...] = ()
-    rounded: bool = False
+    taken: float = 0.0
 
     def poses(self, s: Array) -> tuple[Array, Array]:
         return np.tile(np.eye(3), (len(s), 1, 1)), np.outer(s, [1.0, 0.0, 0.0])

@@ -12,10 +12,15 @@ from ikplan.path.build.corners import Junctions, blend_radii
 from ikplan.path.build.dense_runs import smooth_runs
 from ikplan.path.build.found_corners import FoundCorners
 from ikplan.path.build.items import ItemWaypoint, PathItem
-from ikplan.path.build.tolerance_corners import CornerTolerance, may_round, rounded_corners
+from ikplan.path.build.tolerance_corners import (
+    CornerTolerance,
+    may_round,
+    rounded_corners,
+)
 from ikplan.path.pieces.blend import Blend, blend_corner
 from ikplan.path.pieces.piece import Piece, Pose
 from ikplan.path.pieces.steady import line
+from ikplan.path.tolerance_shares import Rounding
 from ikplan.path.tool_path import Corner, PathWaypoint, SegmentRange, ToolPath
 
 __all__ = ["assemble"]
@@ -69,9 +74,9 @@ def assemble(
     junctions = Junctions.between(kept)
     may = may_round(kept, junctions) if rounding is not None else np.zeros(0, dtype=bool)
     corners = junctions
-    sharp = bool((may & corners.sharp).any()) if rounding is not None else False
+    noisy = False
     if rounding is not None:
-        smooth = smooth_runs(kept, junctions, rounding)
+        smooth, noisy = smooth_runs(kept, junctions, rounding)
         if len(smooth) != len(kept) or any(a is not b for a, b in zip(smooth, kept, strict=True)):
             kept, junctions = smooth, Junctions.between(smooth)
     radii = blend_radii(kept, junctions, blend, joint_after=joint_after)
@@ -83,8 +88,14 @@ def assemble(
     if rounding is not None:
         blends = rounded_corners(kept, junctions, blends, rounding, found)
     path = _lay_out(waypoints, segments, kept, blends, junctions)
-    slight = rounding is not None and len(may) < _FEW and bool((may & ~corners.sharp).any())
-    return replace(path, rounded=bool(may.any()), sharp=sharp, slight=slight)
+    if rounding is None or not may.any():
+        return path
+    others: set[Rounding] = {"smooth"} if noisy else set()
+    if (may & corners.sharp).any():
+        others.add("slight")
+    if len(may) < _FEW and (may & ~corners.sharp).any():
+        others.add("none")
+    return replace(path, taken=rounding.share, other_roundings=frozenset(others))
 
 
 def _blended(before: Piece, after: Piece, radius: float, found: FoundCorners) -> Blend | None:

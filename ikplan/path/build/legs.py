@@ -25,8 +25,9 @@ from ikplan.path.build.builder import PathBuilder
 from ikplan.path.build.found_corners import FoundCorners
 from ikplan.path.build.passed_order import RowCounter, first_rows
 from ikplan.path.build.path_frame import PathFrame
-from ikplan.path.build.tolerance_corners import CornerTolerance, Rounding
+from ikplan.path.build.tolerance_corners import CornerTolerance
 from ikplan.path.pieces.piece import Pose
+from ikplan.path.tolerance_shares import Rounding
 from ikplan.path.tool_path import ToolPath
 
 __all__ = ["JointLeg", "JointWaypoint", "Leg", "MoveLeg", "ToolLeg", "legs_of"]

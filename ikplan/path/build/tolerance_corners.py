@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
-from typing import Literal
 
 import numpy as np
 
@@ -17,9 +16,9 @@ from ikplan.path.build.items import PathItem
 from ikplan.path.pieces.blend import Blend, blend_corner
 from ikplan.path.pieces.piece import PathDerivatives, Piece, dot
 from ikplan.path.rotation.so3 import angle_between
-from ikplan.path.tolerance_shares import ROUNDING
+from ikplan.path.tolerance_shares import ROUNDING, SMOOTHING, Rounding
 
-__all__ = ["MIDDLE", "CornerTolerance", "Rounding", "may_round", "rounded_corners"]
+__all__ = ["MIDDLE", "CornerTolerance", "may_round", "rounded_corners"]
 
 
 MIDDLE = 3.0 / 16.0
@@ -33,10 +32,6 @@ _LEAST = 1e-9
 _HALF = 0.5 * (1.0 - 1e-12)
 
 
-Rounding = Literal["all", "slight", "none"]
-"""Which corners are rounded within the tolerance."""
-
-
 @dataclass(frozen=True)
 class CornerTolerance:
     """How far from the sharp path the tool may be about a corner.
@@ -46,12 +41,14 @@ class CornerTolerance:
         orientation: Angle [rad].
         lever: What a rotation of the target moves the box of freedom that turns with it [m].
         slight_only: Whether sharp corners stay exact.
+        share: Which share of the tolerance of the request this is.
     """
 
     position: float
     orientation: float
     lever: float
     slight_only: bool = False
+    share: float = ROUNDING
 
     @classmethod
     def of(cls, path: PathRequest, rounding: Rounding) -> CornerTolerance | None:
@@ -62,11 +59,23 @@ class CornerTolerance:
         lever = 0.0
         if box is not None and box.frame == "tool":
             lever = float(np.linalg.norm(box.position))
+        share = SMOOTHING if rounding == "smooth" else ROUNDING
         return cls(
-            ROUNDING * tolerance.position,
-            ROUNDING * tolerance.orientation,
+            share * tolerance.position,
+            share * tolerance.orientation,
             lever,
             rounding == "slight",
+            share,
+        )
+
+    def scaled(self, share: float) -> CornerTolerance:
+        """Return the same within another share of the tolerance."""
+        ratio = share / self.share
+        return replace(
+            self,
+            position=ratio * self.position,
+            orientation=ratio * self.orientation,
+            share=share,
         )
 
     def ratio(self, distance: Array, angle: Array) -> float:

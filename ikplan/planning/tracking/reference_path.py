@@ -49,8 +49,8 @@ class ReferencePath(Protocol):
         """What of the request each part comes from, in order."""
 
     @property
-    def rounded(self) -> bool:
-        """Whether the path is within the tolerance of the one asked for, not that one itself."""
+    def taken(self) -> float:
+        """Share of the tolerance that the path takes itself; 0: it is the one asked for."""
 
     def poses(self, s: Array) -> tuple[Array, Array]:
         """Rotations, shape (m, 3, 3), and positions, shape (m, 3) [m], at path positions."""

@@ -47,6 +47,7 @@ class TrackedArm:
         posture: What motions cost where a posture is preferred; None: joint motion alone counts.
         closeness: How near the joint spline stays to a path that is met exactly [m]: nearer than
             the tolerance asks for, where places on it have to be met.
+        exact_share: Share of the tolerance that the joint spline takes at most there.
     """
 
     arm: Arm
@@ -59,6 +60,7 @@ class TrackedArm:
     within: bool = False
     posture: MotionCost | None = None
     closeness: float = np.inf
+    exact_share: float = TRACKING
 
     @property
     def cost(self) -> MotionCost:
@@ -86,7 +88,7 @@ class TrackedArm:
         """Largest ratio of the joint spline's deviation to the tolerance."""
         if self.within:
             return TRACKING_WITHIN
-        return min(TRACKING, self.closeness / self.tolerance.position)
+        return min(self.exact_share, self.closeness / self.tolerance.position)
 
     def first_contact(self, reference: ReferencePath, s: Array, q: Array) -> Contact | None:
         """Return where the straight motions between tracked points first meet a body, or None.

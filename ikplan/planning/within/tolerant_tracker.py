@@ -78,7 +78,7 @@ class TolerantTracker(PathTracker):
 
     def tolerant(self, reference: ReferencePath) -> Self:
         """Return the tracker that tracks a path within what its corners leave of the tolerance."""
-        left = left_to_tracking(reference.rounded)
+        left = left_to_tracking(reference.taken)
         tolerance = self.tolerance
         if left < 1.0:
             tolerance = tolerance.model_copy(

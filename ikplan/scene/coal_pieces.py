@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
+import functools
 from typing import Any, NamedTuple
 
 import coal
 import numpy as np
 from numpy.typing import NDArray
 
-from ikplan.scene.body import ConvexPiece
+from ikplan.scene.body import Body, ConvexPiece
 from ikplan.scene.hulls import hull_of
 
-__all__ = ["CoalPiece", "coal_piece"]
+__all__ = ["CoalPiece", "coal_piece", "coal_pieces_of"]
 
 Array = NDArray[np.float64]
 
@@ -35,6 +36,12 @@ class CoalPiece(NamedTuple):
     pose: Any
     centre: Array
     radius: float
+
+
+@functools.lru_cache(maxsize=1024)
+def coal_pieces_of(body: Body) -> tuple[CoalPiece, ...]:
+    """Return the pieces of a body as shapes of coal; those of a link are made once."""
+    return tuple(coal_piece(piece) for piece in body.pieces)
 
 
 def coal_piece(piece: ConvexPiece) -> CoalPiece:

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ikplan.scene.body import Body
-from ikplan.scene.coal_pieces import CoalPiece, coal_piece
+from ikplan.scene.coal_pieces import CoalPiece, coal_pieces_of
 
 __all__ = ["Contacts", "Nearest"]
 
@@ -46,7 +46,7 @@ class Contacts:
         """
         self.pairs = pairs
         self._carrier = np.array([body.carrier for body in bodies], dtype=np.int64)
-        self._pieces: list[list[CoalPiece]] = [[coal_piece(x) for x in b.pieces] for b in bodies]
+        self._pieces = [coal_pieces_of(body) for body in bodies]
         balls = [_ball(pieces) for pieces in self._pieces]
         self._centre = np.array([ball[0] for ball in balls]).reshape(-1, 3)
         self._radius = np.array([ball[1] for ball in balls])

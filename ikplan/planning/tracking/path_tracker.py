@@ -10,18 +10,11 @@ from __future__ import annotations
 
 import contextlib
 from collections.abc import Iterator
-from dataclasses import replace
 from functools import partial
-from typing import Self
 
 import numpy as np
 
-from ikplan.arrays import Array, Indices
-from ikplan.planning.tracking.coarse_shortening import (
-    LONG,
-    shortened,
-    shortened_coarse_first,
-)
+from ikplan.arrays import Array
 from ikplan.planning.tracking.densify import densify
 from ikplan.planning.tracking.dodge import dodged_sequence
 from ikplan.planning.tracking.flood import flooded_sequences
@@ -31,9 +24,10 @@ from ikplan.planning.tracking.reference_path import (
     initial_points,
     nearest_points,
 )
-from ikplan.planning.tracking.start_copies import StartCopies, turning_joints, without_limits
-from ikplan.planning.tracking.track_from import FirstPoints, first_points, track_from
-from ikplan.planning.tracking.tracked_arm import EXACT, TrackedArm
+from ikplan.planning.tracking.start_copies import StartCopies
+from ikplan.planning.tracking.start_tracker import StartTracker
+from ikplan.planning.tracking.track_from import FirstPoints, first_points
+from ikplan.planning.tracking.tracked_arm import EXACT
 from ikplan.planning.tracking.tracked_path import (
     JointSequence,
     TrackedPath,
@@ -55,16 +49,9 @@ _GLOBAL_STEPS = ((0.05, 0.01), (0.01, 0.003))
 """Least spacing of the points that sequences are chosen over [m], also as a share of the path."""
 _TRIED = 3
 """Sequences that are made dense, shortest first."""
-_FEW_POINTS = 64
-"""About how many points of a long path tell which of many starts lead to short sequences."""
-_WINDING = 4
-"""Where tracking through few points makes this many times as many of them, a path winds between
-them: tracking through all costs no more, and shortening at few points leads to longer sequences."""
-_DIGITS = 9
-"""Digits after the point to which lengths are compared."""
 
 
-class PathTracker(TrackedArm):
+class PathTracker(StartTracker):
     """Tracks tool paths with an arm."""
 
     def track(
@@ -95,20 +82,22 @@ class PathTracker(TrackedArm):
         broken: TrackingFailed | None = None
         for step in FIRST_STEPS:
             first = first_points(self, reference, step)
-            few = self._few_points(reference, starts, first, copies)
-            for some in self._promising(reference, starts, costs, few, copies):
-                tracked = self._track_starts(reference, starts[some], costs[some], first, copies)
-                sequences = tracked.clear(_TRIED)
-                for shortest in self._in_order(
-                    reference, sequences, redundant=redundant, coarse_first=few is not None
-                ):
-                    try:
-                        return self._densify_first(reference, shortest)
-                    except TrackingFailed as later:
-                        broken = farthest_failure(broken, tracked.farthest())
-                        broken = farthest_failure(broken, later)
-                if not sequences:
+            quick = self._by_few_points(reference, starts, costs, first, copies)
+            if quick is not None:
+                with contextlib.suppress(TrackingFailed):
+                    return self._densify_first(reference, [quick])
+            tracked = self._track_starts(reference, starts, costs, first, copies)
+            sequences = tracked.clear(_TRIED)
+            if sequences:
+                if redundant:
+                    sequences = self._shorten_all(reference, sequences)
+                try:
+                    return self._densify_first(reference, sequences)
+                except TrackingFailed as later:
                     broken = farthest_failure(broken, tracked.farthest())
+                    broken = farthest_failure(broken, later)
+            else:
+                broken = farthest_failure(broken, tracked.farthest())
             if not sequences:
                 break  # smaller steps were tried where it failed
         if broken is None:
@@ -211,73 +200,6 @@ class PathTracker(TrackedArm):
             ends.append((before + self.sequence_cost(s, q), s, q))
         return TrackedStarts(ends, partial(self.first_contact, reference))
 
-    def _promising(
-        self,
-        reference: ReferencePath,
-        starts: Array,
-        costs: Array,
-        few: FirstPoints | None,
-        copies: StartCopies | None,
-    ) -> Iterator[Indices]:
-        """Yield which starts to track the path from: all; of a long path first the best one.
-
-        From that one the motion through a few of the points is the shortest. Each of the others
-        would cost as much as the whole tracking and shortening from the one.
-        """
-        if few is not None and len(starts) > _TRIED:
-            lengths = np.full(len(starts), np.inf)
-            for k, q_start in enumerate(starts):
-                self.clock.check()
-                with contextlib.suppress(TrackingFailed):
-                    s, q = self._track_copies(reference, q_start, few, copies)
-                    before = float(costs[k]) if copies is None else copies.cost(q[0])
-                    if few.redundant:
-                        q = self._shorten(reference, s, q, coarse_first=False)
-                    lengths[k] = round(before + self.sequence_cost(s, q), _DIGITS)
-            if np.isfinite(lengths.min()):
-                yield np.argmin(lengths, keepdims=True)
-        yield np.arange(len(starts))
-
-    def _few_points(
-        self,
-        reference: ReferencePath,
-        starts: Array,
-        first: FirstPoints,
-        copies: StartCopies | None,
-    ) -> FirstPoints | None:
-        """Return a few of the points of a long path; None where it winds, or nothing needs them."""
-        if len(first.s) <= LONG or not (first.redundant or len(starts) > _TRIED):
-            return None
-        few = first.thinned(_FEW_POINTS)
-        for q_start in starts:
-            self.clock.check()
-            with contextlib.suppress(TrackingFailed):
-                s, _ = self._track_copies(reference, q_start, few, copies)
-                return few if len(s) <= _WINDING * len(few.s) else None
-        return few
-
-    def _unlimited(self) -> Self:
-        """The tracker of the arm whose turning joints have no limits."""
-        return replace(self, arm=without_limits(self.arm))
-
-    def _track_copies(
-        self,
-        reference: ReferencePath,
-        q_start: Array,
-        first: FirstPoints,
-        copies: StartCopies | None,
-    ) -> tuple[Array, Array]:
-        """Track from one start, or from the copy of it that goes through and is nearest."""
-        arm = self.arm
-        if copies is None or not turning_joints(arm).any():
-            return self._track_from(reference, q_start, first)
-        s, q = self._unlimited()._track_from(reference, q_start, first)
-        q, fits = copies.fitting(arm, q)
-        if fits:
-            return s, q
-        # Self-motion may keep to the limits where it has to; otherwise this tells where they bind.
-        return self._track_from(reference, q[0], first)
-
     def _resolve_globally(
         self, reference: ReferencePath, starts: Array, costs: Array, step: float
     ) -> list[JointSequence]:
@@ -298,59 +220,16 @@ class PathTracker(TrackedArm):
                     sequences.append((float(costs[k]) + length, s, q))
         return sorted(sequences, key=lambda sequence: sequence[0])
 
-    def _track_from(
-        self, reference: ReferencePath, q_start: Array, first: FirstPoints
-    ) -> tuple[Array, Array]:
-        """Return path positions and configurations from one start to the end of the path."""
-        part = track_from(self, reference, q_start, first)
-        if not part.complete:
-            raise TrackingFailed(float(part.s[-1]), part.q[-1].copy())
-        return part.s, part.q
-
-    def _in_order(
-        self,
-        reference: ReferencePath,
-        sequences: list[JointSequence],
-        *,
-        redundant: bool,
-        coarse_first: bool,
-    ) -> Iterator[list[JointSequence]]:
-        """Yield what is made dense, shortest first.
-
-        Of a redundant arm the sequences made shorter, long ones in the better way first.
-        """
-        if not sequences:
-            return
-        if not redundant:
-            yield sequences
-            return
-        if coarse_first and any(len(s) > LONG for _, s, _ in sequences):
-            yield self._shorten_all(reference, sequences, coarse_first=True)
-        yield self._shorten_all(reference, sequences, coarse_first=False)
-
     def _shorten_all(
-        self, reference: ReferencePath, sequences: list[JointSequence], *, coarse_first: bool
+        self, reference: ReferencePath, sequences: list[JointSequence]
     ) -> list[JointSequence]:
-        """Return the sequences made shorter, shortest first."""
+        """Return the sequences made shorter where that keeps clear of contact, shortest first."""
         shorter: list[JointSequence] = []
         for length, s, q in sequences:
-            q_short = q
-            for coarse in (True, False) if coarse_first and len(s) > LONG else (False,):
-                self.clock.check()
-                q_tried = self._shorten(reference, s, q, coarse_first=coarse)
-                if self.first_contact(reference, s, q_tried) is None:
-                    q_short = q_tried
-                    break
+            self.clock.check()
+            q_short = self._shorten(reference, s, q)
+            if self.first_contact(reference, s, q_short) is not None:
+                q_short = q
             saved = self.sequence_cost(s, q) - self.sequence_cost(s, q_short)
             shorter.append((length - saved, s, q_short))
         return shortest_first(shorter)
-
-    def _shorten(
-        self, reference: ReferencePath, s: Array, q: Array, *, coarse_first: bool
-    ) -> Array:
-        """Shorten a sequence by self-motion; whether it stays continuous, densifying shows."""
-        targets = self.targets_at(reference, s[1:])
-        shorten = shortened_coarse_first if coarse_first else shortened
-        shorter, spent = shorten(self.arm, targets, q[1:], q[0], self.cost)
-        self.clock.count(spent)
-        return np.vstack([q[:1], shorter])

@@ -1,0 +1,173 @@
+"""Tracking from single starts: through all points, or through a few of them first.
+
+Of a long path a few of the points tell which start leads to the least joint motion, and the
+self-motion that shortens it: a Newton step moves every point by a little only, so that through few
+points it takes few and cheap ones, and it leads past minima that are there only because the points
+are close. The points between follow in proportion, and then go back onto their targets.
+"""
+
+from __future__ import annotations
+
+import contextlib
+from dataclasses import replace
+from typing import Self
+
+import numpy as np
+
+from ikplan.arrays import Array
+from ikplan.path.curves.natural_spline import natural_spline
+from ikplan.planning.ladder.path_shortening import shorten_sequence
+from ikplan.planning.tracking.reference_path import ReferencePath
+from ikplan.planning.tracking.start_copies import StartCopies, turning_joints, without_limits
+from ikplan.planning.tracking.track_from import FirstPoints, track_from
+from ikplan.planning.tracking.tracked_arm import EXACT, TrackedArm
+from ikplan.planning.tracking.tracked_path import JointSequence, TrackingFailed, shortest_first
+from ikplan.planning.tracking.tracking_kernels import first_discontinuity, project_onto_targets
+
+__all__ = ["FEW_STARTS", "LONG", "StartTracker"]
+
+LONG = 256
+"""Points of a path from which on a few of them tell how to begin."""
+FEW_STARTS = 3
+"""So many starts are all tracked, where no self-motion has to be chosen."""
+_FEW_POINTS = 64
+"""About how many points those few are."""
+_WINDING = 4
+"""Where tracking through few points makes this many times as many of them, a path winds between
+them: tracking through all costs no more, and shortening at few points leads to longer sequences."""
+_HIDDEN = 1.05
+"""Where the motion through all points is this many times that through few, few hide motion."""
+_DIGITS = 9
+"""Digits after the point to which lengths are compared."""
+_ITERATIONS = 30
+_GAIN = 1e-4
+"""Steps of shortening at most, and the least share of the motion that one has to save."""
+
+
+class StartTracker(TrackedArm):
+    """Tracks tool paths from single starts."""
+
+    def _unlimited(self) -> Self:
+        """The tracker of the arm whose turning joints have no limits."""
+        return replace(self, arm=without_limits(self.arm))
+
+    def _track_from(
+        self, reference: ReferencePath, q_start: Array, first: FirstPoints
+    ) -> tuple[Array, Array]:
+        """Return path positions and configurations from one start to the end of the path."""
+        part = track_from(self, reference, q_start, first)
+        if not part.complete:
+            raise TrackingFailed(float(part.s[-1]), part.q[-1].copy())
+        return part.s, part.q
+
+    def _track_copies(
+        self,
+        reference: ReferencePath,
+        q_start: Array,
+        first: FirstPoints,
+        copies: StartCopies | None,
+    ) -> tuple[Array, Array]:
+        """Track from one start, or from the copy of it that goes through and is nearest."""
+        arm = self.arm
+        if copies is None or not turning_joints(arm).any():
+            return self._track_from(reference, q_start, first)
+        s, q = self._unlimited()._track_from(reference, q_start, first)
+        q, fits = copies.fitting(arm, q)
+        if fits:
+            return s, q
+        # Self-motion may keep to the limits where it has to; otherwise this tells where they bind.
+        return self._track_from(reference, q[0], first)
+
+    def _shorten(self, reference: ReferencePath, s: Array, q: Array) -> Array:
+        """Shorten a sequence by self-motion; whether it stays continuous, densifying shows."""
+        targets, arm, shorter = self.targets_at(reference, s[1:]), self.arm, q[1:].copy()
+        _, spent = shorten_sequence(
+            arm.chain,
+            targets,
+            shorter,
+            q[0],
+            False,
+            arm.lower,
+            arm.upper,
+            self.cost,
+            _ITERATIONS,
+            _GAIN,
+        )
+        self.clock.count(spent)
+        return np.vstack([q[:1], shorter])
+
+    def _by_few_points(
+        self,
+        reference: ReferencePath,
+        starts: Array,
+        costs: Array,
+        first: FirstPoints,
+        copies: StartCopies | None,
+    ) -> JointSequence | None:
+        """Return the sequence through all points that goes as the best one through a few of them.
+
+        Args:
+            reference: The path.
+            starts: Configurations at the path's first pose, shape (c, dof) [rad or m].
+            costs: Joint motion already spent to get to each, shape (c,).
+            first: The points.
+            copies: Every 2 pi copy of the starts may be taken; None: the starts as they are.
+
+        Returns:
+            The sequence; None where the path is not long or winds, or none was found.
+        """
+        if len(first.s) <= LONG or not (first.redundant or len(starts) > FEW_STARTS):
+            return None
+        few = first.thinned(_FEW_POINTS)
+        best: tuple[int, JointSequence] | None = None
+        for k, q_start in enumerate(starts):
+            self.clock.check()
+            with contextlib.suppress(TrackingFailed):
+                s, q = self._track_copies(reference, q_start, few, copies)
+                if best is None and len(s) > _WINDING * len(few.s):
+                    return None
+                before = float(costs[k]) if copies is None else copies.cost(q[0])
+                if few.redundant:
+                    q = self._shorten(reference, s, q)
+                length = round(before + self.sequence_cost(s, q), _DIGITS)
+                if best is None or length < best[1][0]:
+                    best = k, (length, s, q)
+        if best is None:
+            return None
+        k, (length, s, q) = best
+        before = length - self.sequence_cost(s, q)
+        found: list[JointSequence] = []
+        if first.redundant:
+            found = self._costed(self._through_all(reference, s, q, first), before)
+        if not found or found[0][0] > _HIDDEN * length:
+            # The few points hide motion between them, as do all where there is one way only.
+            with contextlib.suppress(TrackingFailed):
+                s, q = self._track_copies(reference, starts[k], first, copies)
+                if first.redundant:
+                    q = self._shorten(reference, s, q)
+                found += self._costed((s, q), before)
+        clear = (x for x in shortest_first(found) if self.first_contact(reference, *x[1:]) is None)
+        return next(clear, None)
+
+    def _costed(self, found: tuple[Array, Array] | None, before: float) -> list[JointSequence]:
+        """Return a sequence with its cost, after that of getting to its start."""
+        return [] if found is None else [(before + self.sequence_cost(*found), *found)]
+
+    def _through_all(
+        self, reference: ReferencePath, s: Array, q: Array, first: FirstPoints
+    ) -> tuple[Array, Array] | None:
+        """Lead a sequence through few points through all of them; None: it is not continuous."""
+        arm, at = self.arm, first.s
+        # By a smooth curve: kinks would stay, and take time.
+        every = np.clip(natural_spline(s, q)(at[1:]), arm.lower, arm.upper)
+        targets = self.targets_at(reference, at[1:])
+        left, spent = project_onto_targets(arm.chain, targets, every, arm.lower, arm.upper)
+        self.clock.count(spent)
+        if left.max() > EXACT:
+            return None
+        shorter = self._shorten(reference, at, np.vstack([q[:1], every]))
+        broken, spent = first_discontinuity(
+            arm.chain, first.targets, shorter, arm.lower, arm.upper, EXACT, EXACT
+        )
+        self.clock.count(spent)
+        return (at, shorter) if broken == len(at) - 1 else None

@@ -31,8 +31,8 @@ _LEAST_RUN = 3
 """Fewest lines that are taken as one curve."""
 _TURNING = 0.07
 """A rounded corner leaves the turning of its sides by this share of ``reach |change of rate|``."""
-_FASTER = 0.95
-"""Points are noisy where more of the tolerance saves this share of the time of a motion."""
+_FASTER = 0.995
+"""Points are noisy where more of the tolerance leaves less than this share of the time."""
 
 
 class SmoothRuns(NamedTuple):

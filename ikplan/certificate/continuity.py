@@ -87,7 +87,7 @@ def discontinuities(claim: Claim) -> list[str]:
     if (np.diff(passed) < 0.0).any() or passed[0] < 0.0 or abs(last - end) > 1e-9 * end:
         wrong.append("waypoint times do not increase to the end of the motion")
     # Seen from the sample before and from the sample after.
-    at = np.clip(np.searchsorted(claim.time, passed, side="right") - 1, 0, None)
+    at = np.maximum(np.searchsorted(claim.time, passed, side="right") - 1, 0)
     for k in (at, np.minimum(at + 1, len(claim.time) - 1)):
         away = (passed - claim.time[k])[:, None]
         reached = np.abs(claim.waypoint_q - claim.q[k] - claim.dq[k] * away)

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ikplan.arrays import Array, Indices
+from ikplan.arrays import Array, Indices, clamped
 from ikplan.certificate.claim import Claim
 from ikplan.certificate.deviation import MatchedLeg, Tool
 from ikplan.certificate.elongation import joint_reach
@@ -47,7 +47,7 @@ def left_out(
     if len(s) < 2:
         return 0.0, 0.0
     # Of what need not be followed, nothing can be left out.
-    ahead = np.clip(np.maximum.accumulate(s), *part.leg.followed)
+    ahead = clamped(np.maximum.accumulate(s), *part.leg.followed)
     steps = np.diff(tool.p[part.sample], axis=0)
     way = np.sqrt((steps * steps).sum(axis=1))
     box = float(np.linalg.norm(allowance.box_position))

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ikplan.arrays import Array, Flags, Indices
+from ikplan.arrays import Array, Flags, Indices, clamped
 from ikplan.certificate.claim import Claim
 from ikplan.certificate.matching import Samples, match_samples
 from ikplan.certificate.offsets import Allowance
@@ -178,7 +178,7 @@ def _samples(
     first = leg.row < 0
     p_passed = np.where(first[:, None], tool.p[:1], tool.p_waypoint[leg.row])
     R_passed = np.where(first[:, None, None], tool.R[:1], tool.R_waypoint[leg.row])
-    step = np.clip(np.searchsorted(leg.time, time, "right") - 1, 0, len(leg.s) - 2)
+    step = clamped(np.searchsorted(leg.time, time, "right") - 1, 0, len(leg.s) - 2)
     # Waypoints and samples in the order in which they are passed, each waypoint before its samples.
     order = np.argsort(np.concatenate([leg.time, time]), kind="stable")
     nodes, progress = turning_progress(leg.path, allowance)
@@ -186,7 +186,7 @@ def _samples(
     if len(nodes) or leg.path.spots.any():
         turned = _angles(np.concatenate([R_passed, R])[order], allowance.free_axis)
         within = np.concatenate([np.arange(len(leg.s)) - 1, step])[order][1:]
-        within = np.clip(within, 0, len(leg.s) - 2)
+        within = clamped(within, 0, len(leg.s) - 2)
         piece = leg.path.piece_at(0.5 * (leg.s[:-1] + leg.s[1:]))[within]
         if len(nodes):
             counts = np.where(leg.path.oriented[piece], turned, 0.0)
@@ -198,11 +198,11 @@ def _samples(
     at_waypoint, at_sample = gone[: len(leg.s)], gone[len(leg.s) :]
     whole = np.diff(at_waypoint)[step]
     share = (at_sample - at_waypoint[step]) / np.where(whole > 0.0, whole, 1.0)
-    share = np.clip(share, 0.0, 1.0)
+    share = clamped(share, 0.0, 1.0)
     low, high = leg.s[step], leg.s[step + 1]
     if len(nodes):
         a, b = np.interp(low, nodes, progress), np.interp(high, nodes, progress)
-        hint = np.clip(np.interp(a + share * (b - a), progress, nodes), low, high)
+        hint = clamped(np.interp(a + share * (b - a), progress, nodes), low, high)
     else:
         hint = low + share * (high - low)
     return Samples(p, R, hint, low, high)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import math
 from collections.abc import Sequence
 
@@ -41,9 +42,7 @@ def elongation_lower_bound(
         allowance: What is allowed at them.
         misses: What the plan misses each by.
     """
-    linear = math.sqrt(float((joint_reach(robot) ** 2).sum()))
-    turning = robot.coupling[~np.array([_slides(robot, k) for k in range(robot.model.nv)])]
-    angular = float(np.linalg.norm(turning, 2)) * math.sqrt(len(turning)) if len(turning) else 0.0
+    linear, angular = _tool_rates(robot)
     near = misses.distance + float(np.linalg.norm(allowance.box_position))
     like = misses.angle + float(np.linalg.norm(allowance.box_orientation)) + allowance.cone
     # Of several targets any may be gone to: the least over all ways to choose.
@@ -74,6 +73,18 @@ def elongation_lower_bound(
     return min(total) * (1.0 - 1e-12)
 
 
+@functools.lru_cache(maxsize=128)
+def _tool_rates(robot: Robot) -> tuple[float, float]:
+    """How far and how much the tool moves and turns per unit of joint motion, at most.
+
+    Robots do not change, so neither do these.
+    """
+    linear = math.sqrt(float((joint_reach(robot) ** 2).sum()))
+    turning = robot.coupling[~np.array([_slides(robot, k) for k in range(robot.model.nv)])]
+    angular = float(np.linalg.norm(turning, 2)) * math.sqrt(len(turning)) if len(turning) else 0.0
+    return linear, angular
+
+
 def _turn(before: Array, after: Array, free_axis: int | None) -> float:
     """Angle between two orientations, or between the directions of their free axes [rad]."""
     if free_axis is None:
@@ -87,8 +98,12 @@ def _slides(robot: Robot, joint: int) -> bool:
     return "P" in robot.model.joints[joint + 1].shortname().removeprefix("JointModel")[:2]
 
 
+@functools.lru_cache(maxsize=128)
 def joint_reach(robot: Robot) -> Array:
-    """Return the largest tool motion per unit of each joint value, shape (dof,) [m/rad, m/m]."""
+    """Return the largest tool motion per unit of each joint value, shape (dof,) [m/rad, m/m].
+
+    The array is shared, and read-only.
+    """
     model = robot.model
     T_tip_tool = model.frames[robot.tip_frame_id].placement * robot.T_tip_tool
     links = [
@@ -103,4 +118,6 @@ def joint_reach(robot: Robot) -> Array:
     reach = np.zeros(model.nv)
     for j in range(model.nv):
         reach[j] = 1.0 if _slides(robot, j) else sum(links[j:]) + sum(slide[j + 1 :])
-    return np.asarray(np.abs(robot.coupling).T @ reach)
+    found = np.asarray(np.abs(robot.coupling).T @ reach)
+    found.setflags(write=False)
+    return found

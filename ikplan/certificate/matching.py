@@ -6,8 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ikplan.arrays import Array, Flags, Indices
-from ikplan.certificate.offsets import Allowance, Offsets
+from ikplan.arrays import Array, Flags, Indices, clamped
+from ikplan.certificate.offset_kernels import keep_better
+from ikplan.certificate.offsets import Allowance
 from ikplan.certificate.requested import RequestedPath
 
 __all__ = ["Match", "Samples", "match_samples"]
@@ -97,13 +98,13 @@ class _Search:
     def __init__(self, path: RequestedPath, allowance: Allowance, samples: Samples) -> None:
         self._path, self._allowance, self._samples = path, allowance, samples
         m = len(samples.p)
-        self._s = samples.hint.copy()
         # A sample between two waypoints is on the pieces between them, also at the very waypoints.
         first, end = path.piece_at(samples.low), np.searchsorted(path.begins, samples.high) - 1
         self._first, self._last = first, np.maximum(first, end)
         self._piece = self._piece_at(np.arange(m), samples.hint)
-        self._ratio = np.full(m, np.inf)
-        self._distance, self._angle = np.full(m, np.inf), np.full(m, np.inf)
+        self._best = np.full((m, 4), np.inf)
+        self._best[:, 0] = samples.hint
+        self._s, self._ratio, self._distance, self._angle = self._best.T
         gaps = np.abs(np.diff(samples.hint, prepend=samples.hint[:1], append=samples.hint[-1:]))
         box = 2.0 * float(np.linalg.norm(allowance.box_position))
         self.near = np.maximum(gaps[:-1], gaps[1:]) + 2.0 * allowance.position
@@ -186,14 +187,14 @@ class _Search:
         count = starts.shape[1]
         begins, sample = starts.ravel(), np.repeat(part, count)
         piece = self._piece_at(sample, begins)
-        square, _, _ = self._look(sample, piece, begins - self._path.begins[piece])
+        square = self._look(sample, piece, begins - self._path.begins[piece])[:, 0]
         best = np.argsort(square.reshape(-1, count), axis=1, kind="stable")[:, :_DESCENTS]
         chosen = (best + count * np.arange(len(part))[:, None]).ravel()
         self._descend(sample[chosen], piece[chosen], begins[chosen])
 
     def _piece_at(self, sample: Indices, s: Array) -> Indices:
         """The pieces at path lengths, among those between the waypoints of samples."""
-        return np.clip(self._path.piece_at(s), self._first[sample], self._last[sample])
+        return clamped(self._path.piece_at(s), self._first[sample], self._last[sample])
 
     def _between_matched(self, width: Array) -> tuple[Array, Array]:
         """Path lengths from the last to the next matched sample of each, and a width [m] more."""
@@ -209,15 +210,15 @@ class _Search:
         begin, end = path.begins[piece], path.begins[piece + 1]
         low = np.maximum(samples.low[sample], begin) - begin
         high = np.maximum(np.minimum(samples.high[sample], end) - begin, low)
-        s = np.clip(starts - begin, low, high)
+        s = clamped(starts - begin, low, high)
         step, before = np.zeros_like(s), np.full(len(s), np.inf)
         at = np.arange(len(s))
         for _ in range(_STEPS):
-            square, along, scale = self._look(sample[at], piece[at], s[at])
+            square, along, scale = self._look(sample[at], piece[at], s[at]).T
             worse = square > before[at]
             along = np.where(worse, -0.5 * step[at], along)
             before[at] = np.minimum(square, before[at])
-            ahead = np.clip(s[at] + along, low[at], high[at])
+            ahead = clamped(s[at] + along, low[at], high[at])
             step[at] = ahead - s[at]
             s[at] = ahead
             # On until a step changes the ratio by next to nothing.
@@ -227,47 +228,30 @@ class _Search:
         if len(at):
             self._look(sample[at], piece[at], s[at])
 
-    def _look(self, sample: Indices, piece: Indices, s: Array) -> tuple[Array, Array, Array]:
+    def _look(self, sample: Indices, piece: Indices, s: Array) -> Array:
         """Measure samples at lengths s of pieces, and keep what is better than known.
 
         Returns:
-            The squares of the ratios to both tolerances added, the Gauss-Newton step [m], and how
-            much the root of that sum changes with the length, at most [1/m].
+            The steps of :class:`Offsets`, shape (n, 3).
         """
         path, allowance, samples = self._path, self._allowance, self._samples
-        derivatives, oriented = path.derivatives(piece, s), path.oriented[piece]
+        at = path.derivatives(piece, s)
         found = allowance.offsets(
-            samples.p[sample], samples.R[sample], derivatives.p, derivatives.R, oriented
+            samples.p[sample],
+            samples.R[sample],
+            at.p,
+            at.R,
+            path.oriented[piece],
+            (at.v, at.w),
         )
-        square, along, scale = _gauss_newton(allowance, found, derivatives.v, derivatives.w)
-        distance, angle = found.distance, found.angle
-        ratio = np.maximum(distance / allowance.position, angle / allowance.orientation)
-        if len(sample) > 1 and (np.diff(sample) <= 0).any():
-            # The best of each sample's pairs, the first of equal ones.
-            order = np.lexsort((ratio, sample))
-            order = order[np.concatenate([[True], np.diff(sample[order]) > 0])]
-        else:
-            order = np.arange(len(sample))
-        k = sample[order]
-        better = ratio[order] < self._ratio[k]
-        k, order = k[better], order[better]
-        self._ratio[k], self._distance[k], self._angle[k] = (
-            ratio[order],
-            distance[order],
-            angle[order],
+        keep_better(
+            allowance.rows,
+            found.apart,
+            found.turned,
+            sample,
+            piece,
+            path.begins[piece] + s,
+            self._best,
+            self._piece,
         )
-        self._s[k], self._piece[k] = path.begins[piece[order]] + s[order], piece[order]
-        return square, along, scale
-
-
-def _gauss_newton(
-    allowance: Allowance, found: Offsets, v: Array, w: Array
-) -> tuple[Array, Array, Array]:
-    """Sum of the squares of the ratios, the step to the least of it [m], and its scale [1/m]."""
-    a, b = 1.0 / allowance.position**2, 1.0 / allowance.orientation**2
-    square = a * (found.apart**2).sum(axis=1) + b * (found.turned**2).sum(axis=1)
-    v, w = found.felt(v, w)
-    slope = a * (found.apart * v).sum(axis=1) + b * (found.turned * w).sum(axis=1)
-    turning = found.turned.any(axis=1)
-    bend = a * (v * v).sum(axis=1) + np.where(turning, b * (w * w).sum(axis=1), 0.0)
-    return square, slope / np.maximum(bend, 1e-300), np.sqrt(bend)
+        return found.steps

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ikplan.arrays import Array, Flags, Indices
+from ikplan.arrays import Array, Flags, Indices, clamped
 from ikplan.certificate.claim import Claim
 from ikplan.certificate.deviation import MatchedLeg
 from ikplan.certificate.offsets import Allowance
@@ -51,7 +51,7 @@ def _oriented(claim: Claim, motion: RequestedMotion | None, matched: list[Matche
     if claim.path.orientation_free == "all":
         return np.zeros(len(claim.time), dtype=np.bool_)
     asked = np.array([w.R is not None for w in motion.waypoints])
-    after = np.clip(np.searchsorted(claim.waypoint_time, claim.time), 0, len(asked) - 1)
+    after = clamped(np.searchsorted(claim.waypoint_time, claim.time), 0, len(asked) - 1)
     before = np.maximum(after - 1, 0)
     oriented = asked[after] | asked[before]
     for part in matched:
@@ -65,11 +65,17 @@ def _values(claim: Claim, samples: Indices, oriented: Flags, axis: int | None) -
     if claim.robot.dof < len(full):
         full = [0, 1, 2]
     turned = oriented[samples]
+    if turned.all():
+        return _least(J if len(full) == 6 else J[:, full])
     values = np.empty(len(samples))
     for here, rows in ((turned, full), (~turned, [0, 1, 2])):
         if here.any():
-            part = J[here][:, rows]
-            wide = part.shape[1] <= part.shape[2]
-            gram = part @ part.transpose(0, 2, 1) if wide else part.transpose(0, 2, 1) @ part
-            values[here] = np.sqrt(np.maximum(np.linalg.eigvalsh(gram)[:, 0], 0.0))
+            values[here] = _least(J[here][:, rows])
     return values
+
+
+def _least(J: Array) -> Array:
+    """Smallest singular values of matrices, shape (m, r, c), shape (m,)."""
+    transposed = J.transpose(0, 2, 1)
+    gram = J @ transposed if J.shape[1] <= J.shape[2] else transposed @ J
+    return np.asarray(np.sqrt(np.maximum(np.linalg.eigvalsh(gram)[:, 0], 0.0)))

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ikplan.arrays import Array
+from ikplan.arrays import Array, clamped
 from ikplan.certificate.claim import Claim
 
 __all__ = ["false_stops", "stops"]
@@ -39,7 +39,7 @@ def false_stops(claim: Claim) -> list[str]:
     wrong = []
     limits = claim.limits
     a = limits.largest_acceleration * (1.0 + 1e-6)
-    after = np.clip(np.searchsorted(claim.time, claim.stop_time), 1, len(claim.time) - 1)
+    after = clamped(np.searchsorted(claim.time, claim.stop_time), 1, len(claim.time) - 1)
     for k in (after - 1, after):
         away = np.abs(claim.time[k] - claim.stop_time)[:, None]
         moves = (np.abs(claim.dq[k]) > a * away + _ROUNDING).any(axis=1)

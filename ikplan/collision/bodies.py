@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 from typing import NamedTuple
 
 import numpy as np
@@ -10,7 +11,7 @@ import pinocchio as pin
 from ikplan.arrays import Array, Indices
 from ikplan.collision.frames import link_frames
 from ikplan.collision.piece_bounds import PieceBounds, bounds_of
-from ikplan.kinematics.chain import Chain
+from ikplan.kinematics.arm import arm_of
 from ikplan.robots import Robot
 from ikplan.scene.body import CollisionModel
 
@@ -66,15 +67,14 @@ class Bodies(NamedTuple):
     clearance: float
 
 
-def flat_bodies(robot: Robot, chain: Chain, model: CollisionModel) -> Bodies:
+def flat_bodies(robot: Robot, model: CollisionModel) -> Bodies:
     """Return the bodies of a model as arrays.
 
     Args:
         robot: The robot that the model is of.
-        chain: Its chain.
         model: The bodies and pairs.
     """
-    to_chain = _chain_frames_in_joint_frames(robot, chain)
+    to_chain = _joint_frames(robot)
     first, carrier = [0], list[int]()
     radius, bounds = list[float](), list[PieceBounds]()
     spheres, first_sphere = list[Array](), [0]
@@ -149,11 +149,14 @@ def _pairs_of_pieces(
     )
 
 
-def _chain_frames_in_joint_frames(robot: Robot, chain: Chain) -> list[pin.SE3]:
-    """Per carrier, the pose of the model's joint frame in the chain's link frame.
+@functools.lru_cache(maxsize=128)
+def _joint_frames(robot: Robot) -> tuple[pin.SE3, ...]:
+    """Per carrier, the pose of the model's joint frame in the link frame of the robot's chain.
 
-    The chain turns each joint's axis to z; the two differ by a constant rotation.
+    The chain turns each joint's axis to z; the two differ by a constant rotation. Robots do not
+    change, so neither do these.
     """
+    chain = arm_of(robot).chain
     q = robot.home.copy()  # one compiled kind of arrays
     data = robot.model.createData()
     pin.forwardKinematics(robot.model, data, robot.configuration(q))
@@ -164,4 +167,4 @@ def _chain_frames_in_joint_frames(robot: Robot, chain: Chain) -> list[pin.SE3]:
     for k in range(1, robot.model.njoints):
         T_chain = pin.SE3(R[k], p[k])
         poses.append(T_chain.inverse() * T_base_universe * data.oMi[k])
-    return poses
+    return tuple(poses)

@@ -45,7 +45,7 @@ class CollisionChecker:
         """
         self.model = model
         self._chain = arm_of(robot).chain
-        self._bodies = flat_bodies(robot, self._chain, model)
+        self._bodies = flat_bodies(robot, model)
         self._scratch = new_scratch(self._chain, self._bodies)
         self._margin = margin
         self._all = np.ones(len(self._bodies.pairs), dtype=np.bool_)

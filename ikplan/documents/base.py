@@ -10,7 +10,7 @@ from __future__ import annotations
 import functools
 import hashlib
 from collections.abc import Mapping, Sequence
-from typing import Annotated, Any, NoReturn, TypeVar, get_args
+from typing import Annotated, Any, NamedTuple, NoReturn, TypeVar, get_args
 
 import numpy as np
 import orjson
@@ -91,21 +91,32 @@ def content_hash(document: Document, *context: str) -> str:
     return hashlib.sha256(canonical).hexdigest()[:32]
 
 
+class _Default(NamedTuple):
+    """What a field marked with :class:`IfGiven` is where it is not given."""
+
+    value: Any
+
+
 @functools.cache
-def _marked_fields(model: type[Document]) -> tuple[tuple[str, FieldInfo | None], ...]:
+def _marked_fields(model: type[Document]) -> tuple[tuple[str, _Default | None], ...]:
     """The fields of a model; None beside those without the mark :class:`IfGiven`."""
     return tuple(
-        (name, field if any(isinstance(mark, IfGiven) for mark in field.metadata) else None)
+        (name, _default(field) if any(isinstance(m, IfGiven) for m in field.metadata) else None)
         for name, field in model.model_fields.items()
     )
+
+
+def _default(field: FieldInfo) -> _Default:
+    return _Default(field.get_default(call_default_factory=True))
 
 
 def _not_given(document: Document) -> dict[str, Any]:
     """The fields marked with :class:`IfGiven` at their default, as pydantic's ``exclude``."""
     found: dict[str, Any] = {}
-    for name, marked in _marked_fields(type(document)):
-        value = getattr(document, name)
-        if marked is not None and value == marked.get_default(call_default_factory=True):
+    values = document.__dict__
+    for name, default in _marked_fields(type(document)):
+        value = values[name]
+        if default is not None and value == default.value:
             found[name] = True
         elif isinstance(value, Document) and (inner := _not_given(value)):
             found[name] = inner

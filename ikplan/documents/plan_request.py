@@ -39,7 +39,7 @@ from ikplan.documents.poses import (
     Waypoint,
     unit_quaternion,
 )
-from ikplan.documents.scene import FixedJoints, GivenScene, Scene, ToolFrame
+from ikplan.documents.scene import UNCHECKED, FixedJoints, GivenScene, Scene, ToolFrame
 
 __all__ = [
     "FkRequest",
@@ -255,7 +255,7 @@ class PlanRequest(Document):
             32 hexadecimal digits.
         """
         scene = Scene() if self.scene is None else self.scene
-        checked = None if scene == Scene(self_collision=False) else scene
+        checked = None if scene == UNCHECKED else scene
         return content_hash(self.model_copy(update={"scene": checked}), *context)
 
 

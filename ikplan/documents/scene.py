@@ -23,6 +23,7 @@ from ikplan.documents.poses import Frame, Quaternion, unit_quaternion
 from ikplan.documents.shape import MAX_POINTS, Metres3, Shape, point_count
 
 __all__ = [
+    "UNCHECKED",
     "AttachedBody",
     "FixedJoints",
     "GivenScene",
@@ -156,6 +157,10 @@ class Scene(Document):
                 f"the shapes of a scene may have {MAX_POINTS:,} points in all, not {points:,}"
             )
         return self
+
+
+UNCHECKED = Scene(self_collision=False)
+"""The scene of a request that switches every check off."""
 
 
 class SceneUpload(Scene):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Mapping
 from typing import Any
 
@@ -102,9 +103,14 @@ class Searcher:
             )
         self._kernel = solver.load()
         self._packed = solver.pack(values)
-        self._rng = generator(seed)
+        self._seed = seed
         self.cut = np.zeros(1, dtype=np.bool_)
         self.around: Surroundings | None = None
+
+    @functools.cached_property
+    def _rng(self) -> np.random.Generator:
+        """Random numbers; a path that is only tracked needs none."""
+        return generator(self._seed)
 
     def objective(self, target: Target, q_start: Array) -> Objective:
         """Return what is minimised for a target.

@@ -14,6 +14,7 @@ __all__ = [
     "Freedom",
     "Target",
     "constraint_rows",
+    "fixed_rows",
     "no_freedom",
     "pose_defect",
     "pose_target",
@@ -108,18 +109,28 @@ def pose_target(
 
 
 @kernel
-def constraint_rows(target: Target) -> int:
-    """Return how many of the tool's six degrees of freedom a target fixes everywhere."""
-    freedom = target.freedom
+def fixed_rows(freedom: Freedom, oriented: bool) -> int:
+    """Return how many of the tool's six degrees of freedom any target of a freedom fixes.
+
+    Args:
+        freedom: What need not hold.
+        oriented: Whether its orientation counts.
+    """
     if freedom.boxed:
         rows = 0
-        for i in range(6 if target.oriented and freedom.axis < 0 else 3):
+        for i in range(6 if oriented and freedom.axis < 0 else 3):
             if freedom.box[i] == 0.0:
                 rows += 1
     else:
         rows = 3
-        if target.oriented and freedom.axis < 0:
+        if oriented and freedom.axis < 0:
             rows = 6
-    if target.oriented and freedom.axis >= 0 and freedom.cone == 0.0:
+    if oriented and freedom.axis >= 0 and freedom.cone == 0.0:
         rows += 2
     return rows
+
+
+@kernel
+def constraint_rows(target: Target) -> int:
+    """Return how many of the tool's six degrees of freedom a target fixes everywhere."""
+    return fixed_rows(target.freedom, target.oriented)

@@ -15,6 +15,17 @@ from ikplan.errors import InvalidRequest
 __all__ = ["JointLimits", "LimitedRobot"]
 
 
+_SIGNS = {
+    "velocity": 1.0,
+    "velocity_lower": -1.0,
+    "acceleration": 1.0,
+    "acceleration_lower": -1.0,
+    "jerk": 1.0,
+    "deceleration": 1.0,
+}
+"""The rates that are limited, and the sign of each limit."""
+
+
 class LimitedRobot(Protocol):
     """What a robot has to show to be timed: arrays of shape (dof,)."""
 
@@ -92,13 +103,11 @@ class JointLimits:
                 value = _vector(getattr(self, field), self.dof, f"limits.{field}")
                 object.__setattr__(self, field, value)
         self._check_positions()
-        for field in ("velocity", "acceleration"):
-            self._check_rate(field, 1.0)
-            self._check_rate(f"{field}_lower", -1.0)
-        if self.jerk is not None:
-            self._check_rate("jerk", 1.0)
-        if self.deceleration is not None:
-            self._check_rate("deceleration", 1.0)
+        given = [name for name in _SIGNS if getattr(self, name) is not None]
+        rates = np.array([_SIGNS[name] * getattr(self, name) for name in given])
+        if not ((rates > 0.0) & (rates < np.inf)).all():
+            for name in given:
+                self._check_rate(name, _SIGNS[name])
 
     def _check_positions(self) -> None:
         # A comparison with NaN is false, so NaN is refused here as well.

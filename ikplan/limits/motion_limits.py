@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -223,10 +224,13 @@ def _rates(
     return up, np.maximum(-scale * _own(robot, kind, -asked), asked)
 
 
+@functools.lru_cache(maxsize=128)
 def _assumed(robot: Robot) -> Flags:
     """Which joints' acceleration limits are only a default that no source gives, shape (dof,)."""
     said = robot.description.assumptions
-    return np.array([is_assumed(said, "acceleration", n) for n in robot.joint_names], dtype=bool)
+    found = np.array([is_assumed(said, "acceleration", n) for n in robot.joint_names], dtype=bool)
+    found.setflags(write=False)
+    return found
 
 
 def _own(robot: Robot, kind: str, asked: Array | None) -> Array:

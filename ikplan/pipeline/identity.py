@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 from ikplan._version import __version__
 from ikplan.documents.plan_request import PlanRequest
-from ikplan.documents.scene import Scene
+from ikplan.documents.scene import UNCHECKED
 from ikplan.documents.timing_request import TimingRequest
 from ikplan.robots import Robot
 
@@ -49,4 +49,4 @@ def asks_for_checks(request: PlanRequest | TimingRequest) -> bool:
     """Whether a request has something checked for contact: plans do unless they switch it off."""
     if request.scene is None:
         return isinstance(request, PlanRequest)
-    return request.scene != Scene(self_collision=False)
+    return request.scene != UNCHECKED

@@ -9,6 +9,8 @@ from ikplan.robots import Robot, catalogue_robot
 
 __all__ = ["RobotRequest", "resolve_robot"]
 
+_NO_TOOL = ([0.0, 0.0, 0.0], [0.0, 0.0, 0.0, 1.0])
+
 
 class RobotRequest(Protocol):
     """A request that names a robot and may put a tool on it."""
@@ -35,7 +37,7 @@ def resolve_robot(request: RobotRequest, robot: Robot | None = None) -> Robot:
     """
     if robot is None:
         robot = catalogue_robot(request.robot)
-    tool, none = request.tool, Frame()
-    if (tool.position, tool.quaternion_xyzw) == (none.position, none.quaternion_xyzw):
+    tool = request.tool
+    if (tool.position, tool.quaternion_xyzw) == _NO_TOOL:
         return robot
     return robot.with_tool(tool.position, tool.quaternion_xyzw)

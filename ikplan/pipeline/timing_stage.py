@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -104,8 +105,9 @@ class Timing:
     report: TimingReport
 
 
+@functools.lru_cache(maxsize=64)
 def joint_limits(robot: Robot, limits: MotionLimits) -> JointLimits:
-    """Return what bounds the joints of a motion."""
+    """Return what bounds the joints of a motion; of the same objects, the same."""
     return JointLimits(
         lower=robot.lower,
         upper=robot.upper,

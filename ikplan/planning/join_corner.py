@@ -12,6 +12,7 @@ from ikplan.joint_path import JointPath
 from ikplan.kinematics.forward import forward_batch
 from ikplan.planning.tracking.path_deviation import deviation_ratios
 from ikplan.planning.tracking.reference_path import ReferencePath
+from ikplan.planning.tracking.tolerance_bounds import has_bounds
 from ikplan.planning.tracking.tracked_arm import EXACT, TrackedArm
 from ikplan.planning.tracking.tracking_kernels import project_onto_targets
 
@@ -206,6 +207,7 @@ class JoinCorner:
                 part,
                 tracked.tolerance,
                 tracked.deviation_share,
+                bounded=has_bounds(tracked.freedom),
             )
             tracked.clock.count(spent)
             wide = np.flatnonzero(off > tracked.deviation_share)

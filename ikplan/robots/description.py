@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import hashlib
 import json
 import math
@@ -103,6 +104,10 @@ class ShapeSource:
 
     def fingerprint(self) -> str:
         """SHA-256 over what the shapes come from; files of meshes are not read for it."""
+        return self._fingerprint
+
+    @functools.cached_property
+    def _fingerprint(self) -> str:
         digest = hashlib.sha256()
         for part in (self.urdf, self.shapes, self.file, self.srdf):
             digest.update(len(part).to_bytes(8, "big") + part)

@@ -15,8 +15,10 @@ __all__ = [
     "PATH_VARIABLE",
     "catalogue_folders",
     "package_file",
+    "package_places",
     "robot_folder",
     "robot_names",
+    "searched_folders",
     "user_folder",
 ]
 
@@ -34,18 +36,27 @@ def catalogue_folders() -> list[Path]:
     Raises:
         InvalidRobot: The variable names something that is not a folder.
     """
+    return [Path(folder) for folder in searched_folders()]
+
+
+def searched_folders() -> tuple[str, ...]:
+    """The same folders, as text; same errors."""
     folders = []
     for part in os.environ.get(PATH_VARIABLE, "").split(os.pathsep):
         if not part:
             continue
-        folder = Path(part)
-        if not folder.is_dir():
+        if not os.path.isdir(part):
             raise InvalidRobot(f"{PATH_VARIABLE} names {part!r}, which is not a folder", value=part)
-        folders.append(folder)
-    if (own := _own_folder()) not in folders and own.is_dir():
+        folders.append(str(Path(part)))
+    if (own := _own_folder()) not in folders and os.path.isdir(own):
         folders.append(own)
+    return (*folders, _our_folder())
+
+
+@functools.cache
+def _our_folder() -> str:
     installed, checkout = _HERE / "catalogue", _HERE.parents[1] / "robots"
-    return [*folders, installed if installed.is_dir() else checkout]
+    return str(installed if installed.is_dir() else checkout)
 
 
 def user_folder() -> Path:
@@ -57,12 +68,12 @@ def user_folder() -> Path:
     for part in os.environ.get(PATH_VARIABLE, "").split(os.pathsep):
         if part:
             return Path(part)
-    return _own_folder()
+    return Path(_own_folder())
 
 
-def _own_folder() -> Path:
+def _own_folder() -> str:
     settings = os.environ.get("XDG_CONFIG_HOME") or "~/.config"
-    return Path(settings).expanduser() / "ikplan" / "robots"
+    return os.path.join(os.path.expanduser(settings), "ikplan", "robots")
 
 
 def robot_names() -> list[str]:
@@ -100,16 +111,31 @@ def package_file(package: str, path: str) -> Path:
     Raises:
         InvalidRobot: The package or the file is not installed; the places tried are listed.
     """
+    places = package_places(package, path)
+    if places[-1].is_file():
+        return places[-1]
     roots = _package_roots(package, tuple(sys.path))
-    for root in roots:
-        if (root / path).is_file():
-            return root / path
     tried = ", ".join(str(root) for root in roots)
     raise InvalidRobot(
         f"{path} of {package} is not installed (pip install {package}); looked in {tried}",
         value=path,
         valid=[str(root) for root in roots],
     )
+
+
+def package_places(package: str, path: str) -> list[Path]:
+    """Places where a file of a package may be, up to the first where it is.
+
+    Args:
+        package: Name of the distribution.
+        path: Path below its ``robots`` folder.
+    """
+    places = []
+    for root in _package_roots(package, tuple(sys.path)):
+        places.append(root / path)
+        if places[-1].is_file():
+            break
+    return places
 
 
 @functools.lru_cache(maxsize=8)

@@ -3,31 +3,30 @@
 from __future__ import annotations
 
 import functools
-import math
 import os
+import sys
 from collections.abc import Mapping
-from dataclasses import replace
 from pathlib import Path
 
 from ikplan.errors import InvalidRobot, RobotNotFound
-from ikplan.robots.definition.chains import axes_tree, dh_tree
-from ikplan.robots.definition.collision import FileOf
-from ikplan.robots.definition.describe import describe_file
-from ikplan.robots.definition.schema import RobotFile, read_robot_file
 from ikplan.robots.description import ShapeSource
-from ikplan.robots.folders import package_file, robot_folder, robot_names
+from ikplan.robots.folders import robot_folder, robot_names, searched_folders
 from ikplan.robots.loading.changes import HomeGiven, with_changes
+from ikplan.robots.loading.file_stamps import Stamp, stamp
 from ikplan.robots.loading.from_source import Said, robot_of_source, robot_of_tree
 from ikplan.robots.loading.given_limits import LimitsGiven, limit_entries
+from ikplan.robots.loading.robot_file import (
+    ROBOT_FILE,
+    documents_of_file,
+    files_beside,
+    robot_of_file,
+)
 from ikplan.robots.loading.sources import SUFFIXES, read_bytes, read_source, robot_yaml
 from ikplan.robots.names import known_name
 from ikplan.robots.robot import Robot
-from ikplan.robots.urdf.tree import KinematicTree
 from ikplan.robots.urdf.urdf import parse_urdf
 
 __all__ = ["catalogue_documents", "catalogue_robot", "is_path", "load_robot", "robot_from_urdf"]
-
-_FILE = "robot.yaml"
 
 
 def load_robot(
@@ -81,7 +80,7 @@ def load_robot(
         read_bytes(path, str(path))  # says so
     if (file := robot_yaml(path)) is not None:
         _refuse_for_yaml(str(path), args, coupling, velocity_default)
-        return _changed(_from_folder(file, base, tip, name), limits, home)
+        return _changed(robot_of_file(file, base, tip, name), limits, home)
     said = Said(base, tip, limits, home, coupling, velocity_default)
     found = read_source(path, args)
     return robot_of_source(found, said, name=name or found.file.name.split(".")[0] or "robot")
@@ -130,12 +129,45 @@ def catalogue_robot(
         RobotNotFound: No robot of that name.
         InvalidRobot: Its description makes no sense.
     """
+    found = functools.partial(_unchanged, searched_folders(), base=base, tip=tip, rename=rename)
     try:  # to list the whole catalogue takes a millisecond: only where the name is none of it
-        folder = robot_folder(name)
+        return found(name=name)
     except RobotNotFound:
-        name = known_name(name, robot_names())
-        folder = robot_folder(name)
-    return _from_folder(folder / _FILE, base, tip, rename, expected=name)
+        return found(name=known_name(name, robot_names()))
+
+
+def _unchanged(
+    folders: tuple[str, ...], *, name: str, base: str | None, tip: str | None, rename: str | None
+) -> Robot:
+    """The robot of a name of the catalogue; what its files say is read anew once they change."""
+    stamps = tuple(stamp(os.path.join(folder, name, ROBOT_FILE)) for folder in folders)
+    files = _files_of(name, folders, stamps, tuple(sys.path))
+    known = (*stamps, *(stamp(file) for file in files))
+    return _catalogue_robot(name, base, tip, rename, folders, files, known)
+
+
+@functools.lru_cache(maxsize=256)
+def _files_of(
+    name: str,
+    folders: tuple[str, ...],  # noqa: ARG001 - where it is looked for, and what is found there
+    stamps: tuple[Stamp, ...],  # noqa: ARG001
+    search_path: tuple[str, ...],  # noqa: ARG001
+) -> tuple[str, ...]:
+    """The files beside its ``robot.yaml`` that a robot of the catalogue may be read from."""
+    return files_beside(robot_folder(name) / ROBOT_FILE, name)
+
+
+@functools.lru_cache(maxsize=256)
+def _catalogue_robot(
+    name: str,
+    base: str | None,
+    tip: str | None,
+    rename: str | None,
+    folders: tuple[str, ...],  # noqa: ARG001 - which files it is read from, and their state
+    files: tuple[str, ...],  # noqa: ARG001
+    stamps: tuple[Stamp, ...],  # noqa: ARG001
+) -> Robot:
+    return robot_of_file(robot_folder(name) / ROBOT_FILE, base, tip, rename, expected=name)
 
 
 def robot_from_urdf(
@@ -170,56 +202,6 @@ def _urdf_robot(
     )
 
 
-def _from_folder(
-    path: Path, base: str | None, tip: str | None, name: str | None, expected: str | None = None
-) -> Robot:
-    """The robot of a ``robot.yaml`` and the URDF it may name."""
-    text, document = _documents(path, expected)
-    return _file_robot(text, document, _shape_source(path, text, document), base, tip, name)
-
-
-def _shape_source(path: Path, text: bytes, document: bytes) -> ShapeSource:
-    """Read, and do not parse, what gives the links their shapes."""
-    file = _parsed_file(text, path.parent.name or str(path))
-    fixed = tuple(sorted(file.fixed_joints.items()))
-    folder, urdf = None, file.kinematics.urdf
-    if urdf is not None and urdf.package is None:
-        folder = str((path.parent / urdf.path).absolute().parent)
-    source = ShapeSource(urdf=document, folder=folder, fixed_joints=fixed)
-    collision = file.collision
-    if collision is None:
-        return source
-    beside = None if collision.file is None else FileOf(path=collision.file)
-    return replace(
-        source,
-        shapes=_shapes_text(text, file.name),
-        file=_read_if_there(beside, path, file.name),
-        srdf=_read_if_there(collision.srdf, path, file.name),
-    )
-
-
-@functools.lru_cache(maxsize=256)
-def _shapes_text(text: bytes, robot: str) -> bytes:
-    """The entry ``collision`` of a ``robot.yaml``, as JSON."""
-    entry = _parsed_file(text, robot).collision
-    return b"" if entry is None else entry.model_dump_json(exclude_defaults=True).encode()
-
-
-def _read_if_there(file: FileOf | None, beside: Path, robot: str) -> bytes:
-    """The bytes of a file; none where it is not installed.
-
-    Kinematics do without it, and so do collision checks: a link takes its shape from the URDF
-    then or is listed as unchecked, and without an SRDF more pairs are checked.
-    """
-    if file is None:
-        return b""
-    try:
-        path = package_file(file.package, file.path) if file.package else beside.parent / file.path
-    except InvalidRobot:
-        return b""
-    return read_bytes(path, robot) if path.is_file() else b""
-
-
 def catalogue_documents(name: str) -> tuple[bytes, bytes]:
     """Return the ``robot.yaml`` of a robot of the catalogue and the URDF it names.
 
@@ -234,77 +216,7 @@ def catalogue_documents(name: str) -> tuple[bytes, bytes]:
         InvalidRobot: A file cannot be read, or the ``robot.yaml`` makes no sense.
     """
     name = known_name(name, robot_names())
-    return _documents(robot_folder(name) / _FILE, name)
-
-
-def _documents(path: Path, expected: str | None) -> tuple[bytes, bytes]:
-    text = read_bytes(path, str(path))
-    file = _parsed_file(text, expected or path.parent.name or str(path))
-    if expected is not None and file.name != expected:
-        raise InvalidRobot(
-            f"{expected}: name: {file.name!r} in the folder {expected!r}",
-            robot=expected,
-            value=file.name,
-        )
-    document = b""
-    if file.kinematics.urdf is not None:
-        package, relative = file.kinematics.urdf.package, file.kinematics.urdf.path
-        urdf = package_file(package, relative) if package else path.parent / relative
-        document = read_bytes(urdf, file.name)
-    return text, document
-
-
-@functools.lru_cache(maxsize=256)
-def _parsed_file(text: bytes, robot: str) -> RobotFile:
-    try:
-        return read_robot_file(text.decode(), robot=robot)
-    except UnicodeDecodeError as error:
-        raise InvalidRobot(f"{robot}: not UTF-8 text: {error}", robot=robot) from error
-
-
-@functools.lru_cache(maxsize=256)
-def _file_robot(
-    text: bytes,
-    document: bytes,
-    shapes: ShapeSource,
-    base: str | None,
-    tip: str | None,
-    name: str | None,
-) -> Robot:
-    """The robot of these very contents: pure, so that it can be kept."""
-    file = read_robot_file(text.decode(), robot="")
-    tree = _tree(file, document)
-    description = describe_file(file, tree, base=base, tip=tip, name=name)
-    if file.collision is not None:
-        for link in file.collision.links:
-            tree.require_link(link, "link of a shape")
-    joints = [joint.name for joint in tree.joints]
-    for joint in file.fixed_joints:
-        if joint not in joints:
-            raise InvalidRobot(
-                f"{file.name}: fixed_joints: no joint {joint!r}; there are {', '.join(joints)}",
-                robot=file.name,
-                joint=joint,
-                valid=joints,
-            )
-    return Robot(replace(description, shapes=shapes))
-
-
-def _tree(file: RobotFile, document: bytes) -> KinematicTree:
-    kinematics = file.kinematics
-    radians = math.radians(1.0) if file.angle_unit == "deg" else 1.0
-    if kinematics.axes is not None:
-        return axes_tree(file.name, kinematics.axes, base=file.base, radians=radians)
-    if kinematics.dh is None:
-        return parse_urdf(document, robot=file.name)
-    names = [joint.name for joint in file.joints]
-    if len(kinematics.dh.rows) != len(names):
-        raise InvalidRobot(
-            f"{file.name}: kinematics.dh: {len(kinematics.dh.rows)} rows for {len(names)} joints",
-            robot=file.name,
-            value="kinematics.dh",
-        )
-    return dh_tree(file.name, kinematics.dh, names, base=file.base, tip=file.tip, radians=radians)
+    return documents_of_file(robot_folder(name) / ROBOT_FILE, name)
 
 
 def is_path(source: str) -> bool:

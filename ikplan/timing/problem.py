@@ -15,9 +15,8 @@ from ikplan.timing.engines.rest_to_rest import spans_at_limit, time_rest_to_rest
 from ikplan.timing.engines.rows import (
     StageRows,
     acceleration_rows,
-    natural_unit,
+    interval_unit,
     natural_units,
-    sample_step,
 )
 from ikplan.timing.engines.toppra_engine import ToppraEngine
 from ikplan.timing.limit_ratios import limit_ratios
@@ -123,21 +122,11 @@ class SpanProblem(SpanIntervals):
 
     def _natural_units(self) -> tuple[Array, float, float]:
         """The nodes in units of the length, the unit of x and the length, as of natural_units."""
-        s, step = self.grid.s, sample_step(len(self.h))
+        s = self.grid.s
         length = float(s[-1] - s[0])
-        some = np.arange(0, len(self.h), step)
-        a, b = np.empty((2, len(some), 6 * self.path.dof))
-        acceleration_rows(
-            self.h[some],
-            self.qs0[some],
-            self.qss0[some],
-            self.qss1[some],
-            self.grid.pieces[some],
-            *self.piece_limits[2:],
-            a,
-            b,
-        )
-        return (s - s[0]) / length, natural_unit(length, self.velocity_bounds, a), length
+        limits = self.piece_limits[2:]
+        unit = interval_unit(length, self.velocity_bounds, *self.slopes, *limits)
+        return (s - s[0]) / length, unit, length
 
     def duration_under(self, profile: LimitProfile, joint: int) -> float:
         """Return the compiled duration of the same problem with wider limits of one joint [s].

@@ -78,7 +78,10 @@ class LimitProfile:
             The profile.
         """
         k = len(path.s_knots) - 1
-        up, down = directions(path)
+        if any(x.deceleration is not None for x in (limits, *(r.limits for r in segments))):
+            up, down = directions(path)
+        else:  # nothing depends on them
+            up = down = np.zeros((k, path.dof), dtype=np.bool_)
         middle = 0.5 * (path.s_knots[:-1] + path.s_knots[1:])
         rates = {name: np.tile(getattr(limits, name), (k, 1)) for name in _RATES}
         rates["acceleration"], rates["acceleration_lower"] = acceleration_bounds(limits, up, down)

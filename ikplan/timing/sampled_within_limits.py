@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ikplan.arrays import Array, Indices
+from ikplan.arrays import Array, Indices, clamped
 from ikplan.timing.constraints.constraints import PathConstraint
 from ikplan.timing.engines.engine import Check, unlimited
 from ikplan.timing.sampling import Samples, on_grid, sample, with_nodes
@@ -112,7 +112,7 @@ def _pieces_at(timed: TimedPath, time: Array) -> tuple[Indices, Indices]:
     ends = timed.path.s_knots if jerk else timed.node_times
     edge = _EDGE * float(ends[-1])
     before, after = (
-        np.clip(np.searchsorted(ends, x, side="right") - 1, 0, len(ends) - 2)
+        clamped(np.searchsorted(ends, x, side="right") - 1, 0, len(ends) - 2)
         for x in (at - edge, at + edge)
     )
     return (before, after) if jerk else (timed.pieces[before], timed.pieces[after])

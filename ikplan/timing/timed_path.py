@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ikplan.arrays import Array, Indices
+from ikplan.arrays import Array, Indices, clamped
 from ikplan.joint_path.evaluation import evaluate_timed
 from ikplan.joint_path.joint_path import JointPath
 from ikplan.timing.jerk.cubic_kernels import evaluate_cubic, times_of
@@ -82,7 +82,7 @@ class TimedPath:
         Args:
             positions: Path positions, shape (m,); clipped to the path.
         """
-        positions = np.clip(positions, 0.0, self.path.length)
+        positions = clamped(positions, 0.0, self.path.length)
         if self.sddot is None:
             after = np.searchsorted(self.s, positions)
             before = np.maximum(after - 1, 0)
@@ -98,8 +98,8 @@ class TimedPath:
         """
         if self.sddot is not None or len(self.s) == 1:
             return self.times_at(positions)
-        positions = np.clip(positions, 0.0, self.path.length)
-        k = np.clip(np.searchsorted(self.s, positions, "right") - 1, 0, len(self.s) - 2)
+        positions = clamped(positions, 0.0, self.path.length)
+        k = clamped(np.searchsorted(self.s, positions, "right") - 1, 0, len(self.s) - 2)
         whole = self.s[k + 1] - self.s[k]
         gone = positions - self.s[k]
         before, after = self.sdot[k] ** 2, self.sdot[k + 1] ** 2

@@ -6,6 +6,7 @@ from itertools import pairwise
 from typing import Any
 
 import numpy as np
+import pinocchio as pin
 import pytest
 from numpy.typing import NDArray
 
@@ -150,3 +151,40 @@ def test_an_orientation_counts_where_one_is_asked_for_and_nowhere_else() -> None
     R, places, flags = np.stack([turned] * 3), np.zeros((3, 3)), np.array([True, False, True])
     found = allowance().offsets(places, R, places, np.stack([UNTURNED] * 3), flags)
     np.testing.assert_allclose(found.angle, np.sqrt(0.5) * flags, atol=1e-12)
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_what_is_off_is_the_rotation_vector_from_the_target(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    turns = rng.uniform(-1.0, 1.0, (40, 3)) * rng.choice([1e-9, 1e-3, 1.7], (40, 1))
+    R_target = exp(rng.uniform(-2.0, 2.0, (40, 3)))
+    R = exp(turns) @ R_target
+    found = allowance().offsets(np.ones((40, 3)), R, np.zeros((40, 3)), R_target, np.ones(40, bool))
+    want = np.array([pin.log3(a @ b.T) for a, b in zip(R, R_target, strict=True)])
+    np.testing.assert_allclose(found.turned, want, atol=1e-14)
+    np.testing.assert_allclose(found.apart, 1.0)
+
+
+@pytest.mark.parametrize("freedom", [None, {"about": "tool_y"}, {"about": "tool_x", "cone": 4e-4}])
+@pytest.mark.parametrize("frame", [None, "tool", "path"])
+def test_the_step_along_the_path_is_that_of_the_slope(freedom: Any, frame: str | None) -> None:
+    rng = np.random.default_rng(7)
+    box = {"position": [0.02, 0.0, 0.1], "orientation": [0.0, 2e-4, 5e-4], "frame": frame}
+    tolerance = {"position": 1e-2, "orientation": 1e-4} | ({} if frame is None else {"box": box})
+    allowed = allowance(tolerance=tolerance, orientation_free=freedom)
+    m, h = 60, 1e-7
+    # Turned by little, so that rotation vectors change as the angular rate says.
+    p, R = rng.uniform(-0.2, 0.2, (m, 3)), exp(rng.uniform(-1e-3, 1e-3, (m, 3)))
+    v, w = rng.uniform(-1.0, 1.0, (m, 3)), rng.uniform(-1.0, 1.0, (m, 3))
+    counts = np.ones(m, dtype=bool)
+
+    def square(s: float) -> Vector:
+        return np.asarray(allowed.offsets(p, R, s * v, exp(s * w), counts).steps[:, 0])
+
+    here = allowed.offsets(p, R, 0.0 * v, exp(0.0 * w), counts, (v, w)).steps
+    np.testing.assert_allclose(here[:, 0], square(0.0), rtol=1e-12)
+    slope = (square(h) - square(-h)) / (2.0 * h)
+    scale = np.abs(slope).max()
+    np.testing.assert_allclose(
+        -2.0 * here[:, 1] * here[:, 2] ** 2 / scale, slope / scale, atol=3e-3
+    )

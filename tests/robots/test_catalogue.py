@@ -333,6 +333,28 @@ def test_changed_file_is_read_again(mine: Path) -> None:
     assert after.fingerprint != before.fingerprint
 
 
+def test_changed_description_beside_a_file_is_read_again(mine: Path) -> None:
+    before = load_robot("mine")
+    assert load_robot("mine") is before
+    (mine / "arm.urdf").write_text(two_joints().replace("<robot", "<!-- longer --><robot", 1))
+    after = load_robot("mine")
+    assert after is not before
+    (mine / "arm.urdf").unlink()
+    with pytest.raises(InvalidRobot, match="cannot be read"):
+        load_robot("mine")
+
+
+def test_robot_that_is_written_later_hides_the_one_that_was_loaded(mine: Path) -> None:
+    ours = load_robot("ur5")
+    (mine.parent / "ur5").mkdir()
+    (mine.parent / "ur5" / "arm.urdf").write_text(two_joints())
+    file = mine.parent / "ur5" / "robot.yaml"
+    file.write_text(MINE.replace("name: mine", "name: ur5"))
+    assert load_robot("ur5").title == "My arm"
+    file.unlink()
+    assert load_robot("ur5") is ours
+
+
 def test_users_robot_hides_ours(mine: Path) -> None:
     mine.rename(mine.parent / "ur5")
     file = mine.parent / "ur5" / "robot.yaml"

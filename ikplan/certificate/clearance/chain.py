@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 from typing import NamedTuple
 
 import numpy as np
@@ -33,8 +34,11 @@ class JointChain(NamedTuple):
     slides: NDArray[np.bool_]
 
 
+@functools.lru_cache(maxsize=128)
 def chain_of(robot: Robot) -> JointChain:
     """Return the serial joints of a robot, read off its Pinocchio model.
+
+    Robots do not change, so neither do their joints: the arrays are shared.
 
     Args:
         robot: The robot.

@@ -107,21 +107,25 @@ class Report:
             "found": found,
             "time": self.curve.time(float(out.at[g])),
             "pair": [self.model.bodies[int(self.pieces.body[i])].name for i in pieces],
-            "points": _surface_points(out.points[g], self.pieces.radius[list(pieces)]).tolist(),
+            "points": _surface_points(out.points[g], tuple(self.pieces.radius[[*pieces]].tolist())),
             "undecided": undecided,
         }
 
 
-def _surface_points(points: Array, radii: Array) -> Array:
+def _surface_points(points: Array, radii: tuple[float, float]) -> list[list[float]]:
     """Move the points of two hulls along their line onto the surfaces at the radii around them.
 
     Radii that overlap by more than the distance of the hulls meet in between.
     """
-    line = points[1] - points[0]
-    length = math.sqrt(float(line @ line))
+    first, second = points.tolist()
+    line = [b - a for a, b in zip(first, second, strict=True)]
+    length = math.hypot(*line)
     if length == 0.0:
-        return points
-    whole = float(radii.sum())
+        return [first, second]
+    whole = radii[0] + radii[1]
     share = min(1.0, length / whole) if whole > 0.0 else 1.0
-    along = line / length
-    return np.array([points[0] + share * radii[0] * along, points[1] - share * radii[1] * along])
+    ahead, back = (share * radius / length for radius in radii)
+    return [
+        [a + ahead * x for a, x in zip(first, line, strict=True)],
+        [b - back * x for b, x in zip(second, line, strict=True)],
+    ]

@@ -7,9 +7,9 @@ from functools import cached_property
 
 import numpy as np
 
-from ikplan.arrays import Array, Flags, Indices
+from ikplan.arrays import Array, Flags, Indices, clamped
+from ikplan.certificate.requested.bend_kernels import BendStack, bend_rows
 from ikplan.certificate.requested.pieces import BendPiece, CurvePiece, Piece, line
-from ikplan.certificate.requested.rotations import exp
 from ikplan.certificate.requested.rounded import RoundedPiece, RoundedPieces
 
 __all__ = ["PathDerivatives", "RequestedPath", "SegmentRange"]
@@ -86,12 +86,12 @@ class RequestedPath:
         return np.array([piece.spot for piece in self.pieces])
 
     @cached_property
-    def _bends(self) -> tuple[Array, ...]:
-        """The attributes of the bend pieces as stacks, rows of others unused."""
+    def _bends(self) -> BendStack:
+        """The bend pieces as stacks, rows of others unused."""
         zero, unturned = np.zeros(3), np.eye(3)
         unused = line(zero, zero)
         rows = [piece if isinstance(piece, BendPiece) else unused for piece in self.pieces]
-        return (
+        return BendStack(
             np.array([b.p0 for b in rows]),
             np.array([b.t for b in rows]),
             np.array([b.n for b in rows]),
@@ -130,7 +130,7 @@ class RequestedPath:
 
     def piece_at(self, s: Array) -> Indices:
         """Return the piece at path lengths s, shape (m,); where two meet, the later one."""
-        return np.clip(np.searchsorted(self.begins, s, "right") - 1, 0, len(self.pieces) - 1)
+        return clamped(np.searchsorted(self.begins, s, "right") - 1, 0, len(self.pieces) - 1)
 
     def derivatives(self, piece: Indices, s: Array) -> PathDerivatives:
         """Return poses and derivatives at lengths s from the begins of pieces, both (m,) [m]."""
@@ -159,20 +159,10 @@ class RequestedPath:
         return out
 
     def _on_bends(self, piece: Indices, s: Array) -> PathDerivatives:
-        p0, t, n, c, h, k, R0, w = (stack[piece] for stack in self._bends)
-        half = 0.5 * k * s
-        chord = h * s * np.sinc(half / np.pi)
-        p = (
-            p0
-            + (chord * np.cos(half))[:, None] * t
-            + (chord * np.sin(half))[:, None] * n
-            + s[:, None] * c
-        )
-        v = (h * np.cos(k * s))[:, None] * t + (h * np.sin(k * s))[:, None] * n + c
-        if not w.any():
-            return PathDerivatives(R0, p, v, np.zeros_like(p))
-        R = R0 @ exp(s[:, None] * w)
-        return PathDerivatives(R, p, v, (R @ w[:, :, None])[:, :, 0])
+        m = len(s)
+        R, p, v, w = np.empty((m, 3, 3)), np.empty((m, 3)), np.empty((m, 3)), np.empty((m, 3))
+        bend_rows(self._bends, piece, np.ascontiguousarray(s), R, p, v, w)
+        return PathDerivatives(R, p, v, w)
 
     def _on_curve(self, k: int, s: Array) -> PathDerivatives:
         piece = self.pieces[k]

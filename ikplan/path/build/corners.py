@@ -47,6 +47,9 @@ class Junctions(NamedTuple):
     @classmethod
     def between(cls, items: Sequence[PathItem]) -> Junctions:
         """Return the junctions between items, in order."""
+        if len(items) == 1:
+            none = np.zeros(0, dtype=np.bool_)
+            return cls(none, none, none, np.zeros(0), none)
         raw = ToolPath(tuple(item.piece for item in items))
         k = np.arange(len(items) - 1)
         before = raw.derivatives_on(k, np.array([item.piece.length for item in items])[:-1])

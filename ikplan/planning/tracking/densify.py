@@ -12,6 +12,7 @@ from ikplan.errors import InvalidRequest
 from ikplan.joint_path import JointPath
 from ikplan.planning.tracking.path_deviation import deviation_ratios
 from ikplan.planning.tracking.reference_path import ReferencePath, rest_points, turn_between
+from ikplan.planning.tracking.tolerance_bounds import has_bounds
 from ikplan.planning.tracking.tracked_arm import EXACT, TrackedArm, most_points
 from ikplan.planning.tracking.tracked_path import TrackingFailed
 from ikplan.planning.tracking.tracking_kernels import project_onto_targets
@@ -68,6 +69,7 @@ def densify(
             path,
             tracked.tolerance,
             tracked.deviation_share,
+            bounded=has_bounds(tracked.freedom),
         )
         tracked.clock.count(spent)
         wide = np.flatnonzero(off > _allowed(tracked, reference, s, q, windows or []))

@@ -41,6 +41,8 @@ def deviation_ratios(
     path: JointPath,
     tolerance: Tolerance,
     enough: float,
+    *,
+    bounded: bool,
 ) -> tuple[Array, int]:
     """Measure which part of the tolerance the deviation takes between each two points.
 
@@ -53,14 +55,15 @@ def deviation_ratios(
         tolerance: How far from the path the tool may be.
         enough: Ratio up to which it does not matter how much; where a quick look
             finds no more, a close one follows.
+        bounded: Whether what is free has an edge that the tool can cross; a close look is the first
+            then.
 
     Returns:
         Largest ratio of deviation to tolerance between each two points, shape (m - 1,), and
         evaluations spent.
     """
-    freedom = targets_at(s[:1]).freedom
     worst, evaluations = np.zeros(len(s) - 1), 0
-    for shares in (_THROUGHOUT,) if has_bounds(freedom) else (_INSIDE, _THROUGHOUT):
+    for shares in (_THROUGHOUT,) if bounded else (_INSIDE, _THROUGHOUT):
         worst = _sample_deviation(chain, reference, targets_at, s, path, tolerance, enough, shares)
         evaluations += len(shares) * (len(s) - 1)
         if worst.max(initial=0.0) > enough:

@@ -7,7 +7,7 @@ from typing import Protocol
 
 import numpy as np
 
-from ikplan.arrays import Array, Flags, Indices
+from ikplan.arrays import Array, Flags, Indices, clamped
 from ikplan.path.rotation.so3 import angle_between
 from ikplan.path.tool_path import SegmentRange
 
@@ -140,11 +140,13 @@ def nearest_positions(
     """
     h = np.minimum(1e-4 * reference.length, 0.05 * (high - low))
     ahead, behind = np.minimum(near + h, reference.length), np.maximum(near - h, 0.0)
-    tangent = (reference.positions(ahead) - reference.positions(behind)) / (ahead - behind)[:, None]
+    m, found = len(near), reference.positions(np.concatenate([ahead, behind, near]))
+    p_ahead, p_behind, p_near = found[:m], found[m : 2 * m], found[2 * m :]
+    tangent = (p_ahead - p_behind) / (ahead - behind)[:, None]
     speed = np.linalg.norm(tangent, axis=1)
-    along = np.einsum("ij,ij->i", p - reference.positions(near), tangent)
+    along = np.einsum("ij,ij->i", p - p_near, tangent)
     step = np.where(speed > 1e-6, along / np.maximum(speed**2, 1e-12), 0.0)
-    return np.clip(near + step, low, high)
+    return clamped(near + step, low, high)
 
 
 def turn_between(reference: ReferencePath, a: float, b: float) -> float:

@@ -10,10 +10,10 @@ from ikplan.arrays import Array
 from ikplan.collision.check import Contact, ContactCheck
 from ikplan.documents.plan_request import Tolerance
 from ikplan.kinematics.arm import Arm
-from ikplan.kinematics.target import ORIENTATION_WEIGHT, Freedom, constraint_rows
+from ikplan.kinematics.target import ORIENTATION_WEIGHT, Freedom, fixed_rows
 from ikplan.limits import JointLimits
 from ikplan.path.tolerance_shares import MET, TRACKING, TRACKING_WITHIN
-from ikplan.planning.ladder.ik_candidates import Targets, target_at
+from ikplan.planning.ladder.ik_candidates import Targets
 from ikplan.planning.ladder.motion_cost import MotionCost, motion_cost_along, plain_cost
 from ikplan.planning.segment_number import segment_number
 from ikplan.planning.tracking.reference_path import ReferencePath
@@ -130,8 +130,9 @@ class TrackedArm:
 
     def redundant(self, reference: ReferencePath) -> bool:
         """Return whether the arm has self-motion along a path."""
-        targets = self.targets_at(reference, np.array([0.5 * reference.length]))
-        return self.arm.dof > constraint_rows(target_at(targets, 0))
+        middle = np.array([0.5 * reference.length])
+        oriented = self.oriented and bool(reference.orientation_mask(middle)[0])
+        return self.arm.dof > fixed_rows(self.freedom, oriented)
 
 
 def most_points(begun_with: int) -> int:

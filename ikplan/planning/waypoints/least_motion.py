@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ikplan.arrays import Array
+from ikplan.arrays import Array, Flags
 from ikplan.errors import InCollision
 from ikplan.planning.ladder.free_candidates import shortest_free_sequence
 from ikplan.planning.ladder.ik_candidates import IkCandidates, Targets
@@ -95,15 +95,25 @@ def _keep_free(problem: WaypointProblem, candidates: IkCandidates) -> None:
     """
     assert problem.contact is not None
     cap = candidates.q.shape[1]
+    all_free = _free(problem, candidates)
     for k in range(len(problem.targets)):
-        rows = candidates.q[k, : candidates.counts[k]]
-        kept = rows[problem.contact.free(rows, problem.segment(k))]
+        kept = candidates.q[k, : candidates.counts[k]][all_free[k]]
         if len(kept) == 0:
             problem.clock.check()
             near = candidates.q[k - 1, 0] if k > 0 else problem.q_start
             kept = free_solutions(problem, k, near)[:cap]
         candidates.q[k, : len(kept)] = kept
         candidates.counts[k] = len(kept)
+
+
+def _free(problem: WaypointProblem, candidates: IkCandidates) -> list[Flags]:
+    """Which candidates of each waypoint are free of contact."""
+    contact, counts = problem.contact, candidates.counts.tolist()
+    assert contact is not None
+    rows = [candidates.q[k, :count] for k, count in enumerate(counts)]
+    if contact.changes_by_segment:
+        return [contact.free(q, problem.segment(k)) for k, q in enumerate(rows)]
+    return np.split(contact.free(np.concatenate(rows), None), np.cumsum(counts[:-1]))
 
 
 def _around(problem: WaypointProblem, candidates: IkCandidates) -> Array:

@@ -6,22 +6,23 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ikplan._jit import kernel
+from ikplan._jit import kernel, leaf_kernel
 from ikplan.arrays import Array, Indices
 from ikplan.timing.limit_ratios import velocity_ratio
 
 __all__ = [
     "StageRows",
     "acceleration_rows",
-    "natural_unit",
+    "interval_unit",
     "natural_units",
     "place_rows",
-    "sample_step",
     "velocity_bounds",
 ]
 
 # What is compared instead of dividing may be off by rounding.
 _ROUNDING = 1.0 - 1e-12
+# About how many intervals are looked at for the natural unit.
+_SOME = 64
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,6 +45,13 @@ class StageRows:
     b: Array
     x_max: Array
     ends: tuple[float, float] = (0.0, 0.0)
+
+
+@leaf_kernel
+def _of_u(h: float, qs: float, qss0: float, qss1: float) -> tuple[float, float, float]:
+    """Return the coefficients of u in a joint's acceleration on an interval, as Bezier values."""
+    end = qs + 0.5 * h * (qss0 + qss1)
+    return qs, qs + 1.5 * h * qss0, end + 2.0 * h * qss1
 
 
 @kernel
@@ -79,15 +87,15 @@ def acceleration_rows(
     for i in range(n):
         k = pieces[i]
         for j in range(dof):
-            qs, c0, c1 = qs0[i, j], qss0[i, j], qss1[i, j]
-            end = qs + 0.5 * h[i] * (c0 + c1)
+            c0, c1 = qss0[i, j], qss1[i, j]
+            first, middle, last = _of_u(h[i], qs0[i, j], c0, c1)
             for side in range(2):
                 scale = 1.0 / upper[k, j] if side == 0 else 1.0 / lower[k, j]
                 row = 3 * (2 * j + side)
-                a[i, row], b[i, row] = qs * scale, c0 * scale
-                a[i, row + 1] = (qs + 1.5 * h[i] * c0) * scale
+                a[i, row], b[i, row] = first * scale, c0 * scale
+                a[i, row + 1] = middle * scale
                 b[i, row + 1] = 0.5 * (c0 + c1) * scale
-                a[i, row + 2] = (end + 2.0 * h[i] * c1) * scale
+                a[i, row + 2] = last * scale
                 b[i, row + 2] = c1 * scale
 
 
@@ -209,25 +217,76 @@ def place_rows(
             b[row, first + r + k] = of_x[end, k]
 
 
-def sample_step(n: int) -> int:
-    """Return the step through n rows at which some are looked at for the natural unit."""
-    return max(1, n // 64)
+@leaf_kernel
+def _largest_of_u(
+    h: Array,
+    qs0: Array,
+    qss0: Array,
+    qss1: Array,
+    pieces: Indices,
+    upper: Array,
+    lower: Array,
+    step: int,
+    out: Array,
+) -> None:
+    """Write the largest coefficient of u of every so many intervals; see acceleration_rows."""
+    for m in range(len(out)):
+        i = m * step
+        k, largest = pieces[i], 0.0
+        for j in range(qs0.shape[1]):
+            coefficients = _of_u(h[i], qs0[i, j], qss0[i, j], qss1[i, j])
+            for scale in (1.0 / upper[k, j], 1.0 / lower[k, j]):
+                for coefficient in coefficients:
+                    largest = max(largest, abs(coefficient * scale))
+        out[m] = largest
 
 
-def natural_unit(length: float, x_max: Array, some: Array) -> float:
-    """Return a unit of x in which speeds and accelerations are about one.
+def interval_unit(
+    length: float,
+    x_max: Array,
+    h: Array,
+    qs0: Array,
+    qss0: Array,
+    qss1: Array,
+    pieces: Indices,
+    upper: Array,
+    lower: Array,
+) -> float:
+    """Return the unit of :func:`natural_units` of intervals whose rows are not written out.
 
     Args:
         length: Length of the span.
-        x_max: Upper bounds of x, shape (n + 1,).
-        some: Coefficients of u of some intervals, shape (k, m).
+        x_max: Upper bounds of x at the nodes, shape (n + 1,).
+        h: Lengths of the intervals, shape (n,).
+        qs0: dq/ds at the starts, shape (n, dof).
+        qss0: d2q/ds2 at the starts, shape (n, dof).
+        qss1: d2q/ds2 at the ends, shape (n, dof).
+        pieces: Piece of each interval, shape (n,).
+        upper: Upper acceleration limits of the pieces, shape (k, dof).
+        lower: Lower acceleration limits of the pieces, shape (k, dof), negative.
     """
+    step = max(1, len(h) // _SOME)
+    slopes = np.empty((len(h) + step - 1) // step)
+    _largest_of_u(h, qs0, qss0, qss1, pieces, upper, lower, step, slopes)
+    return _unit(length, x_max, slopes)
+
+
+def _unit(length: float, x_max: Array, slopes: Array) -> float:
+    """Return the natural unit; ``slopes`` are the largest coefficients of u of some intervals."""
     finite = x_max[np.isfinite(x_max)]
     by_velocity = _median(finite) if len(finite) else np.inf
-    slope = _median(np.abs(some).max(axis=1))
+    slope = _median(slopes)
     by_acceleration = length / slope if slope > 0.0 else np.inf
     unit = min(by_velocity, by_acceleration)
     return unit if np.isfinite(unit) else 1.0
+
+
+def _median(values: Array) -> float:
+    """Return the median, as numpy does in four times the time; no value is NaN."""
+    middle = len(values) // 2
+    if len(values) % 2:
+        return float(np.partition(values, middle)[middle])
+    return float(np.partition(values, (middle - 1, middle))[middle - 1 : middle + 1].mean())
 
 
 def natural_units(rows: StageRows) -> tuple[StageRows, float]:
@@ -242,18 +301,11 @@ def natural_units(rows: StageRows) -> tuple[StageRows, float]:
         The scaled problem, and the factor that turns its x into the caller's.
     """
     length = float(rows.s[-1] - rows.s[0])
-    unit = natural_unit(length, rows.x_max, rows.a[:: sample_step(len(rows.a))])
+    some = rows.a[:: max(1, len(rows.a) // _SOME)]
+    unit = _unit(length, rows.x_max, np.abs(some).max(axis=1))
     s = (rows.s - rows.s[0]) / length
     a, b = rows.a, rows.b
     a *= unit / length
     b *= unit
     ends = (rows.ends[0] / unit, rows.ends[1] / unit)
     return StageRows(s, a, b, rows.x_max / unit, ends), unit
-
-
-def _median(values: Array) -> float:
-    """Return the median, as numpy does in four times the time; no value is NaN."""
-    middle = len(values) // 2
-    if len(values) % 2:
-        return float(np.partition(values, middle)[middle])
-    return float(np.partition(values, (middle - 1, middle))[middle - 1 : middle + 1].mean())

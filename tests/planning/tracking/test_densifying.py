@@ -129,8 +129,9 @@ def test_what_strays_between_points_is_what_strays_densely(seed: int, tolerance:
     tracker = tracker_of(ROBOT, tolerance)
     chain = arm_of(ROBOT).chain
     shares, _ = deviation_ratios(
-        chain, guide, lambda at: tracker.targets_at(guide, at), s, path, tracker.tolerance, 0.5
-    )
+        chain, guide, lambda at: tracker.targets_at(guide, at), s, path, tracker.tolerance, 0.5,
+        bounded=False,
+    )  # fmt: skip
     want = off_between(guide, s, path) / tolerance
     assert shares.shape == want.shape
     assert (shares <= want * (1.0 + 1e-6) + 1e-6).all()
@@ -158,6 +159,6 @@ def test_a_tool_that_turns_aside_between_points_uses_up_its_orientation_toleranc
     s = np.array([0.0, 0.5, 1.0]) * guide.length
     shares, _ = deviation_ratios(
         arm.arm.chain, guide, lambda at: arm.targets_at(guide, at), s,
-        JointPath.through(q, limits), tolerance, 10.0,
+        JointPath.through(q, limits), tolerance, 10.0, bounded=False,
     )  # fmt: skip
     np.testing.assert_allclose(shares, angle / 1e-3, rtol=1e-3)

@@ -43,7 +43,7 @@ def share_used(height: float, box: float | None = None, along: float = 1.0) -> f
     s = np.array([0.0, guide.length])
     shares, _ = deviation_ratios(
         arm.chain, guide, lambda at: tracker.targets_at(guide, at), s,
-        JointPath.through(q, LIMITS), tracker.tolerance, 0.5,
+        JointPath.through(q, LIMITS), tracker.tolerance, 0.5, bounded=False,
     )  # fmt: skip
     assert shares.shape == (1,)
     return float(shares[0])

@@ -9,13 +9,15 @@ raised as far as the boxes allow.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy.interpolate import BSpline
-from scipy.linalg import solveh_banded
-from scipy.sparse import csr_array, diags_array
 
 from ikplan.arrays import Array, Flags
+
+if TYPE_CHECKING:
+    from scipy.interpolate import BSpline
+    from scipy.sparse import csr_array
 
 __all__ = ["fit_within"]
 
@@ -41,6 +43,9 @@ class _Basis:
 
     @classmethod
     def on(cls, breaks: Array, u: Array) -> _Basis:
+        from scipy.interpolate import BSpline  # slow to import
+        from scipy.sparse import csr_array, diags_array
+
         k = _DEGREE
         t = np.concatenate([np.repeat(breaks[0], k), breaks, np.repeat(breaks[-1], k)])
         m = len(t) - k - 1
@@ -64,6 +69,9 @@ class _Basis:
             weights: Their weights, shape (n,).
             bending: Weight of the integral of the squared second derivative.
         """
+        from scipy.linalg import solveh_banded
+        from scipy.sparse import csr_array, diags_array
+
         weighted = diags_array(weights) @ self.values
         matrix = csr_array(self.values.T @ weighted + bending * self.bending)
         right = weighted.T @ y
@@ -87,6 +95,8 @@ def fit_within(u: Array, y: Array, half_width: Array) -> BSpline:
         y: Points, shape (n, d).
         half_width: Half widths of the boxes about them, shape (n, d), positive.
     """
+    from scipy.interpolate import BSpline
+
     breaks = np.linspace(u[0], u[-1], _FIRST_SPANS + 1)
     basis = _Basis.on(breaks, u)
     least = _LEAST_BENDING

@@ -78,8 +78,8 @@ def test_toppra_draws_as_ever_afterwards() -> None:
     code = (
         "import sys\n"
         "before = list(sys.meta_path)\n"
-        "from ikplan.timing.engines.toppra_import import pyplot_on_first_use\n"
-        "with pyplot_on_first_use():\n"
+        "from ikplan.timing.engines.toppra_import import libraries_on_first_use\n"
+        "with libraries_on_first_use():\n"
         "    import toppra\n"
         "import toppra.algorithm.algorithm as algorithm, toppra.parametrizer as parametrizer\n"
         "assert sys.meta_path == before\n"
@@ -97,8 +97,8 @@ def test_toppra_draws_as_ever_afterwards() -> None:
 def test_a_program_that_has_pyplot_already_shares_it_with_toppra() -> None:
     code = (
         "import matplotlib.pyplot\n"
-        "from ikplan.timing.engines.toppra_import import pyplot_on_first_use\n"
-        "with pyplot_on_first_use():\n"
+        "from ikplan.timing.engines.toppra_import import libraries_on_first_use\n"
+        "with libraries_on_first_use():\n"
         "    import toppra\n"
         "import toppra.algorithm.algorithm as algorithm\n"
         "assert algorithm.plt is matplotlib.pyplot\n"

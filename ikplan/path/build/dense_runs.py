@@ -8,9 +8,9 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy.interpolate import BSpline
 
 from ikplan.arrays import Array, Flags, Indices
 from ikplan.path.build.corners import Junctions
@@ -23,6 +23,9 @@ from ikplan.path.pieces.steady import SteadyPiece
 from ikplan.path.pieces.turning import FittedTurning, Turning
 from ikplan.path.rotation.so3 import quaternion_of
 from ikplan.smoothing import clusters_of, fit_within
+
+if TYPE_CHECKING:
+    from scipy.interpolate import BSpline
 
 __all__ = ["smooth_runs"]
 

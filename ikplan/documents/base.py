@@ -66,7 +66,9 @@ BUDGET_COUNTS = f"processor time, in at most {WALL_FACTOR:g} times as much wall 
 class Document(BaseModel):
     """Base of every request model: strict, closed, finite, immutable."""
 
-    model_config = ConfigDict(extra="forbid", allow_inf_nan=False, frozen=True, strict=True)
+    model_config = ConfigDict(
+        extra="forbid", allow_inf_nan=False, frozen=True, strict=True, defer_build=True
+    )
 
 
 class IfGiven:

@@ -13,7 +13,9 @@ class Result(BaseModel):
     """A part of an answer."""
 
     # Results of a newer service may carry more than this version knows: a client ignores it.
-    model_config = ConfigDict(frozen=True, extra="ignore", arbitrary_types_allowed=True)
+    model_config = ConfigDict(
+        frozen=True, extra="ignore", defer_build=True, arbitrary_types_allowed=True
+    )
 
 
 class LimitPlace(Result):

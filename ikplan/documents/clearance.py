@@ -18,7 +18,11 @@ class _Result(BaseModel):
     """A part of an answer; see :class:`ikplan.documents.certificate.Result`."""
 
     model_config = ConfigDict(
-        frozen=True, extra="ignore", populate_by_name=True, serialize_by_alias=True
+        frozen=True,
+        extra="ignore",
+        defer_build=True,
+        populate_by_name=True,
+        serialize_by_alias=True,
     )
 
 

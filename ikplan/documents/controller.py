@@ -128,7 +128,7 @@ class Controller(Document):
 
 
 class _Result(BaseModel):
-    model_config = ConfigDict(frozen=True, extra="ignore")
+    model_config = ConfigDict(frozen=True, extra="ignore", defer_build=True)
 
 
 class LanguageInfo(_Result):

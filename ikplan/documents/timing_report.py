@@ -10,7 +10,9 @@ __all__ = ["BindingLimit", "MotionPolynomials", "TimingReport", "WiderLimit"]
 
 
 class _Result(BaseModel):
-    model_config = ConfigDict(frozen=True, extra="ignore", arbitrary_types_allowed=True)
+    model_config = ConfigDict(
+        frozen=True, extra="ignore", defer_build=True, arbitrary_types_allowed=True
+    )
 
 
 class BindingLimit(_Result):

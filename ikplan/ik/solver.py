@@ -26,7 +26,7 @@ class Parameter(BaseModel):
     A parameter with ``choices`` reaches the kernel as the index of the choice.
     """
 
-    model_config = ConfigDict(frozen=True)
+    model_config = ConfigDict(frozen=True, defer_build=True)
 
     name: str
     default: Scalar
@@ -161,7 +161,7 @@ class Preset(BaseModel):
         iterations: T there.
     """
 
-    model_config = ConfigDict(frozen=True)
+    model_config = ConfigDict(frozen=True, defer_build=True)
 
     source: str
     values: dict[str, Scalar]
@@ -172,7 +172,7 @@ class Preset(BaseModel):
 class Solver(BaseModel):
     """A solver of the registry."""
 
-    model_config = ConfigDict(frozen=True)
+    model_config = ConfigDict(frozen=True, defer_build=True)
 
     name: str
     title: str

@@ -15,4 +15,4 @@ Triple = tuple[Number, Number, Number]
 class Strict(BaseModel):
     """Closed and immutable."""
 
-    model_config = ConfigDict(extra="forbid", frozen=True)
+    model_config = ConfigDict(extra="forbid", frozen=True, defer_build=True)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pydantic import BaseModel, ConfigDict, Field
 
+from ikplan.documents import AT_FIRST_USE
 from ikplan.documents.clearance import Clearance
 
 __all__ = ["Certificate", "LimitPlace", "RegionCertificate", "Result", "SegmentCertificate"]
@@ -14,7 +15,7 @@ class Result(BaseModel):
 
     # Results of a newer service may carry more than this version knows: a client ignores it.
     model_config = ConfigDict(
-        frozen=True, extra="ignore", defer_build=True, arbitrary_types_allowed=True
+        frozen=True, extra="ignore", defer_build=AT_FIRST_USE, arbitrary_types_allowed=True
     )
 
 

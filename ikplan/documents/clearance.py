@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from pydantic import BaseModel, ConfigDict, Field
 
+from ikplan.documents import AT_FIRST_USE
+
 __all__ = [
     "AllowedPair",
     "BodySource",
@@ -20,7 +22,7 @@ class _Result(BaseModel):
     model_config = ConfigDict(
         frozen=True,
         extra="ignore",
-        defer_build=True,
+        defer_build=AT_FIRST_USE,
         populate_by_name=True,
         serialize_by_alias=True,
     )

@@ -9,7 +9,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ikplan.documents.plan_request import PathRequest, PlanRequest
+from ikplan.documents.path import PathRequest
+from ikplan.documents.plan_request import PlanRequest
 from ikplan.documents.scene import Scene
 from ikplan.documents.trajectory import OrderReport
 from ikplan.errors import Disconnected, InCollision, TimingFailed, Unreachable

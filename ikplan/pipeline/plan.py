@@ -14,7 +14,8 @@ from ikplan.certificate.clearance.leaving import Leaving
 from ikplan.certificate.regions import RegionLeft
 from ikplan.collision.checker import CollisionChecker
 from ikplan.documents import parse
-from ikplan.documents.plan_request import PlanRequest, Scene
+from ikplan.documents.plan_request import PlanRequest
+from ikplan.documents.scene import Scene
 from ikplan.errors import (
     BudgetExceeded,
     Disconnected,

@@ -40,7 +40,6 @@ from ikplan.pipeline.timing_stage import joint_limits
 from ikplan.planning import (
     JointPathProblem,
     Progress,
-    find_repairs,
 )
 from ikplan.planning.limit_repairs import nearest_repairs
 from ikplan.planning.moves.leave import leaving_contact
@@ -185,6 +184,8 @@ def _repairs(
     Raises:
         BudgetExceeded: The time budget of the request ran out.
     """
+    from ikplan.planning.repairs import find_repairs  # for refusals
+
     clock, solver = problem.clock, problem.solver
     clearance = request.scene.clearance if isinstance(request.scene, Scene) else 0.0
     with clock.stage("planning"), clock.cutting(solver.cut, solver.search_evaluations):

@@ -16,8 +16,10 @@ if TYPE_CHECKING:
     from ikplan.arena.objective import objective
     from ikplan.client import AsyncClient, AsyncPlanJob, Client, PlanJob
     from ikplan.documents.certificate import Certificate
-    from ikplan.documents.plan_request import FkRequest, IkRequest, PlanRequest
+    from ikplan.documents.plan_request import PlanRequest
     from ikplan.documents.pose_results import FkResult, IkBatchSolution, IkSolution
+    from ikplan.documents.requests.fk import FkRequest
+    from ikplan.documents.requests.ik import IkRequest
     from ikplan.documents.status import PlanStatus
     from ikplan.documents.timing_request import TimingRequest
     from ikplan.errors import (
@@ -68,10 +70,10 @@ else:
             "Client": "client",
             "Comparison": "arena.comparison",
             "Disconnected": "errors",
-            "FkRequest": "documents.plan_request",
+            "FkRequest": "documents.requests.fk",
             "FkResult": "documents.pose_results",
             "IkBatchSolution": "documents.pose_results",
-            "IkRequest": "documents.plan_request",
+            "IkRequest": "documents.requests.ik",
             "IkSolution": "documents.pose_results",
             "IkplanError": "errors",
             "InvalidInput": "errors",

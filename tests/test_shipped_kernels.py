@@ -236,3 +236,46 @@ def test_two_processes_compile_a_kernel_once(tmp_path: Path) -> None:
     # What Python calls the other by takes no turns.
     assert len(list(user.cache.rglob("top.twice-*.nbc"))) in (2, 3)
     assert not list(user.cache.rglob("*.lock"))
+
+
+SUMS = """
+import numpy as np
+from ikplan._jit import kernel
+
+@kernel
+def total(count: int) -> float:
+    return np.ones(count).sum()
+"""
+MEANS = """
+import numpy as np
+from ikplan._jit import kernel
+from ikplan.sums import total
+
+@kernel
+def mean(count: int) -> float:
+    table = {k: float(k) for k in range(count)}
+    return total(count) / count + np.linspace(0.0, 1.0, count).mean() + len(table)
+"""
+LOADING = """
+import json, sys
+from ikplan.sums import total
+value = total(4)
+imported = sorted({"numba.np.arraymath", "numba.typed.typeddict"} & set(sys.modules))
+print(json.dumps([value, bool(total.stats.cache_misses), imported]))
+"""
+COMPILING_AFTERWARDS = """
+import json
+from ikplan.sums import total
+from ikplan.means import mean
+print(json.dumps([total(4), mean(4), total(5), bool(total.stats.cache_misses)]))
+"""
+
+
+def test_what_is_loaded_needs_no_compiler_and_leaves_it_as_it_was(tmp_path: Path) -> None:
+    user = Installed(tmp_path)
+    (tmp_path / "ikplan" / "sums.py").write_text(SUMS)
+    (tmp_path / "ikplan" / "means.py").write_text(MEANS)
+    assert user.run(LOADING)[0][:2] == [4.0, True]
+    assert user.run(LOADING)[0] == [4.0, False, []]
+    assert user.run(COMPILING_AFTERWARDS)[0] == [4.0, 5.5, 5.0, False]
+    assert user.run(COMPILING_AFTERWARDS) == ([4.0, 5.5, 5.0, False], "")

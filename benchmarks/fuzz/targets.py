@@ -13,7 +13,8 @@ from hypothesis import strategies as st
 from benchmarks.fuzz.damaged import damaged_json, damaged_text, damaged_xml
 from benchmarks.golden.cases import golden_cases
 from ikplan.documents import parse, parse_json
-from ikplan.documents.plan_request import FkRequest, IkRequest
+from ikplan.documents.requests.fk import FkRequest
+from ikplan.documents.requests.ik import IkRequest
 from ikplan.robots import RobotUpload, catalogue_robot
 from ikplan.robots.folders import package_file, robot_folder
 from ikplan_api.workers.point_file import read_point_file

@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 from benchmarks.papers.case import Case
 from benchmarks.papers.closed_forms import closed_form
 from benchmarks.papers.series import OPTIMUM, PLANNER, Series, context_of
-from ikplan.documents.plan_request import IkOptions, Tolerance
+from ikplan.documents.poses import Tolerance
+from ikplan.documents.requests.ik_options import IkOptions
 from ikplan.ik.objective import evaluate
 from ikplan.ik.solve import NoSolution, PoseSolver
 from ikplan.kinematics.target import Target, pose_target

@@ -17,6 +17,7 @@ from numba.core import caching, types
 
 from ikplan._kernels.clock import counting
 from ikplan._kernels.linking import call_out_of_line, reduced, restored
+from ikplan._kernels.loading import ready_to_load, unpickled
 from ikplan._kernels.pack import pack_key, shipped_pack
 from ikplan._kernels.python_calls import Wrapper, wrap_when_called
 from ikplan._kernels.sources import PACKAGE, digest_of
@@ -111,6 +112,10 @@ class _CacheFile(caching.IndexDataCacheFile):  # type: ignore[misc]
         except _UNREADABLE:
             return None  # compiled anew, as if it were not there
 
+    def _load_data(self, name: str) -> Any:
+        with open(self._data_path(name), "rb") as file:
+            return unpickled(file.read())
+
     def _load_index(self) -> dict[Any, str]:
         try:
             overloads: dict[Any, str] = super()._load_index()
@@ -138,22 +143,24 @@ class _KernelCache(caching.FunctionCache):  # type: ignore[misc]
         self._turns: dict[Any, Turn] = {}
 
     def load_overload(self, sig: Any, target_context: Any) -> Any:
-        target_context.refresh()
+        ready_to_load(target_context)
         found = self._shipped(sig, target_context)
         if found is None:
-            found = super().load_overload(sig, target_context)
+            found = self._kept(sig, target_context)
         if found is not None:
             return found
         _announce()
         if sig in self._turns:
             return None
-        taken = take_turn(
-            self._lock_of(sig), lambda: super(_KernelCache, self).load_overload(sig, target_context)
-        )
+        taken = take_turn(self._lock_of(sig), lambda: self._kept(sig, target_context))
         if isinstance(taken, Turn):
             self._turns[sig] = taken
             return None
         return taken
+
+    def _kept(self, sig: Any, target_context: Any) -> Any:
+        with self._guard_against_spurious_io_errors():
+            return self._load_overload(sig, target_context)
 
     def _shipped(self, sig: Any, target_context: Any) -> Any:
         data = self._in_pack(sig, target_context.codegen())

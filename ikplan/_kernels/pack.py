@@ -24,6 +24,7 @@ import llvmlite
 import numba
 from llvmlite import binding
 
+from ikplan._kernels.loading import unpickled
 from ikplan._kernels.sources import PACKAGE
 
 __all__ = ["PACK_NAME", "Pack", "pack_key", "read_pack", "shipped_pack", "stamp", "write_pack"]
@@ -96,7 +97,7 @@ class Pack:
         if place is None or self.refusal:
             return None
         begin = self._first + place[0]
-        return pickle.loads(self._bytes[begin : begin + place[1]])
+        return unpickled(self._bytes[begin : begin + place[1]])
 
 
 def _refusal(made: Mapping[str, str], features: list[str]) -> str:

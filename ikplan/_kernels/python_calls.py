@@ -84,6 +84,7 @@ def _wrapped(dispatcher: Any, result: Any, kept: KeptWrappers) -> Callable[..., 
         library = codegen.unserialize_library(found.library)
         constants.extend(found.constants[len(constants) :])
         return _callable(dispatcher.targetctx, library, result)
+    dispatcher.targetctx.refresh()  # compiling needs more of numba than loading did
     flags = Flags()
     dispatcher.targetdescr.options.parse_as_flags(flags, dispatcher.targetoptions)
     context = _make_subtarget(dispatcher.targetctx, flags)

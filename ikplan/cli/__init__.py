@@ -9,6 +9,7 @@ from collections.abc import Sequence
 
 from ikplan.cli.parser import as_one_command, make_parser, numbers_as_values
 from ikplan.cli.requests.service import choose_service
+from ikplan.cli.terminal import collecting
 from ikplan.cli.terminal.failing import fail, fail_of_fault, fail_of_file
 from ikplan.errors import IkplanError
 
@@ -26,7 +27,17 @@ def main(argv: Sequence[str] | None = None) -> int:
         or input; 3: the service cannot be reached or refuses, or a fault of ours. What is wrong and
         what to do is one line on stderr; with ``--json``, the problem document on stdout too.
     """
-    typed = as_one_command(list(sys.argv[1:] if argv is None else argv))
+    if argv is not None:
+        return _run(argv)
+    collecting.start()
+    try:
+        return _run(sys.argv[1:])
+    finally:
+        collecting.end()
+
+
+def _run(argv: Sequence[str]) -> int:
+    typed = as_one_command(list(argv))
     arguments = numbers_as_values(typed)
     as_json = "--json" in arguments
     try:

@@ -65,10 +65,10 @@ def check_formats(options: argparse.Namespace, robot: RobotInfo | None) -> None:
 
 def report(made: Plan, options: argparse.Namespace) -> None:
     """Write a plan to its files, and tell of it: on stderr where stdout takes the plan."""
-    from ikplan.plans.export import encode, save
-
     for output in options.output:
         if output != STDOUT:
+            from ikplan.plans.export import save
+
             save(made, output, _format(options, output).name)
     if options.verbose:
         seconds = ", ".join(f"{stage} {s:.2f} s" for stage, s in made.stats.seconds.items())
@@ -80,6 +80,8 @@ def report(made: Plan, options: argparse.Namespace) -> None:
     if not options.quiet:
         _describe(made, options, sys.stderr if piped else sys.stdout)
     if piped:
+        from ikplan.plans.export import encode
+
         sys.stdout.flush()
         sys.stdout.buffer.write(encode(made, _format(options, STDOUT).name))
         sys.stdout.buffer.flush()

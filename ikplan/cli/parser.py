@@ -24,6 +24,7 @@ from ikplan.cli.options import (
     add_talk,
 )
 from ikplan.cli.studies.compare_options import add_compare
+from ikplan.cli.terminal import collecting
 from ikplan.cli.terminal.exit_codes import NO_PLAN
 from ikplan.errors import InvalidRequest
 
@@ -66,13 +67,22 @@ def numbers_as_values(arguments: Sequence[str]) -> list[str]:
     return values
 
 
-def _command(module: str, function: str) -> Callable[[argparse.Namespace], int | None]:
-    """A command that imports what it needs when it runs: help and other commands need less."""
+def _command(
+    module: str, function: str, *, brief: bool = False
+) -> Callable[[argparse.Namespace], int | None]:
+    """A command that imports what it needs when it runs: help and other commands need less.
+
+    Args:
+        module: Its module.
+        function: Its function there.
+        brief: Whether it is over soon, or says itself when it is loaded.
+    """
 
     def run(options: argparse.Namespace) -> int | None:
-        code: int | None = getattr(importlib.import_module(f"ikplan.cli.{module}"), function)(
-            options
-        )
+        command = getattr(importlib.import_module(f"ikplan.cli.{module}"), function)
+        if not brief:
+            collecting.loaded()
+        code: int | None = command(options)
         return code
 
     return run
@@ -92,7 +102,7 @@ def make_parser() -> argparse.ArgumentParser:
     )
     add_robot_frames(robots)
     add_json(robots)
-    robots.set_defaults(run=_command("catalogue", "robots"))
+    robots.set_defaults(run=_command("catalogue", "robots", brief=True))
 
     new_robot = commands.add_parser(
         ADD,
@@ -136,7 +146,7 @@ def make_parser() -> argparse.ArgumentParser:
     fk.add_argument("--angles", metavar="UNIT", help="unit of the angles: rad (if absent), deg")
     add_json(fk)
     add_talk(fk)
-    fk.set_defaults(run=_command("poses", "fk"))
+    fk.set_defaults(run=_command("poses", "fk", brief=True))
 
     ik = commands.add_parser("ik", help="find joint values: tool pose to joint values")
     ik.add_argument("robot", metavar="ROBOT", help="a name or a file")
@@ -168,7 +178,7 @@ def make_parser() -> argparse.ArgumentParser:
     ik.add_argument("--seed", type=int, help="seed of every random choice")
     add_json(ik)
     add_talk(ik)
-    ik.set_defaults(run=_command("poses", "ik"))
+    ik.set_defaults(run=_command("poses", "ik", brief=True))
 
     plan = commands.add_parser("plan", help="make a plan from a request or a file of points")
     plan.add_argument(
@@ -189,7 +199,7 @@ def make_parser() -> argparse.ArgumentParser:
     add_path(plan)
     add_json(plan)
     add_talk(plan)
-    plan.set_defaults(run=_command("planning", "plan"))
+    plan.set_defaults(run=_command("planning", "plan", brief=True))
 
     move = commands.add_parser(
         "move",
@@ -236,7 +246,7 @@ def make_parser() -> argparse.ArgumentParser:
     add_robot_frames(move)
     add_json(move)
     add_talk(move)
-    move.set_defaults(run=_command("planning", "move"))
+    move.set_defaults(run=_command("planning", "move", brief=True))
 
     many = commands.add_parser(
         "batch",

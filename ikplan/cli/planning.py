@@ -13,6 +13,7 @@ from ikplan.cli.requests.gcode import is_gcode, plan_of_gcode
 from ikplan.cli.requests.points import choices_as_changes, is_points, plan_of_points
 from ikplan.cli.requests.robot import info_of, name_robot
 from ikplan.cli.requests.scene import set_scene, with_meshes_beside
+from ikplan.cli.terminal import collecting
 from ikplan.cli.terminal.progress import progress_bar, watched
 from ikplan.cli.terminal.telling import tell, tell_start
 from ikplan.documents import MAX_PLAN_S, load_json
@@ -134,6 +135,7 @@ def _make(options: argparse.Namespace, document: Any, robot: Robot | None) -> Pl
         return _by_service(options, document)
     from ikplan.pipeline.plan import plan as make
 
+    collecting.loaded()
     with progress_bar(quiet=options.quiet) as progress:
         return make(document, robot=robot, progress=progress)
 
@@ -141,6 +143,7 @@ def _make(options: argparse.Namespace, document: Any, robot: Robot | None) -> Pl
 def _by_service(options: argparse.Namespace, document: Any) -> Plan:
     from ikplan.client import Client
 
+    collecting.loaded()
     with Client(options.server, timeout=MAX_PLAN_S) as client:
         return watched(
             lambda: client.plan(document), lambda: client.submit(document), quiet=options.quiet

@@ -16,8 +16,10 @@ from ikplan.client.jobs import AsyncPlanJob
 from ikplan.client.retrying import Patience
 from ikplan.client.streams import BATCH, batch_body, read_event, read_line
 from ikplan.client.wire import EVENTS, PROBLEM, Call, client_headers, read, unreachable
-from ikplan.documents.plan_request import FkRequest, IkBatchRequest, IkRequest, PlanRequest
+from ikplan.documents.plan_request import PlanRequest
 from ikplan.documents.pose_results import FkResult, IkBatchSolution, IkSolution
+from ikplan.documents.requests.fk import FkRequest
+from ikplan.documents.requests.ik import IkBatchRequest, IkRequest
 from ikplan.documents.scene import Scene
 from ikplan.documents.status import AuditEntry, Outcome, PlanStatus, PlanSummary
 from ikplan.documents.timing_request import TimingRequest

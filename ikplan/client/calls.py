@@ -12,8 +12,10 @@ from urllib.parse import quote, urlencode
 from pydantic import BaseModel
 
 from ikplan.client.wire import Call, encode
-from ikplan.documents.plan_request import FkRequest, IkBatchRequest, IkRequest, PlanRequest
+from ikplan.documents.plan_request import PlanRequest
 from ikplan.documents.pose_results import FkResult, IkBatchSolution, IkSolution
+from ikplan.documents.requests.fk import FkRequest
+from ikplan.documents.requests.ik import IkBatchRequest, IkRequest
 from ikplan.documents.status import Audit, PlanList, PlanStatus
 from ikplan.documents.timing_request import TimingRequest
 from ikplan.documents.trajectory import PlanSeries

@@ -19,6 +19,10 @@ __all__ = ["covering_spheres", "enclosing_box", "sphere_box_gap"]
 _MOST_SPHERES = 8
 _STEPS = 60
 """Steps towards the smallest sphere about points."""
+_FEW = 500
+"""Of so many points the farthest is found at once."""
+_ALIKE = 1e-12
+"""Squares of distances that differ less, as a share of the greatest, are compared exactly."""
 _ROUNDING = 1e-9
 """Added to what encloses, so that rounding leaves no point outside [m]."""
 
@@ -113,14 +117,39 @@ def _at(points: Array, along: Array, cut: float) -> Array:
 def _sphere_about(points: Array) -> Array:
     """A small sphere about points (M. Badoiu and K. L. Clarkson, 2003), shape (4,)."""
     centre = 0.5 * (points.min(axis=0) + points.max(axis=0))
+    farthest = _Farthest(points, centre)
     best, radius = centre, math.inf
     for step in range(1, _STEPS):
-        distance = np.linalg.norm(points - centre, axis=1)
-        far = int(np.argmax(distance))
-        if distance[far] < radius:
-            best, radius = centre, float(distance[far])
+        far, distance = farthest.from_point(centre)
+        if distance < radius:
+            best, radius = centre, distance
         centre = centre + (points[far] - centre) / (step + 1)
     return np.append(best, radius * (1.0 + 1e-12) + _ROUNDING)
+
+
+class _Farthest:
+    """Which of some points is the farthest: of many, few are compared exactly."""
+
+    def __init__(self, points: Array, middle: Array) -> None:
+        self._points, self._middle = points, middle
+        self._offsets = points - middle
+        self._squares = np.einsum("ij,ij->i", self._offsets, self._offsets)
+        self._alike = _ALIKE * float(self._squares.max())
+        self._nearly = np.empty(len(points))
+
+    def from_point(self, centre: Array) -> tuple[int, float]:
+        """Return the first of the points that are the farthest, and its distance [m]."""
+        if len(self._points) <= _FEW:
+            distance = np.linalg.norm(self._points - centre, axis=1)
+            far = int(np.argmax(distance))
+            return far, float(distance[far])
+        # The squares of the distances, but for what all points share, to a rounding.
+        nearly = np.dot(self._offsets, 2.0 * (centre - self._middle), out=self._nearly)
+        np.subtract(self._squares, nearly, out=nearly)
+        among = np.flatnonzero(nearly >= nearly.max() - self._alike)
+        distance = np.linalg.norm(self._points[among] - centre, axis=1)
+        far = int(np.argmax(distance))
+        return int(among[far]), float(distance[far])
 
 
 @leaf_kernel

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-from scipy.spatial import ConvexHull, QhullError
 
 from ikplan.arrays import Array
 
@@ -25,6 +24,8 @@ def overlap_depth(first: Array, second: Array) -> float:
     Returns:
         The depth [m]; 0 where they do not overlap, or lie in one plane.
     """
+    from scipy.spatial import ConvexHull, QhullError  # slow to import
+
     differences = _corners(first)[:, None] - _corners(second)[None]
     try:
         faces = ConvexHull(differences.reshape(-1, 3)).equations
@@ -37,6 +38,8 @@ def _corners(points: Array) -> Array:
     """Those of some points that are corners of their hull."""
     if len(points) <= 8:
         return points
+    from scipy.spatial import ConvexHull, QhullError  # slow to import
+
     try:
         return np.asarray(points[ConvexHull(points).vertices])
     except QhullError:

@@ -1,6 +1,7 @@
 """What the request and result documents are built of; a file for each part of them."""
 
 from ikplan.documents.base import (
+    AT_FIRST_USE,
     BUDGET_COUNTS,
     HASHED,
     MAX_BUDGET_S,
@@ -24,6 +25,7 @@ from ikplan.documents.base import (
 )
 
 __all__ = [
+    "AT_FIRST_USE",
     "BUDGET_COUNTS",
     "HASHED",
     "MAX_BUDGET_S",

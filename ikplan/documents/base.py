@@ -16,6 +16,7 @@ import numpy as np
 import orjson
 from numpy.typing import NDArray
 from pydantic import (
+    VERSION,
     BaseModel,
     BeforeValidator,
     ConfigDict,
@@ -32,6 +33,7 @@ from ikplan.errors import InvalidRequest, near_names
 from ikplan.processor_time import WALL_FACTOR
 
 __all__ = [
+    "AT_FIRST_USE",
     "BUDGET_COUNTS",
     "MAX_BUDGET_S",
     "MAX_NUMBER",
@@ -63,10 +65,20 @@ BUDGET_COUNTS = f"processor time, in at most {WALL_FACTOR:g} times as much wall 
 """What a time budget counts, in words."""
 
 
+AT_FIRST_USE = tuple(int(part) for part in VERSION.split(".")[:2]) >= (2, 14)
+"""Value of pydantic's ``defer_build``: what checks and writes a document is built at its first use.
+
+Earlier versions of pydantic take no lock then, so that of several threads that use a document
+first at the same time one may have it checked as another.
+"""
+
+
 class Document(BaseModel):
     """Base of every request model: strict, closed, finite, immutable."""
 
-    model_config = ConfigDict(extra="forbid", allow_inf_nan=False, frozen=True, strict=True)
+    model_config = ConfigDict(
+        extra="forbid", allow_inf_nan=False, frozen=True, strict=True, defer_build=AT_FIRST_USE
+    )
 
 
 class IfGiven:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pydantic import BaseModel, ConfigDict, Field
 
+from ikplan.documents import AT_FIRST_USE
 from ikplan.documents.clearance import Clearance
 
 __all__ = ["Certificate", "LimitPlace", "RegionCertificate", "Result", "SegmentCertificate"]
@@ -13,7 +14,9 @@ class Result(BaseModel):
     """A part of an answer."""
 
     # Results of a newer service may carry more than this version knows: a client ignores it.
-    model_config = ConfigDict(frozen=True, extra="ignore", arbitrary_types_allowed=True)
+    model_config = ConfigDict(
+        frozen=True, extra="ignore", defer_build=AT_FIRST_USE, arbitrary_types_allowed=True
+    )
 
 
 class LimitPlace(Result):

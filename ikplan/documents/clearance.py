@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from pydantic import BaseModel, ConfigDict, Field
 
+from ikplan.documents import AT_FIRST_USE
+
 __all__ = [
     "AllowedPair",
     "BodySource",
@@ -18,7 +20,11 @@ class _Result(BaseModel):
     """A part of an answer; see :class:`ikplan.documents.certificate.Result`."""
 
     model_config = ConfigDict(
-        frozen=True, extra="ignore", populate_by_name=True, serialize_by_alias=True
+        frozen=True,
+        extra="ignore",
+        defer_build=AT_FIRST_USE,
+        populate_by_name=True,
+        serialize_by_alias=True,
     )
 
 

@@ -17,6 +17,7 @@ from pydantic import (
     model_validator,
 )
 
+from ikplan.documents import AT_FIRST_USE
 from ikplan.documents.base import Document, as_list
 from ikplan.documents.poses import Frame
 
@@ -128,7 +129,7 @@ class Controller(Document):
 
 
 class _Result(BaseModel):
-    model_config = ConfigDict(frozen=True, extra="ignore")
+    model_config = ConfigDict(frozen=True, extra="ignore", defer_build=AT_FIRST_USE)
 
 
 class LanguageInfo(_Result):

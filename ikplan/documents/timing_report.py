@@ -4,13 +4,15 @@ from __future__ import annotations
 
 from pydantic import BaseModel, ConfigDict, Field
 
-from ikplan.documents import Matrix, Vector
+from ikplan.documents import AT_FIRST_USE, Matrix, Vector
 
 __all__ = ["BindingLimit", "MotionPolynomials", "TimingReport", "WiderLimit"]
 
 
 class _Result(BaseModel):
-    model_config = ConfigDict(frozen=True, extra="ignore", arbitrary_types_allowed=True)
+    model_config = ConfigDict(
+        frozen=True, extra="ignore", defer_build=AT_FIRST_USE, arbitrary_types_allowed=True
+    )
 
 
 class BindingLimit(_Result):

@@ -13,6 +13,7 @@ from typing import Any
 
 from pydantic import BaseModel, ConfigDict, Field
 
+from ikplan.documents import AT_FIRST_USE
 from ikplan.errors import InvalidRequest, near_names
 
 __all__ = ["Parameter", "Preset", "Solver", "common_parameters"]
@@ -26,7 +27,7 @@ class Parameter(BaseModel):
     A parameter with ``choices`` reaches the kernel as the index of the choice.
     """
 
-    model_config = ConfigDict(frozen=True)
+    model_config = ConfigDict(frozen=True, defer_build=AT_FIRST_USE)
 
     name: str
     default: Scalar
@@ -161,7 +162,7 @@ class Preset(BaseModel):
         iterations: T there.
     """
 
-    model_config = ConfigDict(frozen=True)
+    model_config = ConfigDict(frozen=True, defer_build=AT_FIRST_USE)
 
     source: str
     values: dict[str, Scalar]
@@ -172,7 +173,7 @@ class Preset(BaseModel):
 class Solver(BaseModel):
     """A solver of the registry."""
 
-    model_config = ConfigDict(frozen=True)
+    model_config = ConfigDict(frozen=True, defer_build=AT_FIRST_USE)
 
     name: str
     title: str

@@ -7,10 +7,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from ikplan.documents.clearance import Clearance, LeftContact
-from ikplan.documents.plan_request import IkBatchRequest, IkRequest, PlanRequest
 from ikplan.documents.scene import AttachedBody, Obstacle, Scene, ToolFrame, ToolGeometry
 from ikplan.documents.shape import MeshShape
-from ikplan.documents.timing_request import TimingRequest
 from ikplan.errors import InCollision, InvalidRequest
 from ikplan.ik.solve import PoseSolver
 from ikplan.robots import Robot
@@ -22,11 +20,14 @@ if TYPE_CHECKING:
     from ikplan.certificate.clearance import JointCurve
     from ikplan.certificate.clearance.leaving import Leaving
     from ikplan.collision.checker import CollisionChecker
+    from ikplan.documents.plan_request import PlanRequest
+    from ikplan.documents.requests.ik import IkBatchRequest, IkRequest
+    from ikplan.documents.timing_request import TimingRequest
     from ikplan.pipeline.timing_stage import Timing
 
 __all__ = ["handed_out", "keep_clear", "prove_motion", "requested_model", "with_meshes"]
 
-R = TypeVar("R", PlanRequest, TimingRequest, IkRequest, IkBatchRequest)
+R = TypeVar("R", "PlanRequest", "TimingRequest", "IkRequest", "IkBatchRequest")
 
 
 def requested_model(

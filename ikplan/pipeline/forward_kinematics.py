@@ -9,8 +9,8 @@ import numpy as np
 import pinocchio as pin
 
 from ikplan.documents import parse
-from ikplan.documents.plan_request import FkRequest
 from ikplan.documents.pose_results import FkResult
+from ikplan.documents.requests.fk import FkRequest
 from ikplan.pipeline.resolve import resolve_robot
 from ikplan.robots import Robot
 

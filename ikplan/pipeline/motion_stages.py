@@ -9,7 +9,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ikplan.documents.plan_request import PathRequest, PlanRequest
+from ikplan.documents.path import PathRequest
+from ikplan.documents.plan_request import PlanRequest
 from ikplan.documents.scene import Scene
 from ikplan.documents.trajectory import OrderReport
 from ikplan.errors import Disconnected, InCollision, TimingFailed, Unreachable
@@ -26,7 +27,7 @@ from ikplan.pipeline.corner_stops.corner_times import (
 )
 from ikplan.pipeline.corner_stops.exact_corners import stopping_at, stops_allowed, without_blends
 from ikplan.pipeline.timing_stage import Motion, Timing, least_timing, move_along, reported
-from ikplan.planning import JointPathProblem, JointRoute, orders_of, plan_joint_path
+from ikplan.planning import JointPathProblem, JointRoute, plan_joint_path
 from ikplan.planning.joint_steps import clear_joint_path
 from ikplan.planning.tracking.tracked_path import TrackingFailed
 from ikplan.robots import Robot
@@ -122,6 +123,8 @@ class MotionStages:
             TimingFailed: There is no timing.
             BudgetExceeded: The time budget ran out.
         """
+        from ikplan.planning.order.free_order import orders_of  # for few plans
+
         scene, path = self.request.scene, problem.path
         attached = scene.attached if isinstance(scene, Scene) else ()
         count = len(path.waypoints or path.segments or ())

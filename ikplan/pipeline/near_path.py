@@ -5,9 +5,9 @@ from __future__ import annotations
 import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy.interpolate import BSpline
 
 from ikplan.arrays import Array, Indices
 from ikplan.documents.poses import Tolerance
@@ -16,6 +16,9 @@ from ikplan.limits import JointLimits
 from ikplan.pipeline.polyline import Polyline, tool_apart
 from ikplan.robots import Robot
 from ikplan.smoothing import clusters_of, fit_within
+
+if TYPE_CHECKING:
+    from scipy.interpolate import BSpline
 
 __all__ = ["NearPath", "Nearness", "smooth_path"]
 

@@ -14,7 +14,8 @@ from ikplan.certificate.clearance.leaving import Leaving
 from ikplan.certificate.regions import RegionLeft
 from ikplan.collision.checker import CollisionChecker
 from ikplan.documents import parse
-from ikplan.documents.plan_request import PlanRequest, Scene
+from ikplan.documents.plan_request import PlanRequest
+from ikplan.documents.scene import Scene
 from ikplan.errors import (
     BudgetExceeded,
     Disconnected,
@@ -39,7 +40,6 @@ from ikplan.pipeline.timing_stage import joint_limits
 from ikplan.planning import (
     JointPathProblem,
     Progress,
-    find_repairs,
 )
 from ikplan.planning.limit_repairs import nearest_repairs
 from ikplan.planning.moves.leave import leaving_contact
@@ -184,6 +184,8 @@ def _repairs(
     Raises:
         BudgetExceeded: The time budget of the request ran out.
     """
+    from ikplan.planning.repairs import find_repairs  # for refusals
+
     clock, solver = problem.clock, problem.solver
     clearance = request.scene.clearance if isinstance(request.scene, Scene) else 0.0
     with clock.stage("planning"), clock.cutting(solver.cut, solver.search_evaluations):

@@ -13,9 +13,10 @@ from numpy.typing import ArrayLike
 
 from ikplan.arrays import Array
 from ikplan.documents import parse
-from ikplan.documents.plan_request import IkOptions, IkRequest
 from ikplan.documents.pose_results import IkSolution
 from ikplan.documents.poses import Posture, Tolerance
+from ikplan.documents.requests.ik import IkRequest
+from ikplan.documents.requests.ik_options import IkOptions
 from ikplan.documents.scene import Scene, ToolFrame
 from ikplan.errors import InvalidRequest
 from ikplan.ik.arguments import check_objective, check_start, target_of

@@ -1,9 +1,7 @@
 """From a path of a request to the configurations of a joint path."""
 
 from ikplan.planning.joint_route import JointPathProblem, JointRoute, RouteWaypoint
-from ikplan.planning.order.free_order import orders_of
 from ikplan.planning.plan_joint_path import plan_joint_path
-from ikplan.planning.repairs import find_repairs
 from ikplan.planning.waypoints.select import select_configurations
 from ikplan.planning.waypoints.waypoint_problem import WaypointProblem
 from ikplan.time_budget import Progress, TimeBudget
@@ -15,8 +13,6 @@ __all__ = [
     "RouteWaypoint",
     "TimeBudget",
     "WaypointProblem",
-    "find_repairs",
-    "orders_of",
     "plan_joint_path",
     "select_configurations",
 ]

@@ -9,7 +9,8 @@ import numpy as np
 
 from ikplan.arrays import Array, Indices
 from ikplan.collision.check import ContactCheck
-from ikplan.documents.plan_request import IkOptions, PathRequest
+from ikplan.documents.path import PathRequest
+from ikplan.documents.requests.ik_options import IkOptions
 from ikplan.documents.trajectory import MoveReport
 from ikplan.ik.solve import PoseSolver
 from ikplan.kinematics.target import Target

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from ikplan.arrays import Array
-from ikplan.documents.plan_request import PathRequest
+from ikplan.documents.path import PathRequest
 from ikplan.errors import InCollision
 from ikplan.path import Leg, ToolLeg
 from ikplan.planning.joint_route import JointPathProblem

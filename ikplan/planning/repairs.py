@@ -13,7 +13,8 @@ from numpy.typing import NDArray
 
 from ikplan.arrays import Array
 from ikplan.documents.limits import LimitOptions
-from ikplan.documents.plan_request import Frame, PathRequest
+from ikplan.documents.path import PathRequest
+from ikplan.documents.poses import Frame
 from ikplan.errors import (
     Disconnected,
     InCollision,

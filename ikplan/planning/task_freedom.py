@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ikplan.documents.plan_request import PathRequest
+from ikplan.documents.path import PathRequest
 from ikplan.kinematics.target import Freedom, Target, no_freedom, pose_target
 from ikplan.path import Pose, rotation_of
 

@@ -6,7 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from ikplan.documents.plan_request import PathRequest, Waypoint
+from ikplan.documents.path import PathRequest
+from ikplan.documents.poses import Waypoint
 from ikplan.errors import Unreachable
 from ikplan.path import rotation_of
 from ikplan.planning.joint_route import JointPathProblem

@@ -6,6 +6,7 @@ import math
 
 from pydantic import BaseModel, ConfigDict, Field
 
+from ikplan.documents import AT_FIRST_USE
 from ikplan.documents.controller import Controller
 from ikplan.robots.description import RobotDescription
 
@@ -24,7 +25,7 @@ __all__ = [
 class JointInfo(BaseModel):
     """One joint. Angles in rad, lengths in m; null: no limit, or none known."""
 
-    model_config = ConfigDict(extra="forbid")
+    model_config = ConfigDict(extra="forbid", defer_build=AT_FIRST_USE)
 
     name: str
     type: str = Field(description="revolute, continuous or prismatic")
@@ -39,7 +40,7 @@ class JointInfo(BaseModel):
 class LimitSourceInfo(BaseModel):
     """Where one kind of limit comes from."""
 
-    model_config = ConfigDict(extra="forbid")
+    model_config = ConfigDict(extra="forbid", defer_build=AT_FIRST_USE)
 
     limit: str = Field(description="position, velocity, acceleration or effort")
     source: str | None = Field(description="the document or file; null: a default")
@@ -50,7 +51,7 @@ class LimitSourceInfo(BaseModel):
 class CouplingInfo(BaseModel):
     """How serial joints follow the user's joints: their values are ``matrix @ q + offset``."""
 
-    model_config = ConfigDict(extra="forbid")
+    model_config = ConfigDict(extra="forbid", defer_build=AT_FIRST_USE)
 
     serial: list[str] = Field(description="the serial joints, from base to tip")
     matrix: list[list[float]] = Field(description="one row a serial joint, one column a joint")
@@ -60,7 +61,7 @@ class CouplingInfo(BaseModel):
 class BodyInfo(BaseModel):
     """The shape of a link: convex pieces that enclose it."""
 
-    model_config = ConfigDict(extra="forbid")
+    model_config = ConfigDict(extra="forbid", defer_build=AT_FIRST_USE)
 
     name: str
     joint: str | None = Field(description="the joint that moves it; null: it stands with the base")
@@ -73,7 +74,7 @@ class BodyInfo(BaseModel):
 class AllowedPairInfo(BaseModel):
     """Two links that may touch, and why."""
 
-    model_config = ConfigDict(extra="forbid")
+    model_config = ConfigDict(extra="forbid", defer_build=AT_FIRST_USE)
 
     pair: list[str]
     reason: str
@@ -82,7 +83,7 @@ class AllowedPairInfo(BaseModel):
 class CollisionInfo(BaseModel):
     """What is checked for collisions of the arm with itself."""
 
-    model_config = ConfigDict(extra="forbid")
+    model_config = ConfigDict(extra="forbid", defer_build=AT_FIRST_USE)
 
     bodies: list[BodyInfo]
     pairs_checked: int = Field(description="pairs of links that are kept apart")
@@ -100,7 +101,7 @@ class CollisionInfo(BaseModel):
 class RobotInfo(BaseModel):
     """A robot: names, limits, frames and where they come from."""
 
-    model_config = ConfigDict(extra="forbid")
+    model_config = ConfigDict(extra="forbid", defer_build=AT_FIRST_USE)
 
     name: str
     title: str

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import coal
@@ -10,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ikplan.scene.body import Body, ConvexPiece
-from ikplan.scene.hulls import hull_of
+from ikplan.scene.hulls import hull_of, span_a_volume
 
 __all__ = ["CoalPiece", "coal_piece", "coal_pieces_of"]
 
@@ -18,6 +19,8 @@ Array = NDArray[np.float64]
 
 _THIN = 1e-6
 """Half the thickness that a flat piece is given, since coal wants a volume [m]."""
+_FEW = 32
+"""So many points do without their hull, which is slow to import."""
 _POINT = 1e-9
 """Radius that a point or a line is given [m]."""
 
@@ -58,6 +61,10 @@ def coal_piece(piece: ConvexPiece) -> CoalPiece:
         pose = coal.Transform3s(_turned(line), points.mean(axis=0))
         length = float(np.linalg.norm(line))
         return CoalPiece(coal.Capsule(max(piece.radius, _POINT), length), pose, centre, around)
+    if len(points) <= _FEW and span_a_volume(points):
+        shape = _convex(points, _every_pair(len(points)))
+        shape.setSweptSphereRadius(piece.radius)
+        return CoalPiece(shape, pose, centre, around)
     hull = hull_of(points)
     if hull is None:
         _, _, axes = np.linalg.svd(points - points.mean(axis=0))
@@ -66,17 +73,34 @@ def coal_piece(piece: ConvexPiece) -> CoalPiece:
 
         hull = ConvexHull(np.concatenate([points + shift for shift in shifts]))
         around += _THIN
-    # Given as a hull already: coal's own hulls of points end the process now and then.
-    vertices, triangles = coal.StdVec_Vec3s(), coal.StdVec_Triangle()
-    for point in hull.points[hull.vertices]:
-        vertices.append(point)
     number = np.zeros(len(hull.points), dtype=np.int64)
     number[hull.vertices] = np.arange(len(hull.vertices))
-    for i, j, k in number[hull.simplices].tolist():
-        triangles.append(coal.Triangle(i, j, k))
-    shape = coal.Convex(vertices, triangles)
+    shape = _convex(hull.points[hull.vertices], number[hull.simplices].tolist())
     shape.setSweptSphereRadius(piece.radius)
     return CoalPiece(shape, pose, centre, around)
+
+
+def _convex(points: Array, faces: Sequence[Sequence[int]]) -> Any:
+    """Return a shape of coal.
+
+    Given as a hull already: coal's own hulls of points end the process now and then.
+    """
+    vertices, triangles = coal.StdVec_Vec3s(), coal.StdVec_Triangle()
+    for point in points:
+        vertices.append(point)
+    for face in faces:
+        triangles.append(coal.Triangle(*face))
+    return coal.Convex(vertices, triangles)
+
+
+def _every_pair(count: int) -> list[list[int]]:
+    """Return triangles with an edge between every two of some points.
+
+    coal goes along edges to the farthest point, and takes nothing else from the triangles; with
+    an edge between every two points it is at the farthest in one step, whatever their hull.
+    """
+    pairs = [(i, j) for i in range(count) for j in range(i + 1, count)]
+    return [[i, j, next(k for k in range(count) if k not in (i, j))] for i, j in pairs]
 
 
 def _turned(direction: Array) -> Array:

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 if TYPE_CHECKING:
     from scipy.spatial import ConvexHull
 
-__all__ = ["distance_beyond", "enclosing_points", "hull_of"]
+__all__ = ["distance_beyond", "enclosing_points", "hull_of", "span_a_volume"]
 
 Array = NDArray[np.float64]
 
@@ -33,12 +33,17 @@ _AT_ONCE = 8
 """Most points that are added before their hull is made anew."""
 
 
+def span_a_volume(points: Array) -> bool:
+    """Whether points lie neither in a plane, nor on a line, nor together."""
+    if len(points) < 4:
+        return False
+    spread = np.linalg.svd(points - points.mean(axis=0), compute_uv=False)
+    return bool(spread[2] > _FLAT * spread[0])
+
+
 def hull_of(points: Array) -> ConvexHull | None:
     """Return the convex hull, or None where the points lie in a plane, on a line or together."""
-    if len(points) < 4:
-        return None
-    spread = np.linalg.svd(points - points.mean(axis=0), compute_uv=False)
-    if spread[2] <= _FLAT * spread[0]:
+    if not span_a_volume(points):
         return None
     from scipy.spatial import ConvexHull, QhullError  # slow to import
 

@@ -10,14 +10,15 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
-from scipy.interpolate import BSpline
-from scipy.sparse import csr_array, diags_array
 
 from ikplan.arrays import Array, Flags, Indices
 from ikplan.smoothing.box_fit_kernels import BANDS, minimax_fit
+
+if TYPE_CHECKING:
+    from scipy.interpolate import BSpline
 
 __all__ = ["fit_within"]
 
@@ -65,6 +66,9 @@ class _Basis:
 
     @classmethod
     def on(cls, breaks: Array, u: Array) -> _Basis:
+        from scipy.interpolate import BSpline  # slow to import
+        from scipy.sparse import csr_array, diags_array
+
         k = _DEGREE
         t = np.concatenate([np.repeat(breaks[0], k), breaks, np.repeat(breaks[-1], k)])
         m = len(t) - k - 1
@@ -109,6 +113,8 @@ def fit_within(
         together: How many successive axes are held to their half widths together, by the root of
             the sum of the squares: a ball; None: each by itself, a box.
     """
+    from scipy.interpolate import BSpline
+
     sizes = np.ones(y.shape[1], dtype=np.int64) if together is None else np.array(together)
     near = _Points(y, half_width, np.repeat(np.arange(len(sizes)), sizes))
     breaks = np.linspace(u[0], u[-1], _FIRST_SPANS + 1)

@@ -10,7 +10,7 @@ import numpy as np
 
 from ikplan.certificate import Claim
 from ikplan.documents.limits import LimitOptions
-from ikplan.documents.plan_request import PathRequest
+from ikplan.documents.path import PathRequest
 from ikplan.limits.motion_limits import MotionLimits
 from ikplan.robots import Robot
 from tests.kinematics.synthetic import Joint, robot_of

@@ -16,7 +16,8 @@ import ikplan
 from ikplan import CertificateViolated, load_robot
 from ikplan.certificate import Claim, certify
 from ikplan.documents.limits import LimitOptions
-from ikplan.documents.plan_request import PathRequest, PlanRequest
+from ikplan.documents.path import PathRequest
+from ikplan.documents.plan_request import PlanRequest
 from ikplan.joint_path import JointPath
 from ikplan.limits import JointLimits
 from ikplan.limits.motion_limits import MotionLimits

@@ -25,6 +25,10 @@ COMPILER = {"numba", "llvmlite"}
 SCIENCE = {"numpy", "pinocchio", "coal", "scipy"}
 SERVICE = {"httpx", "fastapi", "uvicorn"}
 HEAVY = DRAWING | COMPILER | SCIENCE | SERVICE | {"toppra"}
+SCIPY = {"scipy.interpolate", "scipy.linalg", "scipy.optimize", "scipy.sparse", "scipy.spatial"}
+"""Of SciPy numba imports its first page, to know its version."""
+NUMBA = {"numba.np.arraymath", "numba.np.linalg", "numba.typed.typeddict"}
+"""How things are compiled, which nothing is here."""
 PLAN = Path(__file__).parents[2] / "examples" / "helix_iiwa14.json"
 
 
@@ -42,6 +46,11 @@ def modules_of(arguments: list[str], *, also: str = "") -> set[str]:
     return set(json.loads(done.stdout.splitlines()[-1]))
 
 
+def without_measuring(modules: set[str]) -> set[str]:
+    """Modules but those of what measures tests, which numba imports where it is installed."""
+    return {name for name in modules if name.partition(".")[0] not in ("coverage", "sqlite3")}
+
+
 def packages(modules: set[str]) -> set[str]:
     return {name.partition(".")[0] for name in modules}
 
@@ -49,11 +58,11 @@ def packages(modules: set[str]) -> set[str]:
 @pytest.mark.parametrize(
     ("command", "none_of", "most"),
     [
-        ("help", HEAVY | {"pydantic", "yaml", "orjson"}, 140),
+        ("help", HEAVY | {"pydantic", "yaml", "orjson"}, 135),
         ("robots", HEAVY | {"pydantic", "orjson"}, 220),
-        ("keys", HEAVY | {"pydantic", "yaml"}, 220),
+        ("keys", HEAVY | {"pydantic", "yaml"}, 160),
         ("completion", HEAVY | {"pydantic", "yaml"}, 220),
-        ("fk", DRAWING | COMPILER | SERVICE | {"scipy", "toppra"}, 560),
+        ("fk", DRAWING | COMPILER | SERVICE | {"scipy", "toppra"}, 490),
     ],
 )
 def test_a_command_imports_what_it_uses(command: str, none_of: set[str], most: int) -> None:
@@ -65,6 +74,8 @@ def test_a_command_imports_what_it_uses(command: str, none_of: set[str], most: i
 def test_an_ik_needs_neither_toppra_nor_drawing() -> None:
     modules = modules_of(["ik", "ur5", *POSE])
     assert not packages(modules) & (DRAWING | SERVICE | {"toppra"})
+    assert not modules & (SCIPY | NUMBA | {"ikplan.documents.plan_request"})
+    assert len(without_measuring(modules)) < 850
 
 
 def test_a_plan_is_timed_by_toppra_without_its_drawing_library() -> None:
@@ -72,14 +83,25 @@ def test_a_plan_is_timed_by_toppra_without_its_drawing_library() -> None:
     modules = modules_of(plan, also="import toppra.algorithm.algorithm")
     assert "toppra.solverwrapper" in modules
     assert not packages(modules) & (DRAWING | SERVICE)
+    assert not modules & (SCIPY | NUMBA)
+
+
+def test_a_plan_in_the_order_given_imports_neither_orders_nor_repairs_nor_exports() -> None:
+    modules = modules_of(["plan", str(PLAN), "-q"])
+    assert not modules & {
+        "ikplan.planning.order.free_order",
+        "ikplan.planning.repairs",
+        "ikplan.plans.export",
+    }
+    assert len(without_measuring(modules)) < 1180
 
 
 def test_toppra_draws_as_ever_afterwards() -> None:
     code = (
         "import sys\n"
         "before = list(sys.meta_path)\n"
-        "from ikplan.timing.engines.toppra_import import pyplot_on_first_use\n"
-        "with pyplot_on_first_use():\n"
+        "from ikplan.timing.engines.toppra_import import libraries_on_first_use\n"
+        "with libraries_on_first_use():\n"
         "    import toppra\n"
         "import toppra.algorithm.algorithm as algorithm, toppra.parametrizer as parametrizer\n"
         "assert sys.meta_path == before\n"
@@ -94,11 +116,35 @@ def test_toppra_draws_as_ever_afterwards() -> None:
     subprocess.run([sys.executable, "-c", code], check=True, env=environment)
 
 
+def test_toppra_computes_with_scipy_as_ever_afterwards() -> None:
+    code = (
+        "import sys\n"
+        "from ikplan.timing.engines.toppra_import import libraries_on_first_use\n"
+        "with libraries_on_first_use():\n"
+        "    import toppra, toppra.interpolator as interpolator\n"
+        "    import toppra.solverwrapper.ecos_solverwrapper as ecos\n"
+        "assert not {'scipy.interpolate', 'scipy.sparse'} & set(sys.modules)\n"
+        "path = toppra.SplineInterpolator([0.0, 1.0, 2.0], [[0.0], [1.0], [4.0]])\n"
+        "import numpy, scipy.interpolate\n"
+        "own = scipy.interpolate.CubicSpline([0.0, 1.0, 2.0], [[0.0], [1.0], [4.0]])\n"
+        "grid = numpy.linspace(0.0, 2.0, 9)\n"
+        "assert numpy.array_equal(path(grid), own(grid))\n"
+        "assert type(path.cspl) is scipy.interpolate.CubicSpline\n"
+        "assert isinstance(own, interpolator.CubicSpline)\n"
+        "assert interpolator.PPoly.construct_fast == scipy.interpolate.PPoly.construct_fast\n"
+        "simple = toppra.SimplePath(numpy.array([0.0, 1.0]), numpy.array([[0.0], [1.0]]))\n"
+        "assert simple(0.5).shape == (1,)\n"
+        "assert ecos.scipy.sparse.csc_matrix is not None\n"
+    )
+    environment = {"PYTHONPATH": ":".join(sys.path)}
+    subprocess.run([sys.executable, "-c", code], check=True, env=environment)
+
+
 def test_a_program_that_has_pyplot_already_shares_it_with_toppra() -> None:
     code = (
         "import matplotlib.pyplot\n"
-        "from ikplan.timing.engines.toppra_import import pyplot_on_first_use\n"
-        "with pyplot_on_first_use():\n"
+        "from ikplan.timing.engines.toppra_import import libraries_on_first_use\n"
+        "with libraries_on_first_use():\n"
         "    import toppra\n"
         "import toppra.algorithm.algorithm as algorithm\n"
         "assert algorithm.plt is matplotlib.pyplot\n"

@@ -132,3 +132,44 @@ def test_a_sphere_and_a_box_have_the_distance_of_the_closed_form() -> None:
     beyond = np.maximum(np.abs(centre - place) - 0.1, 0.0)
     assert bound == pytest.approx(float(np.linalg.norm(beyond)) - 0.02, abs=1e-7)
     assert bound == pytest.approx(CollisionChecker(robot, model).least_gap(robot.home)[0], abs=1e-7)
+
+
+def slices(points: Array, count: int) -> list[Array]:
+    """The corners of equal slices of a hull across its longest side."""
+    axes, _, half = enclosing_box(points)
+    along = points @ axes[np.argsort(-half, kind="stable")[0]]
+    cuts = np.linspace(along.min(), along.max(), count + 1)
+    found = []
+    for low, high in zip([-np.inf, *cuts[1:-1]], [*cuts[1:-1], np.inf], strict=True):
+        corners = [points[(along >= low) & (along <= high)]]
+        for cut in (low, high):
+            for a, b in np.argwhere((along[:, None] < cut) & (along[None] > cut)):
+                share = (cut - along[a]) / (along[b] - along[a])
+                if np.isfinite(cut):
+                    corners.append((points[a] + share * (points[b] - points[a]))[None])
+        found.append(np.concatenate(corners))
+    return found
+
+
+def plain_sphere(points: Array) -> Array:
+    """The sphere of M. Badoiu and K. L. Clarkson about points, all compared at every step."""
+    centre = 0.5 * (points.min(axis=0) + points.max(axis=0))
+    best, radius = centre, np.inf
+    for step in range(1, 60):
+        distance = np.linalg.norm(points - centre, axis=1)
+        if distance.max() < radius:
+            best, radius = centre, float(distance.max())
+        centre = centre + (points[np.argmax(distance)] - centre) / (step + 1)
+    return np.append(best, radius)
+
+
+@pytest.mark.parametrize("count", [8, 20, 60, 90])
+def test_the_spheres_are_those_of_comparing_all_corners_at_every_step(count: int) -> None:
+    rng = np.random.default_rng(count)
+    angle = np.linspace(0.0, 2.0 * np.pi, count // 2, endpoint=False)
+    ring = np.column_stack([np.cos(angle), np.sin(angle), np.zeros(count // 2)])
+    prism = np.vstack([ring, ring + np.array([0.0, 0.0, 3.0])])  # many corners equally far
+    for points in (rng.normal(size=(count, 3)) + 5.0, prism):
+        found = covering_spheres(points)
+        expected = np.array([plain_sphere(corners) for corners in slices(points, len(found))])
+        np.testing.assert_allclose(found, expected, rtol=0.0, atol=2e-9)

@@ -8,7 +8,8 @@ from typing import Any
 import pytest
 
 from ikplan.documents import parse
-from ikplan.documents.plan_request import IkRequest, PlanRequest
+from ikplan.documents.plan_request import PlanRequest
+from ikplan.documents.requests.ik import IkRequest
 from ikplan.documents.scene import Scene
 from ikplan.documents.timing_request import TimingRequest
 from ikplan.errors import InvalidRequest

@@ -9,7 +9,7 @@ import pytest
 
 import ikplan
 from ikplan.documents import parse
-from ikplan.documents.plan_request import IkRequest
+from ikplan.documents.requests.ik import IkRequest
 
 
 def waypoints(robot: ikplan.Robot, seed: int, n: int) -> list[dict[str, Any]]:

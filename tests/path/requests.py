@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from numpy.typing import ArrayLike, NDArray
 
 from ikplan.documents import parse
-from ikplan.documents.plan_request import PathRequest
+from ikplan.documents.path import PathRequest
 from ikplan.path import Pose, ToolLeg, ToolPath, legs_of
 from ikplan.path.rotation.so3 import exp, quaternion_of
 

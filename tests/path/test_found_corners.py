@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from ikplan.documents import parse
-from ikplan.documents.plan_request import PathRequest
+from ikplan.documents.path import PathRequest
 from ikplan.path import FoundCorners, Rounding, ToolLeg, ToolPath, legs_of
 from ikplan.path.build import assembly, tolerance_corners
 from ikplan.path.pieces.blend import blend_corner

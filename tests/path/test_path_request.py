@@ -9,8 +9,8 @@ from hypothesis import strategies as st
 
 from ikplan import InvalidRequest
 from ikplan.documents import parse
-from ikplan.documents.path import ToleranceBox
-from ikplan.documents.plan_request import PathRequest, PlanRequest
+from ikplan.documents.path import PathRequest, ToleranceBox
+from ikplan.documents.plan_request import PlanRequest
 
 from .requests import pose, quaternion, vectors
 

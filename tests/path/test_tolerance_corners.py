@@ -12,7 +12,7 @@ from hypothesis import given, settings
 from numpy.typing import NDArray
 
 from ikplan.documents import content_hash, parse
-from ikplan.documents.plan_request import PathRequest
+from ikplan.documents.path import PathRequest
 from ikplan.path import Pose, ToolLeg, ToolPath, legs_of
 from ikplan.path.rotation.so3 import angle_between
 

@@ -8,7 +8,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ikplan.documents.plan_request import Tolerance
+from ikplan.documents.poses import Tolerance
 from ikplan.ik.solve import PoseSolver
 from ikplan.kinematics.arm import arm_of
 from ikplan.kinematics.target import no_freedom, pose_target

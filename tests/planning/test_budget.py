@@ -12,7 +12,8 @@ import pytest
 
 import ikplan
 from ikplan import BudgetExceeded, Disconnected, Plan, load_robot
-from ikplan.documents.plan_request import IkOptions, Tolerance
+from ikplan.documents.poses import Tolerance
+from ikplan.documents.requests.ik_options import IkOptions
 from ikplan.kinematics.target import pose_target
 from ikplan.planning import TimeBudget, select_configurations
 from ikplan.planning.tracking.densify import densify

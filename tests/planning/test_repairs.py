@@ -19,7 +19,7 @@ import pytest
 import ikplan
 from benchmarks.planning.lines import line_request, random_lines
 from ikplan import BudgetExceeded, Disconnected, Plan, Robot, Unreachable, load_robot
-from ikplan.planning import find_repairs
+from ikplan.planning.repairs import find_repairs
 from tests.measured import asked_poses, check_motion, off_polyline, waypoint_errors
 
 from .planar import REACH, joints, level, level_hand, tool, two_links

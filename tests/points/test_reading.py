@@ -13,7 +13,7 @@ import ikplan
 from benchmarks.requests.robots import REFERENCE_ROBOTS
 from ikplan import InvalidRequest
 from ikplan.documents import parse
-from ikplan.documents.plan_request import PathRequest
+from ikplan.documents.path import PathRequest
 from ikplan.points import JointName, Reading, read_points, read_waypoints
 
 from .dialects import READ, REFUSED, Dialect

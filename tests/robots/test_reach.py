@@ -12,7 +12,7 @@ import pytest
 import ikplan
 from benchmarks.requests.robots import REFERENCE_ROBOTS
 from ikplan import InvalidRequest, Unreachable
-from ikplan.documents.plan_request import Frame
+from ikplan.documents.poses import Frame
 from ikplan.robots import Robot, load_robot
 from ikplan.robots.base_frames import base_links, frame_in_base
 from ikplan.robots.reach import reach, unit_hint

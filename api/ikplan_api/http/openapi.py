@@ -12,7 +12,9 @@ from pydantic import BaseModel
 from pydantic.json_schema import models_json_schema
 
 from ikplan import errors
-from ikplan.documents.plan_request import FkRequest, IkBatchRequest, IkRequest, PlanRequest
+from ikplan.documents.plan_request import PlanRequest
+from ikplan.documents.requests.fk import FkRequest
+from ikplan.documents.requests.ik import IkBatchRequest, IkRequest
 from ikplan.documents.scene import SceneUpload
 from ikplan.documents.timing_request import TimingRequest
 from ikplan.robots import RobotUpload

@@ -6,8 +6,9 @@ from fastapi import APIRouter, Request, Response
 
 from ikplan import errors
 from ikplan.documents import parse_json
-from ikplan.documents.plan_request import FkRequest, IkBatchRequest, IkRequest
 from ikplan.documents.pose_results import FkResult, IkBatchSolution, IkSolution
+from ikplan.documents.requests.fk import FkRequest
+from ikplan.documents.requests.ik import IkBatchRequest, IkRequest
 from ikplan_api.http.body import read_body
 from ikplan_api.http.disconnect import while_connected
 from ikplan_api.http.openapi import problems, request_body

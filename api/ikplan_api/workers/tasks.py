@@ -10,7 +10,9 @@ from typing import Any, NamedTuple, TypeVar
 
 from ikplan.documents import parse_json, write_json
 from ikplan.documents.base import Document
-from ikplan.documents.plan_request import FkRequest, IkBatchRequest, IkRequest, PlanRequest
+from ikplan.documents.plan_request import PlanRequest
+from ikplan.documents.requests.fk import FkRequest
+from ikplan.documents.requests.ik import IkBatchRequest, IkRequest
 from ikplan.documents.timing_request import TimingRequest
 from ikplan.ik.registry import solvers
 from ikplan.pipeline import warm_up as kernels

@@ -9,7 +9,7 @@ import numpy as np
 
 from ikplan.arrays import Array
 from ikplan.documents.curve import CurveSegment
-from ikplan.documents.plan_request import PathRequest
+from ikplan.documents.path import PathRequest
 from ikplan.documents.segment import (
     ArcSegment,
     JointSegment,

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from ikplan.arrays import Array
-from ikplan.documents.plan_request import PathRequest
+from ikplan.documents.path import PathRequest
 from ikplan.documents.poses import Frame, Waypoint
 from ikplan.path.pieces.piece import Pose, unit
 from ikplan.path.rotation.so3 import rotation_of

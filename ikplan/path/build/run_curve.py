@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy.interpolate import BSpline
 
 from ikplan.arrays import Array, Indices
 from ikplan.path.build.items import PathItem
@@ -14,6 +14,9 @@ from ikplan.path.build.tolerance_corners import CornerTolerance
 from ikplan.path.pieces.steady import SteadyPiece
 from ikplan.path.rotation.so3 import quaternion_of
 from ikplan.smoothing import Clusters, clusters_of, fit_within
+
+if TYPE_CHECKING:
+    from scipy.interpolate import BSpline
 
 __all__ = ["RunCurve", "RunPoints", "curve_past", "points_of"]
 

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy.interpolate import BSpline
 
 from ikplan.arrays import Array
 from ikplan.path.curves.arc_length import ArcLength
@@ -22,6 +22,9 @@ from ikplan.path.pieces.turning_kernels import (
     TurnStack,
 )
 from ikplan.path.rotation.so3 import rotation_of
+
+if TYPE_CHECKING:
+    from scipy.interpolate import BSpline
 
 __all__ = [
     "BlendTurning",

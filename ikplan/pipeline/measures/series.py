@@ -9,7 +9,8 @@ from ikplan.certificate.claim import Claim
 from ikplan.certificate.deviation import Tool, match_legs, timed_legs
 from ikplan.certificate.limits import joint_torques
 from ikplan.certificate.requested import read_motion
-from ikplan.documents.plan_request import PlanRequest, Scene
+from ikplan.documents.plan_request import PlanRequest
+from ikplan.documents.scene import Scene
 from ikplan.documents.trajectory import PlanSeries
 from ikplan.ik.arguments import check_start
 from ikplan.limits.motion_limits import MotionLimits

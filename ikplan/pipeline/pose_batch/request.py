@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 
 from ikplan.documents import parse
-from ikplan.documents.plan_request import IkBatchRequest, IkRequest
 from ikplan.documents.pose_results import IkBatchSolution, IkSolution
+from ikplan.documents.requests.ik import IkBatchRequest, IkRequest
 from ikplan.documents.scene import ToolFrame
 from ikplan.errors import IkplanError
 from ikplan.ik.closest_approach import ClosestApproach

@@ -11,8 +11,8 @@ from numpy.typing import ArrayLike
 
 from ikplan.arrays import Array, Flags
 from ikplan.documents import MAX_NUMBER, parse
-from ikplan.documents.plan_request import IkOptions
 from ikplan.documents.pose_results import IkBatchSolution, RefusedPose
+from ikplan.documents.requests.ik_options import IkOptions
 from ikplan.documents.scene import Scene, ToolFrame
 from ikplan.errors import InCollision, InvalidRequest, Unreachable
 from ikplan.ik.arguments import check_start

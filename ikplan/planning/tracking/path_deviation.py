@@ -7,7 +7,7 @@ from collections.abc import Callable
 import numpy as np
 
 from ikplan.arrays import Array, Indices
-from ikplan.documents.plan_request import Tolerance
+from ikplan.documents.poses import Tolerance
 from ikplan.joint_path import JointPath
 from ikplan.kinematics.chain import Chain
 from ikplan.kinematics.forward import forward_batch

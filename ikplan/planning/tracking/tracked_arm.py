@@ -8,7 +8,7 @@ import numpy as np
 
 from ikplan.arrays import Array
 from ikplan.collision.check import Contact, ContactCheck
-from ikplan.documents.plan_request import Tolerance
+from ikplan.documents.poses import Tolerance
 from ikplan.kinematics.arm import Arm
 from ikplan.kinematics.target import ORIENTATION_WEIGHT, Freedom, fixed_rows
 from ikplan.limits import JointLimits

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ikplan.arrays import Array
-from ikplan.documents.plan_request import Tolerance
+from ikplan.documents.poses import Tolerance
 from ikplan.errors import Disconnected, Unreachable
 from ikplan.ik.solve import NoSolution, PoseSolver, surest_solver, unreachable
 from ikplan.kinematics.target import Target

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from ikplan.arrays import Array
-from ikplan.documents.plan_request import IkOptions
+from ikplan.documents.requests.ik_options import IkOptions
 from ikplan.errors import InvalidRequest
 from ikplan.path import JointLeg, Leg
 from ikplan.planning.waypoints.clear_waypoints import select_clear, select_clear_greedily

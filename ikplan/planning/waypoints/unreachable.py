@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from ikplan.arrays import Array
-from ikplan.documents.plan_request import Tolerance
+from ikplan.documents.poses import Tolerance
 from ikplan.errors import Unreachable
 from ikplan.ik.closest_approach import ClosestApproach, within
 from ikplan.ik.solve import NoSolution, PoseSolver, surest_solver, target_as_data, unreachable

@@ -8,7 +8,7 @@ import numpy as np
 
 from ikplan.arrays import Array
 from ikplan.collision.check import Contact, ContactCheck
-from ikplan.documents.plan_request import Tolerance
+from ikplan.documents.poses import Tolerance
 from ikplan.ik.solve import PoseSolver
 from ikplan.kinematics.target import Target
 from ikplan.planning.ladder.motion_cost import MotionCost, plain_cost

@@ -13,7 +13,7 @@ from ikplan._kernels.clock import counting
 from ikplan.arrays import Array
 from ikplan.timing.engines.engine import EngineFailed, checked
 from ikplan.timing.engines.rows import StageRows
-from ikplan.timing.engines.toppra_import import pyplot_on_first_use
+from ikplan.timing.engines.toppra_import import libraries_on_first_use
 
 __all__ = ["ToppraEngine"]
 
@@ -52,7 +52,7 @@ class _Ready(np.ndarray[Any, np.dtype[np.float64]]):
 @functools.cache
 def _solver() -> Any:
     """Return a factory of toppra's solver for given rows (its import is slow)."""
-    with counting(), pyplot_on_first_use():
+    with counting(), libraries_on_first_use():
         import toppra.constraint
         from toppra.solverwrapper.cy_seidel_solverwrapper import seidelWrapper
 

@@ -1,9 +1,9 @@
-"""toppra without the drawing library that it imports for its figures.
+"""toppra without the libraries that it imports for what is not asked of it here.
 
 Some modules of toppra import ``matplotlib.pyplot``, which takes longer than all of toppra and is
-used by functions that draw. toppra's modules are executed here with an import function of their
-own, which defers pyplot to its first use: toppra's figures work as ever, no file is changed, and
-nothing is put in the place of matplotlib for anybody else.
+used by functions that draw, and SciPy, used by its own kinds of path. toppra's modules are executed
+here with an import function of their own, which defers both to their first use: all of toppra works
+as ever, no file is changed, and nothing is put in the place of the libraries for anybody else.
 """
 
 from __future__ import annotations
@@ -18,23 +18,51 @@ from importlib.machinery import ModuleSpec, PathFinder, SourceFileLoader
 from types import ModuleType, SimpleNamespace
 from typing import Any
 
-__all__ = ["pyplot_on_first_use"]
+__all__ = ["libraries_on_first_use"]
 
 _PACKAGE = "toppra"
-_DEFERRED = "matplotlib.pyplot"
+_PLOTTING = "matplotlib.pyplot"
+_SPLINES = "scipy.interpolate"
+_SPARSE = "scipy.sparse"
 
 
-class _Deferred(ModuleType):
+class _DeferredModule(ModuleType):
     """A module that is imported when something of it is asked for."""
 
     def __getattr__(self, name: str) -> Any:
         return getattr(importlib.import_module(self.__name__), name)
 
 
-def _import(name: str, *details: Any) -> Any:
-    if name == _DEFERRED and name not in sys.modules:
-        return SimpleNamespace(pyplot=_Deferred(name))  # what ``import ... as`` takes it from
-    return builtins.__import__(name, *details)
+class _DeferredClass:
+    """A class whose module is imported when the class is used."""
+
+    def __init__(self, module: str, name: str) -> None:
+        self._place = module, name
+
+    def _class(self) -> Any:
+        module, name = self._place
+        return getattr(importlib.import_module(module), name)
+
+    def __call__(self, *arguments: Any, **named: Any) -> Any:
+        return self._class()(*arguments, **named)
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._class(), name)
+
+    def __instancecheck__(self, instance: Any) -> bool:
+        return isinstance(instance, self._class())
+
+
+def _import(
+    name: str, own: Any = None, local: Any = None, names: Sequence[str] = (), level: int = 0
+) -> Any:
+    if name == _PLOTTING and name not in sys.modules:
+        return SimpleNamespace(pyplot=_DeferredModule(name))  # what ``import ... as`` takes it from
+    if name == _SPLINES and name not in sys.modules and names:
+        return SimpleNamespace(**{each: _DeferredClass(name, each) for each in names})
+    if name == _SPARSE:
+        name = name.partition(".")[0]  # SciPy itself imports its packages on first use
+    return builtins.__import__(name, own, local, names, level)
 
 
 class _DeferringLoader(Loader):
@@ -69,7 +97,7 @@ class _Finder(MetaPathFinder):
 
 
 @contextlib.contextmanager
-def pyplot_on_first_use() -> Iterator[None]:
+def libraries_on_first_use() -> Iterator[None]:
     """Import toppra within; a toppra that is imported already stays as it is."""
     finder = _Finder()
     sys.meta_path.insert(0, finder)

@@ -10,7 +10,7 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from ikplan.documents.plan_request import Tolerance
+from ikplan.documents.poses import Tolerance
 from ikplan.joint_path import JointPath
 from ikplan.kinematics.arm import arm_of
 from ikplan.kinematics.target import no_freedom

@@ -9,7 +9,7 @@ import numpy as np
 import pinocchio as pin
 import pytest
 
-from ikplan.documents.plan_request import Tolerance
+from ikplan.documents.poses import Tolerance
 from ikplan.joint_path import JointPath
 from ikplan.kinematics.arm import arm_of
 from ikplan.kinematics.target import no_freedom

@@ -8,7 +8,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from ikplan.documents.plan_request import Tolerance
+from ikplan.documents.poses import Tolerance
 from ikplan.joint_path import JointPath
 from ikplan.kinematics.arm import arm_of
 from ikplan.kinematics.target import Freedom, no_freedom

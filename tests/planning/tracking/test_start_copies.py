@@ -14,7 +14,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import ikplan
-from ikplan.documents.plan_request import Tolerance
+from ikplan.documents.poses import Tolerance
 from ikplan.kinematics.arm import arm_of
 from ikplan.kinematics.target import pose_target
 from ikplan.planning.tracking.start_copies import (

@@ -10,7 +10,8 @@ import pinocchio as pin
 import pytest
 
 from ikplan import Disconnected, Robot, Unreachable, load_robot
-from ikplan.documents.plan_request import IkOptions, Tolerance
+from ikplan.documents.poses import Tolerance
+from ikplan.documents.requests.ik_options import IkOptions
 from ikplan.path import Pose, ToolPath
 from ikplan.planning import select_configurations
 from ikplan.planning.tracking.tracked_path import TrackingFailed

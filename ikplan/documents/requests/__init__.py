@@ -1,0 +1,1 @@
+"""Requests about single poses, and how joint values are looked for: a file each."""

@@ -33,6 +33,8 @@ class SpanIntervals:
         h: Lengths of the intervals, shape (n,).
         rests: Nodes between the ends at which the motion rests, shape (k,): of spans that are
             timed together.
+        sparse: Whether the grid is one of spans that were timed together, which have fewer nodes
+            than a span that is timed by itself.
     """
 
     path: JointPath
@@ -41,6 +43,7 @@ class SpanIntervals:
     others: GridConstraints
     h: Array
     rests: Indices
+    sparse: bool = False
 
     @classmethod
     def build(

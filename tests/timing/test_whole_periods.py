@@ -70,7 +70,7 @@ def test_a_move_that_is_longer_than_whole_periods_takes_one_more() -> None:
 def test_a_limit_of_the_tool_is_not_exceeded_to_end_in_time() -> None:
     limits = _limits(1e3)
     tool = ToolLimits(
-        lambda q, dq, ddq: (np.pad(dq, ((0, 0), (0, 5))), np.pad(ddq, ((0, 0), (0, 5)))),
+        lambda _, dq, ddq: (np.pad(dq, ((0, 0), (0, 5))), np.pad(ddq, ((0, 0), (0, 5)))),
         linear_acceleration=10.0,
     )
     timed = time_joint_path(JointPath.through([[0.0], [0.1]], limits), limits, constraints=[tool])

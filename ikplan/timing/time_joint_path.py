@@ -26,8 +26,8 @@ __all__ = ["MANY_RESTS", "check_inside", "passing_jumps", "time_before_jerk", "t
 
 MANY_RESTS = 24
 """With more rests than this the spans between them are timed together."""
-_TOGETHER = 32
-"""Most spans that are timed together: as many as a processor's cache holds the limits of."""
+_TOGETHER = 128
+"""Most spans that are timed together: so many that the memory does not grow with the path."""
 
 
 def time_joint_path(

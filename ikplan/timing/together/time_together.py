@@ -47,7 +47,7 @@ def time_together(
     knots: Sequence[int],
     profile: LimitProfile,
     constraints: Sequence[PathConstraint] = (),
-    tolerance: float = 7e-5,
+    tolerance: float = 5e-5,
     steady: bool = True,
     check: Check = unlimited,
 ) -> SpanTiming:

@@ -28,6 +28,8 @@ MANY_RESTS = 24
 """With more rests than this the spans between them are timed together."""
 _TOGETHER = 128
 """Most spans that are timed together: so many that the memory does not grow with the path."""
+_SHARE_SMOOTHED = 0.02
+"""What the grid may cost spans that are smoothed afterwards, as a share of what the first does."""
 
 
 def time_joint_path(
@@ -167,9 +169,12 @@ def _timed_as_one(
     check: Check,
 ) -> list[SpanTiming]:
     """Time the spans between rests together; those that are to be smoothed come one by one."""
-    steady = not jerk_limited
-    timing = time_together(path, knots, profile, constraints, steady=steady, check=check)
-    return separated(timing) if jerk_limited else [timing]
+    if not jerk_limited:
+        return [time_together(path, knots, profile, constraints, check=check)]
+    timing = time_together(
+        path, knots, profile, constraints, steady=False, check=check, share=_SHARE_SMOOTHED
+    )
+    return separated(timing)
 
 
 def _jerk_limited(limits: JointLimits, segments: Sequence[SegmentJointLimits]) -> bool:

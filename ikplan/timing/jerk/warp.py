@@ -124,7 +124,8 @@ def _course(
 def _grid(path: JointPath, motion: CubicMotion, count: float, *, even: bool) -> Array:
     """Return times, those at knots of the path among them; not even: more where jerks change."""
     end = float(motion.time[-1])
-    inner = path.s_knots[(path.s_knots > motion.s[0]) & (path.s_knots < motion.s[-1])]
+    first = np.searchsorted(path.s_knots, motion.s[0], "right")
+    inner = path.s_knots[first : np.searchsorted(path.s_knots, motion.s[-1])].copy()
     knots = times_of(motion.time, motion.s, motion.v, motion.a, inner)
     count = max(count, min(_A_PIECE * (len(knots) + 1), _MOST))
     shortest = _SHORT * end / count

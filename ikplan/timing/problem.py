@@ -52,18 +52,7 @@ class SpanProblem(SpanIntervals):
             if tightening is not None:
                 a[:, own:] *= tightening[:, None]
                 b[:, own:] *= tightening[:, None]
-        return StageRows(self.grid.s, a, b, self._highest_speeds(tightening))
-
-    def _highest_speeds(self, tightening: Array | None = None) -> Array:
-        """Upper bounds of x at the nodes by the speeds of the joints and by the constraints."""
-        if not self.constraints:
-            return self.velocity_bounds
-        x_max, more_x = self.velocity_bounds.copy(), self.others.rows[2]
-        if tightening is not None:
-            more_x = more_x / tightening[:, None]
-        x_max[:-1] = np.minimum(x_max[:-1], more_x[:, 0])
-        x_max[1:] = np.minimum(x_max[1:], more_x[:, 1])
-        return x_max
+        return StageRows(self.grid.s, a, b, self.highest_speeds(tightening))
 
     def limit_ratios(self, x: Array) -> tuple[Array, Array]:
         """Return the exact greatest ratios to velocity and acceleration limits, (n, dof) each.
@@ -105,7 +94,7 @@ class SpanProblem(SpanIntervals):
         """Solve the problem once, the constraints tightened in each interval."""
         if isinstance(engine, CompiledEngine) and self.others.only_bound_speeds:
             wanted = np.ones(len(self.rests) + 1, dtype=np.bool_)
-            return self._solved_span_by_span(self._highest_speeds(tightening), wanted)
+            return self._solved_span_by_span(self.highest_speeds(tightening), wanted)
         rows, unit = self._in_units_of(engine, tightening)
         return engine.solve(rows) * unit
 

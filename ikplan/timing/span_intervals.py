@@ -154,3 +154,19 @@ class SpanIntervals:
         x_max = velocity_bounds(*self.slopes, *self.piece_limits[:2])
         x_max[self.rests] = 0.0
         return x_max
+
+    def highest_speeds(self, tightening: Array | None = None) -> Array:
+        """Upper bounds of x at the nodes by the speeds of the joints and by the constraints.
+
+        Args:
+            tightening: By how much to divide the constraints in each interval, shape (n,), >= 1;
+                None: not at all.
+        """
+        if not self.constraints:
+            return self.velocity_bounds
+        x_max, more_x = self.velocity_bounds.copy(), self.others.rows[2]
+        if tightening is not None:
+            more_x = more_x / tightening[:, None]
+        x_max[:-1] = np.minimum(x_max[:-1], more_x[:, 0])
+        x_max[1:] = np.minimum(x_max[1:], more_x[:, 1])
+        return x_max

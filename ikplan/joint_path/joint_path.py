@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Sequence
 
 import numpy as np
@@ -218,8 +219,9 @@ class JointPath:
             self.s_knots, self.q_knots, self.tangents_start, self.tangents_end, pieces, s
         )
 
+    @functools.cached_property
     def third_derivatives(self) -> Array:
-        """Return d3q/ds3 of every piece, which is constant there, shape (k, dof)."""
+        """d3q/ds3 of every piece, which is constant there, shape (k, dof)."""
         pieces = np.arange(len(self.s_knots) - 1)
         s = self.s_knots.copy()  # one compiled kind of arrays
         _, _, start = self.derivatives(s[:-1], pieces)

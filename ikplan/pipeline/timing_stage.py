@@ -224,7 +224,7 @@ def reported(motion: Motion, check: Check = unlimited) -> Timing:
             duration=timed.duration,
             rate_hz=motion.rate_hz,
             rate_source=motion.rate_source,
-            grid_factor=timed.duration / free.duration if free.duration > 0.0 else 1.0,
+            grid_factor=max(timed.duration / free.duration, 1.0) if free.duration > 0.0 else 1.0,
             jerk_source=motion.jerk_source,
             zero_end_acceleration=not samples.ddq[[0, -1]].any(),
         ),
@@ -367,6 +367,8 @@ def report_of(
     most = (_ASKED_OF_SLOW if slow else _ASKED) if widened else 0
     asked = [s for s in shares if s.share >= _LEAST_SHARE][:most]
     wider = what_ifs(timed, [(s.limit, s.joint) for s in asked], _WIDER, check)
+    # A motion that ends in time, but for rounding, does so with wider limits too.
+    rounded = min(duration / timed.duration, 1.0) if timed.duration > 0.0 else 1.0
     return TimingReport(
         duration=duration,
         unlimited_duration=timed.unlimited_duration if timed.jerk_limited else duration,
@@ -379,7 +381,7 @@ def report_of(
                 limit=w.limit,
                 joint=w.joint,
                 factor=w.factor,
-                duration=periods(w.duration, rate_hz) / rate_hz,
+                duration=periods(w.duration * rounded, rate_hz) / rate_hz,
             )
             for w in wider
         ],

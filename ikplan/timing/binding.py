@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ikplan.arrays import Array, Indices
+from ikplan.arrays import Array, Flags, Indices
 from ikplan.errors import InvalidRequest, TimingFailed
 from ikplan.timing.constraints.constraints import Label, PathConstraint, PathPoints
 from ikplan.timing.engines.engine import Check, EngineFailed, unlimited
@@ -19,6 +19,9 @@ from ikplan.timing.span import SpanTiming
 from ikplan.timing.timed_path import TimedPath
 
 __all__ = ["Binding", "BindingShare", "WhatIf", "binding", "what_if", "what_ifs"]
+
+_CLEAR = 0.95
+"""A limit of which less is used, as a ratio to the speed that it allows, does not bind."""
 
 
 @dataclass(frozen=True)
@@ -278,12 +281,14 @@ def what_ifs(
     for label in labels:
         _check_label(timed, label)
     before, after = 0.0, np.zeros(len(labels))
+    bound = _bound_spans(timed, labels) if factor >= 1.0 else None
     for k, span in enumerate(timed.spans):
         known = timed.smoothed[k] if timed.jerk_limited else None
         mine = known.duration if known is not None else span.problem.compiled_duration
         before += mine
         for i, label in enumerate(labels):
-            after[i] += _duration_with(span, known, mine, label, factor, check)
+            free = bound is not None and not bound[k, i]
+            after[i] += mine if free else _duration_with(span, known, mine, label, factor, check)
         if len(span.problem.rests):
             span.problem.forget()
     ratios = after / before if before > 0.0 else np.ones(len(labels))
@@ -292,6 +297,23 @@ def what_ifs(
         WhatIf(limit, joint, factor, duration, timed.duration - duration)
         for (limit, joint), duration in zip(labels, durations, strict=True)
     ]
+
+
+def _bound_spans(timed: TimedPath, labels: Sequence[Label]) -> Flags | None:
+    """Return which spans of a jerk-limited motion come near limits, shape (spans, labels).
+
+    A span that stays clear of a limit is a local optimum under a wider one too. None: the motion
+    has no jerk limits.
+    """
+    if not timed.jerk_limited or not timed.smoothed:
+        return None
+    mine, ratio, _ = _jerk_ratios(timed)
+    counts = [len(each.motion.time) - 1 for each in timed.smoothed]
+    begins = np.concatenate([[0], np.cumsum(counts)[:-1]])
+    if sum(counts) != len(ratio):
+        return None  # it stands somewhere for a while
+    most = np.maximum.reduceat(ratio, begins, axis=0)
+    return np.asarray(most[:, [mine.index(label) for label in labels]] > _CLEAR)
 
 
 def _duration_with(

@@ -42,8 +42,7 @@ class SpanProblem(SpanIntervals):
             tightening: By how much to divide the constraints (not the joint limits) in each
                 interval, shape (n,), >= 1; None: not at all.
         """
-        x_max = self.velocity_bounds.copy()
-        more_a, more_b, more_x = self.others.rows
+        more_a, more_b, _ = self.others.rows
         n, own = len(self.h), 6 * self.path.dof
         a, b = np.empty((2, n, own + more_a.shape[1]))
         acceleration_rows(*self.slopes, *self.piece_limits[2:], a, b)
@@ -52,10 +51,7 @@ class SpanProblem(SpanIntervals):
             if tightening is not None:
                 a[:, own:] *= tightening[:, None]
                 b[:, own:] *= tightening[:, None]
-                more_x = more_x / tightening[:, None]
-            x_max[:-1] = np.minimum(x_max[:-1], more_x[:, 0])
-            x_max[1:] = np.minimum(x_max[1:], more_x[:, 1])
-        return StageRows(self.grid.s, a, b, x_max)
+        return StageRows(self.grid.s, a, b, self.highest_speeds(tightening))
 
     def limit_ratios(self, x: Array) -> tuple[Array, Array]:
         """Return the exact greatest ratios to velocity and acceleration limits, (n, dof) each.
@@ -80,10 +76,7 @@ class SpanProblem(SpanIntervals):
         Raises:
             EngineFailed: The engine found none.
         """
-        if not self.constraints and isinstance(engine, CompiledEngine):
-            return self._solved_span_by_span(np.ones(len(self.rests) + 1, dtype=np.bool_))
-        rows, unit = self._in_units_of(engine)
-        x = engine.solve(rows) * unit
+        x = self._solved(engine)
         tightening = np.ones(len(self.h))
         for _ in range(_TIGHTENINGS if self.constraints else 0):
             largest = np.zeros(len(self.h))
@@ -93,20 +86,29 @@ class SpanProblem(SpanIntervals):
             if largest.max() <= 1.0 + _ENOUGH:
                 break
             tightening *= np.maximum(largest, 1.0)
-            rows, unit = self._in_units_of(engine, tightening)
-            x = engine.solve(rows) * unit
+            x = self._solved(engine, tightening)
         return x
 
-    def _solved_span_by_span(self, wanted: Flags, known: Array | None = None) -> Array:
-        """Solve the wanted spans under limits of the joints alone.
+    def _solved(self, engine: Engine, tightening: Array | None = None) -> Array:
+        """Solve the problem once, the constraints tightened in each interval."""
+        if isinstance(engine, CompiledEngine) and self.others.only_bound_speeds:
+            wanted = np.ones(len(self.rests) + 1, dtype=np.bool_)
+            return self._solved_span_by_span(self.highest_speeds(tightening), wanted)
+        rows, unit = self._in_units_of(engine, tightening)
+        return engine.solve(rows) * unit
+
+    def _solved_span_by_span(
+        self, highest_x: Array, wanted: Flags, known: Array | None = None
+    ) -> Array:
+        """Solve the wanted spans under the acceleration limits of the joints and bounds of x.
 
         The other spans keep their known solutions.
         """
         s, unit, length = self.grid.s, 1.0, 1.0
         if len(self.rests) == 0:
-            s, unit, length = self._natural_units()
+            s, unit, length = self._natural_units(highest_x)
         x = np.zeros(len(self.h) + 1) if known is None else known.copy()
-        x_max = np.minimum(self.velocity_bounds / unit, HIGHEST)
+        x_max = np.minimum(highest_x / unit, HIGHEST)
         time_rest_to_rest(
             *self.slopes,
             *self.piece_limits[2:],
@@ -120,12 +122,12 @@ class SpanProblem(SpanIntervals):
         )
         return checked(x) * unit
 
-    def _natural_units(self) -> tuple[Array, float, float]:
+    def _natural_units(self, highest_x: Array) -> tuple[Array, float, float]:
         """The nodes in units of the length, the unit of x and the length, as of natural_units."""
         s = self.grid.s
         length = float(s[-1] - s[0])
         limits = self.piece_limits[2:]
-        unit = interval_unit(length, self.velocity_bounds, *self.slopes, *limits)
+        unit = interval_unit(length, highest_x, *self.slopes, *limits)
         return (s - s[0]) / length, unit, length
 
     def duration_under(self, profile: LimitProfile, joint: int) -> float:
@@ -154,7 +156,7 @@ class SpanProblem(SpanIntervals):
             wider.velocity_bounds,
             self.ends,
         )
-        x = wider._solved_span_by_span(held, x)
+        x = wider._solved_span_by_span(wider.velocity_bounds, held, x)
         factor = wider._joint_ratios(x, 1e-300, held)
         durations = run_durations(self.h, x, self.ends, factor)
         return float(np.where(held, durations, self._compiled_durations).sum())

@@ -19,6 +19,8 @@ __all__ = ["constraint_ratio", "joint_ratio", "sampled_within_limits"]
 # What a motion is slowed by beyond its ratio, ten times more each time: what exceeds a limit at
 # one rate of samples need not be what exceeds it at the next.
 _FIRST_STEP = 1e-9
+# What a ratio is above 1 by where a motion is as fast as its limits allow.
+_ROUNDING = 1e-12
 # A sample this near to the end of a range, as a share of the duration, is at the end.
 _EDGE = 1e-9
 
@@ -63,7 +65,7 @@ def sampled_within_limits(
                 *(constraint_ratio(timed, samples, c) for c in constraints),
             ]
         )
-        if ratio <= 1.0:
+        if ratio <= 1.0 + _ROUNDING:
             return timed, samples
         timed = timed.slowed(math.sqrt(ratio) * (1.0 + step))
         step *= 10.0

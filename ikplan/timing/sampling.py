@@ -10,6 +10,7 @@ import numpy as np
 from ikplan.arrays import Array
 from ikplan.errors import InvalidRequest
 from ikplan.timing.timed_path import TimedPath
+from ikplan.timing.unrounded import ROUNDED, ending_at
 
 __all__ = [
     "MAX_RATE_HZ",
@@ -76,7 +77,7 @@ def on_grid(timed: TimedPath, rate_hz: float) -> TimedPath:
     """Slow a motion by the least factor that lets it end at a multiple of the period.
 
     Controllers take one sample a cycle: a motion that ends between two would end at a jump, or
-    late.
+    late. A motion that ends late by the rounding of its timing alone ends in time.
 
     Args:
         timed: The motion.
@@ -99,7 +100,13 @@ def on_grid(timed: TimedPath, rate_hz: float) -> TimedPath:
         )
     if timed.duration == 0.0:
         return timed
-    return timed.lasting(periods(timed.duration, rate_hz) / rate_hz)
+    count = periods(timed.duration, rate_hz)
+    fewer = periods(timed.duration * (1.0 - ROUNDED), rate_hz)
+    if 0 < fewer < count:
+        sooner = ending_at(timed, fewer / rate_hz)
+        if sooner is not None:
+            return sooner
+    return timed.lasting(count / rate_hz)
 
 
 def sample(timed: TimedPath, rate_hz: float) -> Samples:

@@ -33,6 +33,8 @@ class SpanIntervals:
         h: Lengths of the intervals, shape (n,).
         rests: Nodes between the ends at which the motion rests, shape (k,): of spans that are
             timed together.
+        sparse: Whether the grid is one of spans that were timed together, which have fewer nodes
+            than a span that is timed by itself.
     """
 
     path: JointPath
@@ -41,6 +43,7 @@ class SpanIntervals:
     others: GridConstraints
     h: Array
     rests: Indices
+    sparse: bool = False
 
     @classmethod
     def build(
@@ -150,4 +153,20 @@ class SpanIntervals:
         """Upper bounds of x at the nodes by the joint velocities, 0 where the motion rests."""
         x_max = velocity_bounds(*self.slopes, *self.piece_limits[:2])
         x_max[self.rests] = 0.0
+        return x_max
+
+    def highest_speeds(self, tightening: Array | None = None) -> Array:
+        """Upper bounds of x at the nodes by the speeds of the joints and by the constraints.
+
+        Args:
+            tightening: By how much to divide the constraints in each interval, shape (n,), >= 1;
+                None: not at all.
+        """
+        if not self.constraints:
+            return self.velocity_bounds
+        x_max, more_x = self.velocity_bounds.copy(), self.others.rows[2]
+        if tightening is not None:
+            more_x = more_x / tightening[:, None]
+        x_max[:-1] = np.minimum(x_max[:-1], more_x[:, 0])
+        x_max[1:] = np.minimum(x_max[1:], more_x[:, 1])
         return x_max

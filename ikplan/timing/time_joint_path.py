@@ -18,6 +18,7 @@ from ikplan.timing.limit_jerk import limit_jerk
 from ikplan.timing.profile import LimitProfile, SegmentJointLimits
 from ikplan.timing.span import SpanTiming, time_span, time_through
 from ikplan.timing.timed_path import TimedPath
+from ikplan.timing.together.separated import separated
 from ikplan.timing.together.time_together import time_together
 
 __all__ = ["MANY_RESTS", "check_inside", "passing_jumps", "time_before_jerk", "time_joint_path"]
@@ -25,8 +26,10 @@ __all__ = ["MANY_RESTS", "check_inside", "passing_jumps", "time_before_jerk", "t
 
 MANY_RESTS = 24
 """With more rests than this the spans between them are timed together."""
-_TOGETHER = 32
-"""Most spans that are timed together: as many as a processor's cache holds the limits of."""
+_TOGETHER = 128
+"""Most spans that are timed together: so many that the memory does not grow with the path."""
+_SHARE_SMOOTHED = 0.02
+"""What the grid may cost spans that are smoothed afterwards, as a share of what the first does."""
 
 
 def time_joint_path(
@@ -103,14 +106,16 @@ def time_before_jerk(
         limited = np.asarray(np.isfinite(profile.jerk).any(axis=1))
         jumps = path.curvature_jumps()
         path = path.stopping_at(jumps[limited[jumps - 1] | limited[jumps]])
+    together = engine is None
+    if jerk_limited:
         # The path speed is where the search begins; it is smoothed anyway.
         engine = engine or CompiledEngine()
     spans: list[SpanTiming] = []
-    for knots in _timed_together(path.rest_knots, together=engine is None):
+    for knots in _timed_together(path.rest_knots, together=together):
         around = _within(constraints, *path.s_knots[[knots[0], knots[-1]]])
         if len(knots) > 2:
             try:
-                spans.append(time_together(path, knots, profile, around, check=check))
+                spans += _timed_as_one(path, knots, profile, around, jerk_limited, check)
                 continue
             except EngineFailed:
                 pass  # one after the other, toppra and finer grids tell where and why
@@ -153,6 +158,23 @@ def _timed(path: JointPath, spans: Sequence[SpanTiming]) -> TimedPath:
         node_times=np.concatenate([[0.0], np.cumsum(dt)]),
         spans=tuple(spans),
     )
+
+
+def _timed_as_one(
+    path: JointPath,
+    knots: Sequence[int],
+    profile: LimitProfile,
+    constraints: Sequence[PathConstraint],
+    jerk_limited: bool,
+    check: Check,
+) -> list[SpanTiming]:
+    """Time the spans between rests together; those that are to be smoothed come one by one."""
+    if not jerk_limited:
+        return [time_together(path, knots, profile, constraints, check=check)]
+    timing = time_together(
+        path, knots, profile, constraints, steady=False, check=check, share=_SHARE_SMOOTHED
+    )
+    return separated(timing)
 
 
 def _jerk_limited(limits: JointLimits, segments: Sequence[SegmentJointLimits]) -> bool:

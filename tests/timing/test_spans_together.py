@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -11,7 +12,7 @@ from numpy.testing import assert_array_equal
 from benchmarks.timing.paths import KINDS, random_limits, random_waypoints
 from ikplan.joint_path import JointPath
 from ikplan.limits import JointLimits
-from ikplan.timing import time_joint_path, what_if
+from ikplan.timing import ToolLimits, sample, time_joint_path, what_if
 from ikplan.timing.engines.compiled_engine import CompiledEngine
 from ikplan.timing.engines.toppra_engine import ToppraEngine
 from ikplan.timing.timed_path import TimedPath
@@ -115,3 +116,46 @@ def test_a_limit_changed_is_told_as_if_every_span_were_solved_again(
             assert told == pytest.approx(timed.duration * after / before, rel=1e-9)
             durations.add(round(told, 9))
     assert len(durations) > len(limits.joint_names)
+
+
+def _first_joint_moves_the_tool(
+    _: np.ndarray, dq: np.ndarray, ddq: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    twist, change = np.zeros((2, len(dq), 6))
+    twist[:, 0], change[:, 0] = dq[:, 0], ddq[:, 0]
+    return twist, change
+
+
+@pytest.mark.parametrize("kind", ["smooth", "walk", "near-zero moves"])
+def test_a_speed_of_the_tool_bounds_spans_together_as_it_bounds_each(kind: str) -> None:
+    path, limits = stopping(kind, seed=4)
+    speed = 0.3 * float(limits.velocity[0])
+    tool = ToolLimits(_first_joint_moves_the_tool, linear_speed=speed)
+    together = time_joint_path(path, limits, constraints=[tool])
+    apart = time_joint_path(path, limits, constraints=[tool], engine=ToppraEngine())
+    assert len(together.spans) < len(apart.spans)
+    assert together.duration <= apart.duration * (1.0 + 2e-4)
+    _, dq, _ = together.evaluate(np.linspace(0.0, together.duration, 20_001))
+    assert np.abs(dq[:, 0]).max() <= speed
+    for span in together.spans:
+        problem = span.problem
+        assert problem.others.only_bound_speeds
+        all_rows = CompiledEngine().solve(problem.rows())
+        # On the fine grid no limit is exceeded between the points that are looked at.
+        np.testing.assert_allclose(problem.compiled_solution, all_rows, rtol=1e-9)
+
+
+@pytest.mark.parametrize("kind", ["smooth", "walk", "scattered"])
+def test_jerk_limited_spans_are_as_short_as_each_by_itself(kind: str) -> None:
+    path, limits = stopping(kind, seed=6)
+    most = 20.0 * limits.acceleration
+    limits = replace(limits, jerk=most)
+    together = time_joint_path(path, limits)
+    apart = time_joint_path(path, limits, engine=CompiledEngine())
+    assert all(span.problem.sparse for span in together.spans)
+    assert len(together.spans) == len(apart.spans) == len(path.rest_knots) - 1
+    assert together.duration <= apart.duration * (1.0 + 1e-3)
+    samples = sample(together, 2000.0)
+    jerk = np.abs(np.diff(samples.ddq, axis=0)) * 2000.0 / most
+    assert jerk.max() <= 1.0
+    assert together.unlimited_duration <= together.duration

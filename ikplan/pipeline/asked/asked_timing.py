@@ -21,9 +21,11 @@ from ikplan.pipeline.timing_stage import (
     time_motion,
 )
 from ikplan.robots import Robot
-from ikplan.timing import PathConstraint, TimedPath, sample_at_nodes, time_joint_path
+from ikplan.timing import PathConstraint, TimedPath, periods, sample_at_nodes, time_joint_path
 from ikplan.timing.engines.engine import Check, unlimited
 from ikplan.timing.sampled_lasting import sampled_lasting
+from ikplan.timing.sampling import check_rate
+from ikplan.timing.unrounded import ROUNDED, ending_at
 
 __all__ = ["time_as_asked", "timed_as_asked"]
 
@@ -85,12 +87,27 @@ def time_as_asked(
         check=check,
     )
 
+    free = _unrounded(free, robot, sampling, asked)
+
     def lasting(duration: float) -> TimedPath:
         return free.lasting(duration) if free.duration > 0.0 else free
 
     return timed_as_asked(
         lasting, free.duration, constraints, robot, limits, sampling, asked, check
     )
+
+
+def _unrounded(
+    free: TimedPath, robot: Robot, sampling: SamplingOptions, asked: AskedMotion
+) -> TimedPath:
+    """Return a motion that is no longer than asked for, or than whole periods, by rounding."""
+    rate_hz, _ = sampling_rate(robot, sampling)
+    check_rate(rate_hz)
+    stands = sum(seconds for _, seconds in asked.dwells)
+    wanted = asked.duration
+    if wanted is None:
+        wanted = periods((free.duration + stands) * (1.0 - ROUNDED), rate_hz) / rate_hz
+    return ending_at(free, wanted - stands) or free
 
 
 def timed_as_asked(

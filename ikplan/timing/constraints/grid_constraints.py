@@ -66,6 +66,11 @@ class GridConstraints:
             x_max[inside, 1] = np.minimum(x_max[inside, 1], rows.x_max[end])
         return a, b, x_max
 
+    @property
+    def only_bound_speeds(self) -> bool:
+        """Whether no constraint has rows: all that there are bound the path speed alone."""
+        return not any(points.rows.columns for points in self.points)
+
     def ratios(self, x: Array) -> list[tuple[IntervalPoints, Array]]:
         """Return the limit ratios of the constraints at the points of intervals.
 

@@ -48,13 +48,14 @@ class CubicMotion:
         room = np.minimum(more - self.time[after - 1], self.time[after] - more)
         more = more[room > _APART * self.time[-1]]
         s, v, a = self.at(more)
-        at = np.searchsorted(self.time, more, side="right")
-        return CubicMotion(
-            np.insert(self.time, at, more),
-            np.maximum.accumulate(np.insert(self.s, at, s)),
-            np.insert(self.v, at, v),
-            np.insert(self.a, at, a),
-        )
+        new = np.searchsorted(self.time, more, side="right") + np.arange(len(more))
+        old = np.ones(len(self.time) + len(more), dtype=np.bool_)
+        old[new] = False
+        merged = np.empty((4, len(old)))
+        merged[:, old] = self.time, self.s, self.v, self.a
+        merged[:, new] = more, s, v, a
+        merged[1] = np.maximum.accumulate(merged[1])
+        return CubicMotion(*merged)
 
     def slowed(self, k: float) -> CubicMotion:
         """Return the motion k times slower."""

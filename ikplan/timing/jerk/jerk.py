@@ -95,4 +95,4 @@ def smooth_span_alike(problem: SpanProblem, known: Smoothed, check: Check = unli
 
 
 def _slowdown(problem: SpanProblem) -> JointSlowdown:
-    return JointSlowdown(problem.path, problem.profile, problem.path.third_derivatives())
+    return JointSlowdown(problem.path, problem.profile, problem.path.third_derivatives)

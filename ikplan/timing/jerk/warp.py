@@ -24,6 +24,7 @@ _LEAST, _A_PIECE, _MOST = 64, 8, 6_000
 # As many as without jerk limits, where the motion takes so many times as long as accelerations
 # take to build up; where it takes less, fewer in proportion.
 _SLOW = 50.0
+_OF_SPARSE = 300  # taken for their number where the grid without jerk limits is sparse
 # And at least so many for each time in which accelerations build up, up to a number.
 _A_SWING, _MOST_BY_SWINGS = 2.0, 1_000
 # Intervals shorter than this share of the mean one are joined with their neighbours.
@@ -73,7 +74,8 @@ def fastest(
     # The faster accelerations change, the more the motion is like that without jerk limits.
     swings = float(motion.time[-1]) / build_up
     least = max(_LEAST, min(_A_SWING * swings, _MOST_BY_SWINGS))
-    count = min(max(least, min(swings / _SLOW, 1.0) * len(problem.h)), _MOST)
+    intervals = max(len(problem.h), _OF_SPARSE) if problem.sparse else len(problem.h)
+    count = min(max(least, min(swings / _SLOW, 1.0) * intervals), _MOST)
     best, shortest = motion, np.inf
     regrids, tightenings = rounds
     for k in range(regrids):
@@ -122,7 +124,8 @@ def _course(
 def _grid(path: JointPath, motion: CubicMotion, count: float, *, even: bool) -> Array:
     """Return times, those at knots of the path among them; not even: more where jerks change."""
     end = float(motion.time[-1])
-    inner = path.s_knots[(path.s_knots > motion.s[0]) & (path.s_knots < motion.s[-1])]
+    first = np.searchsorted(path.s_knots, motion.s[0], "right")
+    inner = path.s_knots[first : np.searchsorted(path.s_knots, motion.s[-1])].copy()
     knots = times_of(motion.time, motion.s, motion.v, motion.a, inner)
     count = max(count, min(_A_PIECE * (len(knots) + 1), _MOST))
     shortest = _SHORT * end / count

@@ -40,10 +40,13 @@ def within_limits(
         The motion, within every limit.
     """
     path = problem.path
-    times = times_of(motion.time, motion.s, motion.v, motion.a, path.s_knots)
-    motion = motion.divided(times)
+    first, last = np.searchsorted(path.s_knots, motion.s[[0, -1]])
+    knots = path.s_knots[first : last + 1].copy()  # one compiled kind of arrays
+    motion = motion.divided(times_of(motion.time, motion.s, motion.v, motion.a, knots))
     factor = slowdown(motion, _FINE_POINTS, motion.s[[0, -1]])
     motion = motion.slowed(float(factor[0]) * (1.0 + margin))
+    if not problem.constraints:
+        return motion
     factors = constraint_factors(path, motion, problem.constraints)
     return motion.slowed(max(float(factors.max()), 1.0))
 

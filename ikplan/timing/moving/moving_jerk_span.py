@@ -133,7 +133,7 @@ class MovingJerkSpan:
         self._constraints, self._rates, self._check = tuple(constraints), rates, check
         self._start, self._end = (float(path.s_knots[k]) for k in knots)
         profile = LimitProfile.merged(path, limits, self._segments)
-        self._slowdown = JointSlowdown(path, profile, path.third_derivatives())
+        self._slowdown = JointSlowdown(path, profile, path.third_derivatives)
         for shares in _SHARES:
             check()
             found = self._within_limits(self._parts(*shares))

@@ -124,6 +124,6 @@ def slowdown_in_time(timed: TimedPath) -> float:
     problem = timed.spans[0].problem
     factor = float(np.sqrt(problem.interval_ratios(timed.spans[0].x).max()))
     if timed.jerk_limited:
-        third = np.abs(timed.path.third_derivatives())
+        third = np.abs(timed.path.third_derivatives)
         factor = max(factor, float(np.cbrt((third / problem.profile.jerk).max())))
     return factor

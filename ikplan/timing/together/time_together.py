@@ -47,9 +47,10 @@ def time_together(
     knots: Sequence[int],
     profile: LimitProfile,
     constraints: Sequence[PathConstraint] = (),
-    tolerance: float = 7e-5,
+    tolerance: float = 5e-5,
     steady: bool = True,
     check: Check = unlimited,
+    share: float = _SHARE_OF_LOSS,
 ) -> SpanTiming:
     """Time many short spans as one problem, by the compiled engine.
 
@@ -61,6 +62,8 @@ def time_together(
         tolerance: As for time_span, of all spans; less, since their grids begin coarser.
         steady: As for time_span.
         check: As for time_span.
+        share: What the grid may cost where that is more, as a share of what the first one does;
+            under limits of the joints alone.
 
     Returns:
         The timing of all spans, within every limit.
@@ -79,7 +82,7 @@ def time_together(
         problem = refined(coarse, max(1e-4, _SHARE_CONSTRAINED * lost), check)
         problem = divided(problem.on(problem.grid), steady, check)
     else:
-        problem = _refined(coarse, max(tolerance, _SHARE_OF_LOSS * lost), check)
+        problem = _refined(coarse, max(tolerance, share * lost), check)
     timing = within_limits(problem, CompiledEngine())
     problem.forget()
     return timing

@@ -58,6 +58,23 @@ def test_lines_that_a_damped_tracker_passes_are_planned(name: str, seed: int) ->
     check_deviation(ikplan.plan(request), robot, request)
 
 
+def test_a_line_that_stays_beside_a_singularity_all_along_is_planned_without_swaying() -> None:
+    start = [
+        0.6892030674680734, -0.7209335961535716, 1.2209819440729996, -0.5005372979813976,
+        0.004367254361064639, 1.347238590437158,
+    ]  # fmt: skip
+    robot = load_robot("ur5")
+    R = robot.fk(np.array(start)).rotation
+    end = np.array([0.32777341, 0.51112437, -0.04790958])
+    request = singular.line_request(robot, np.array(start), R, end)
+    plan = ikplan.plan(request)
+    check_deviation(plan, robot, request)
+    q = np.array([plan.at(float(t))[0] for t in np.linspace(0.0, plan.duration, 200)])
+    # The wrist goes straight through; steps scattered by the singularity sway by 0.05 rad each.
+    moved = np.abs(np.diff(q, axis=0)).sum(axis=0)
+    assert (moved - np.abs(q[-1] - q[0])).max() < 0.02
+
+
 def field_line(turn: float) -> dict[str, Any]:
     """A UR5 line whose tool is turned a little from where it meets the wrist's singularity."""
     start = [

@@ -75,6 +75,19 @@ def test_a_line_that_stays_beside_a_singularity_all_along_is_planned_without_swa
     assert (moved - np.abs(q[-1] - q[0])).max() < 0.02
 
 
+def test_a_line_from_a_singular_wrist_across_it_is_planned_within_the_tolerance() -> None:
+    """The wrist turns by 0.1 rad on the first of the way, 0.02 mm beside it."""
+    start = np.array([0.3, -1.2, 1.5, -0.4, 0.0, 0.2])
+    robot = load_robot("ur5")
+    T = robot.fk(start)
+    end = T.translation + np.array([0.0, 0.1, 0.0])
+    request = singular.line_request(robot, start, T.rotation, end)
+    assert check_deviation(ikplan.plan(request), robot, request) < 0.5
+    request["path"]["tolerance"] = {"position": 1e-5, "orientation": 1e-4}
+    with pytest.raises(ikplan.Disconnected, match="singular"):
+        ikplan.plan(request)
+
+
 def field_line(turn: float) -> dict[str, Any]:
     """A UR5 line whose tool is turned a little from where it meets the wrist's singularity."""
     start = [

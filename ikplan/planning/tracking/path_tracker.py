@@ -17,15 +17,15 @@ from typing import Self
 import numpy as np
 
 from ikplan.arrays import Array, Indices
+from ikplan.planning.around.dodge import dodged_sequence
+from ikplan.planning.around.flood import flooded_sequences
 from ikplan.planning.tracking.coarse_shortening import (
     LONG,
     shortened,
     shortened_coarse_first,
 )
 from ikplan.planning.tracking.densify import densify
-from ikplan.planning.tracking.dodge import dodged_sequence
 from ikplan.planning.tracking.farthest_starts import COARSE, farthest_starts
-from ikplan.planning.tracking.flood import flooded_sequences
 from ikplan.planning.tracking.global_redundancy import resolve_redundancy_globally
 from ikplan.planning.tracking.reference_path import (
     ReferencePath,

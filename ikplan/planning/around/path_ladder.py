@@ -6,11 +6,11 @@ import numpy as np
 
 from ikplan.arrays import Array, Indices
 from ikplan.collision.check import ContactArrays
+from ikplan.planning.around.rung_kernels import join_rungs
 from ikplan.planning.ladder.free_ladder import shortest_way
 from ikplan.planning.ladder.ik_candidates import Targets, sample_ik_solutions
 from ikplan.planning.segment_number import segment_number
 from ikplan.planning.tracking.reference_path import ReferencePath
-from ikplan.planning.tracking.rung_kernels import join_rungs
 from ikplan.planning.tracking.tracked_arm import EXACT, TrackedArm
 from ikplan.planning.tracking.tracking_kernels import project_onto_targets
 

@@ -12,7 +12,7 @@ from ikplan import load_robot
 from ikplan.collision.checker import CollisionChecker
 from ikplan.documents import parse
 from ikplan.documents.scene import Scene
-from ikplan.planning.tracking.path_ladder import LONGEST, PathLadder
+from ikplan.planning.around.path_ladder import LONGEST, PathLadder
 from ikplan.planning.tracking.tracking_kernels import project_onto_targets
 from ikplan.scene.model import collision_model
 from tests.planning.planar import Polyline, positions, tracker_of

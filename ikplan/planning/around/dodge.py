@@ -13,8 +13,8 @@ from dataclasses import replace
 import numpy as np
 
 from ikplan.arrays import Array
+from ikplan.planning.around.path_ladder import PathLadder
 from ikplan.planning.ladder.free_ladder import shortest_way
-from ikplan.planning.tracking.path_ladder import PathLadder
 from ikplan.planning.tracking.reference_path import ReferencePath
 from ikplan.planning.tracking.tracked_arm import TrackedArm
 

@@ -174,6 +174,7 @@ def _track_from_more(tracker: TolerantTracker, path: ToolPath, ways: StartingWay
     more = further_branches(ways.problem, ways.starts)
     if len(more) == 0:
         raise TrackingFailed(0.0, ways.starts[0])
+    more = more[tracker.farthest_starts(path, more, ways.copies)]
     costs = np.zeros(len(more))
     if ways.costs.any():
         costs = np.linalg.norm(more - ways.problem.q_start, axis=1)

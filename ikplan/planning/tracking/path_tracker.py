@@ -10,14 +10,16 @@ from __future__ import annotations
 
 import contextlib
 from collections.abc import Iterator
+from dataclasses import replace
 from functools import partial
 
 import numpy as np
 
-from ikplan.arrays import Array
+from ikplan.arrays import Array, Indices
+from ikplan.planning.around.dodge import dodged_sequence
+from ikplan.planning.around.flood import flooded_sequences
 from ikplan.planning.tracking.densify import densify
-from ikplan.planning.tracking.dodge import dodged_sequence
-from ikplan.planning.tracking.flood import flooded_sequences
+from ikplan.planning.tracking.farthest_starts import COARSE, farthest_starts
 from ikplan.planning.tracking.global_redundancy import resolve_redundancy_globally
 from ikplan.planning.tracking.reference_path import (
     ReferencePath,
@@ -119,6 +121,23 @@ class PathTracker(StartTracker):
         costs = np.zeros(len(starts))
         first = first_points(self, reference, FIRST_STEPS[0])
         return self._track_starts(reference, starts, costs, first, None).clear()
+
+    def farthest_starts(
+        self, reference: ReferencePath, starts: Array, copies: StartCopies | None
+    ) -> Indices:
+        """Return the starts that lead along a tool path in coarse steps, and some that nearly do.
+
+        Args:
+            reference: The path.
+            starts: Configurations at the path's first pose, shape (c, dof), c >= 1 [rad or m].
+            copies: As for :meth:`track`.
+
+        Raises:
+            BudgetExceeded: The time budget ran out.
+        """
+        first = replace(first_points(self, reference, FIRST_STEPS[0]), finest=COARSE)
+        track = partial(self._track_copies, reference, first=first, copies=copies)
+        return farthest_starts(track, starts, reference.length)
 
     def track_global(self, reference: ReferencePath, starts: Array, costs: Array) -> TrackedPath:
         """Track a tool path with a redundant arm on a sequence chosen over all points at once.

@@ -32,11 +32,14 @@ class FirstPoints:
         s: Path positions, shape (m,).
         targets: Their targets.
         redundant: Whether the arm has self-motion along the path.
+        finest: Step, as a share of the path's length, below which none is halved; None: the
+            finest there is, and fine in rotation too.
     """
 
     s: Array
     targets: Targets
     redundant: bool
+    finest: float | None = None
 
     def thinned(self, count: int) -> FirstPoints:
         """Return about so many of the points: an even number of steps, the last point included."""
@@ -126,8 +129,11 @@ def track_from(
             return TrackedPart(s, q, complete=True)
         tracked.clock.check()
         gap = s[reached + 2] - s[reached]
-        finest = gap < min(_FINEST * reference.length, _FINEST_STEP)
-        if finest and tracked.oriented:
+        if first.finest is not None:
+            finest = gap < first.finest * reference.length
+        else:
+            finest = gap < min(_FINEST * reference.length, _FINEST_STEP)
+        if finest and first.finest is None and tracked.oriented:
             finest = turn_between(reference, s[reached], s[reached + 2]) < _FINEST_TURN
         if finest or len(s) > most:
             # Over a sharp bend, or a jump: whether the arm can move so, densifying shows.

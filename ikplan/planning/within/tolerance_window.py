@@ -2,9 +2,8 @@
 
 Near a singularity exact tracking asks for joint motions without bounds, or ends. Between a
 configuration before the place and one behind it, both on the path, the joints are led evenly
-instead: the sum of the squared pose errors, in units of the tolerance, and of the squared second
-differences of the joints is made least (Gauss-Newton), and evenness counts less and less until the
-errors are within the tolerance.
+instead, as evenly as the errors of the points between allow
+(see :mod:`ikplan.planning.within.even_motion`).
 """
 
 from __future__ import annotations
@@ -21,9 +20,10 @@ from ikplan.planning.tracking.reference_path import ReferencePath
 from ikplan.planning.tracking.track_from import TrackedPart
 from ikplan.planning.tracking.tracked_arm import TrackedArm
 from ikplan.planning.tracking.tracking_kernels import errors_at
+from ikplan.planning.within.even_motion import evened_motion
 from ikplan.planning.within.window_kernels import linearised_errors
 
-__all__ = ["Window", "bridge", "error_ratios", "near_singular", "project_within"]
+__all__ = ["Window", "bridge", "error_ratios", "led_between", "near_singular", "project_within"]
 
 
 _WIDTHS = tuple(2.5e-4 * 2.0**k for k in range(10))
@@ -126,8 +126,11 @@ def bridge(tracked: TrackedArm, reference: ReferencePath, part: TrackedPart) -> 
         done.add((first, behind))
         tracked.clock.check()
         for q_behind in _behind(tracked, reference, part, first, behind):
-            window = _evened(tracked, reference, part, first, behind, q_behind)
-            if window is not None:
+            led = led_between(
+                tracked, reference, (float(part.s[first]), behind), part.q[first], q_behind
+            )
+            if led is not None:
+                window = Window(first, *led)
                 found.append((_cost(part, window, place + _WIDTHS[-1]), window))
                 break
     return min(found, key=lambda rated: rated[0])[1] if found else None
@@ -176,44 +179,36 @@ def _behind(
             yield rows[k]
 
 
-def _evened(
+def led_between(
     tracked: TrackedArm,
     reference: ReferencePath,
-    part: TrackedPart,
-    first: int,
-    behind: float,
-    q_behind: Array,
-) -> Window | None:
-    """Lead the joints evenly from one tracked point to a configuration behind the place."""
-    s = np.linspace(part.s[first], behind, _STEPS + 1)
+    span: tuple[float, float],
+    q_begin: Array,
+    q_end: Array,
+    steps: int = _STEPS,
+) -> tuple[Array, Array] | None:
+    """Lead the joints from one configuration to another as evenly as the tolerance allows.
+
+    Args:
+        tracked: The arm, and what it has to keep.
+        reference: The path.
+        span: The path positions of the two.
+        q_begin: Where the motion begins, shape (dof,) [rad or m].
+        q_end: Where it ends, shape (dof,) [rad or m].
+        steps: How many; waypoints between are met besides.
+
+    Returns:
+        Path positions, shape (m,), and configurations, shape (m, dof) [rad or m]; None where
+        the motions tried are not within the tolerance.
+    """
+    s = np.linspace(*span, steps + 1)
     inside = reference.waypoint_s[(reference.waypoint_s > s[0]) & (reference.waypoint_s < s[-1])]
     s = np.unique(np.concatenate([s, inside]))
     share = ((s - s[0]) / (s[-1] - s[0]))[:, None]
-    q = part.q[first] + share * (q_behind - part.q[first])
-    targets = tracked.targets_at(reference, s)
-    dof, m = q.shape[1], len(s)
-    second = np.diff(np.eye(m), 2, axis=0)
-    stiffness = second.T @ second
-    inner = slice(1, m - 1)
-    between = np.kron(stiffness[inner, inner], np.eye(dof))
-    best: tuple[float, Array] | None = None
-    for evenness in _EVENNESS:
-        for _ in range(3):
-            e, J = linearised_errors(tracked.arm.chain, targets, q)
-            e, J = e[inner] / tracked.tolerance.position, J[inner] / tracked.tolerance.position
-            matrix = evenness * between
-            for k in range(m - 2):
-                at = slice(k * dof, (k + 1) * dof)
-                matrix[at, at] += J[k].T @ J[k]
-            pull = np.einsum("kij,ki->kj", J, e) - evenness * (stiffness @ q)[inner]
-            step = np.linalg.solve(matrix, pull.ravel()).reshape(m - 2, dof)
-            q = q.copy()
-            q[inner] = np.clip(q[inner] + step, tracked.arm.lower, tracked.arm.upper)
-        length = _length(q)
-        if best is not None and length > _LONGER * best[0]:
-            break
-        if error_ratios(tracked, reference, s, q).max() <= _ACCEPTED:
-            best = (best[0] if best else length), q
-        elif best is not None:
-            break
-    return None if best is None else Window(first, s, best[1])
+    q = np.ascontiguousarray(q_begin + share * (q_end - q_begin))
+    arm, tolerance = tracked.arm, tracked.tolerance
+    found = evened_motion(
+        arm.chain, tracked.targets_at(reference, s), q, arm.lower, arm.upper, np.array(_EVENNESS),
+        tolerance.position, tolerance.orientation, _ACCEPTED, _LONGER,
+    )  # fmt: skip
+    return (s, q) if found else None

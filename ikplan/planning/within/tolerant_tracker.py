@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 from dataclasses import replace
 from typing import Self
 
@@ -17,6 +18,7 @@ from ikplan.planning.tracking.tracked_path import (
     farthest_failure,
     shortest_first,
 )
+from ikplan.planning.within.leading_beside import led_beside
 from ikplan.planning.within.straightening import straightened
 from ikplan.planning.within.track_within import SpanList, track_within
 
@@ -54,11 +56,20 @@ class TolerantTracker(PathTracker):
             before = float(cost) if copies is None else copies.cost(q[0])
             sequences.append((before + self.sequence_cost(s, q), s, q))
             spans[id(s)] = windows
-        for sequence in shortest_first(sequences):
+        ordered = shortest_first(sequences)
+        for sequence in ordered:
             try:
                 return tracker._densify_first(reference, [sequence], spans[id(sequence[1])])
             except TrackingFailed as failure:
                 broken = farthest_failure(broken, failure)
+        for length, s, q in ordered:
+            led = led_beside(tracker, reference, s, q)
+            if led is not None:
+                with contextlib.suppress(TrackingFailed):
+                    s_led, q_led, runs = led
+                    saved = self.sequence_cost(s, q) - self.sequence_cost(s_led, q_led)
+                    sequence = length - saved, s_led, q_led
+                    return tracker._densify_first(reference, [sequence], runs)
         assert broken is not None
         raise broken
 

@@ -58,6 +58,36 @@ def test_lines_that_a_damped_tracker_passes_are_planned(name: str, seed: int) ->
     check_deviation(ikplan.plan(request), robot, request)
 
 
+def test_a_line_that_stays_beside_a_singularity_all_along_is_planned_without_swaying() -> None:
+    start = [
+        0.6892030674680734, -0.7209335961535716, 1.2209819440729996, -0.5005372979813976,
+        0.004367254361064639, 1.347238590437158,
+    ]  # fmt: skip
+    robot = load_robot("ur5")
+    R = robot.fk(np.array(start)).rotation
+    end = np.array([0.32777341, 0.51112437, -0.04790958])
+    request = singular.line_request(robot, np.array(start), R, end)
+    plan = ikplan.plan(request)
+    check_deviation(plan, robot, request)
+    q = np.array([plan.at(float(t))[0] for t in np.linspace(0.0, plan.duration, 200)])
+    # The wrist goes straight through; steps scattered by the singularity sway by 0.05 rad each.
+    moved = np.abs(np.diff(q, axis=0)).sum(axis=0)
+    assert (moved - np.abs(q[-1] - q[0])).max() < 0.02
+
+
+def test_a_line_from_a_singular_wrist_across_it_is_planned_within_the_tolerance() -> None:
+    """The wrist turns by 0.1 rad on the first of the way, 0.02 mm beside it."""
+    start = np.array([0.3, -1.2, 1.5, -0.4, 0.0, 0.2])
+    robot = load_robot("ur5")
+    T = robot.fk(start)
+    end = T.translation + np.array([0.0, 0.1, 0.0])
+    request = singular.line_request(robot, start, T.rotation, end)
+    assert check_deviation(ikplan.plan(request), robot, request) < 0.5
+    request["path"]["tolerance"] = {"position": 1e-5, "orientation": 1e-4}
+    with pytest.raises(ikplan.Disconnected, match="singular"):
+        ikplan.plan(request)
+
+
 def field_line(turn: float) -> dict[str, Any]:
     """A UR5 line whose tool is turned a little from where it meets the wrist's singularity."""
     start = [

@@ -1,7 +1,7 @@
 """Around obstacles along a tool path, where few ways lead: the whole of what can be reached.
 
 Layer by layer along the path, what the arm gets to of its self-motion is flooded (see
-:mod:`ikplan.planning.tracking.flood_kernels`). Layers are filled sparsely first, and denser where
+:mod:`ikplan.planning.around.flood_kernels`). Layers are filled sparsely first, and denser where
 that leads nowhere.
 """
 
@@ -13,9 +13,9 @@ from dataclasses import replace
 import numpy as np
 
 from ikplan.arrays import Array
+from ikplan.planning.around.flood_kernels import FloodTree, flood_layer
+from ikplan.planning.around.path_ladder import LONGEST, PathLadder
 from ikplan.planning.segment_number import segment_number
-from ikplan.planning.tracking.flood_kernels import FloodTree, flood_layer
-from ikplan.planning.tracking.path_ladder import LONGEST, PathLadder
 from ikplan.planning.tracking.reference_path import (
     ReferencePath,
     initial_points,

@@ -4,17 +4,15 @@ from __future__ import annotations
 
 import numpy as np
 
-from ikplan.arrays import Array
+from ikplan.arrays import Array, Indices
+from ikplan.collision.check import ContactArrays
+from ikplan.planning.around.rung_kernels import join_rungs
 from ikplan.planning.ladder.free_ladder import shortest_way
 from ikplan.planning.ladder.ik_candidates import Targets, sample_ik_solutions
 from ikplan.planning.segment_number import segment_number
 from ikplan.planning.tracking.reference_path import ReferencePath
 from ikplan.planning.tracking.tracked_arm import EXACT, TrackedArm
-from ikplan.planning.tracking.tracking_kernels import (
-    MIDPOINT_RATIO,
-    NO_EXTRA_OFFSET,
-    project_onto_targets,
-)
+from ikplan.planning.tracking.tracking_kernels import project_onto_targets
 
 __all__ = ["LONGEST", "PathLadder"]
 
@@ -22,6 +20,8 @@ LONGEST = 0.7
 """How far a joint may move from point to point [rad or m]."""
 _MOST = 80
 """Candidates of a point."""
+_TRIED = 12
+"""Steps to a candidate that are looked at, shortest way first, before it is given up."""
 _FRESH = 24
 """Evenly spread seeds of a point."""
 _BESIDE = (0.1, 0.3)
@@ -103,22 +103,44 @@ class PathLadder:
 
     def step(self, k: int, before: Array, after: Array) -> Array | None:
         """The configuration half-way of a step along the path to rung k; None: not to be taken."""
+        _, parent, middle = self.join(k, np.zeros(1), before[None], after[None])
+        return None if parent[0] < 0 else np.asarray(middle[0])
+
+    def join(
+        self, k: int, cost: Array, before: Array, after: Array
+    ) -> tuple[Array, Indices, Array]:
+        """Reach the candidates of rung k by the shortest ways whose last step can be taken.
+
+        Args:
+            k: The rung.
+            cost: Joint motion to each candidate of the rung before, shape (b,) [rad or m].
+            before: These candidates, shape (b, dof) [rad or m].
+            after: The candidates, shape (c, dof) [rad or m].
+
+        Returns:
+            Joint motion to each, shape (c,); the candidates before them, shape (c,), -1 where
+            there is none; and the configurations half-way, shape (c, dof).
+        """
         arm = self.arm.arm
-        straight = 0.5 * (before + after)
-        middle = straight[None].copy()
-        left, spent = project_onto_targets(
-            arm.chain, self._target(2 * k - 1), middle, arm.lower, arm.upper
-        )
+        halves = self._bodies(2 * k - 2), self._bodies(2 * k - 1)
+        reached, parent, middles, spent = join_rungs(
+            halves, self._target(2 * k - 1), cost, np.ascontiguousarray(before),
+            np.ascontiguousarray(after), LONGEST, _TRIED, (arm.lower, arm.upper), EXACT,
+        )  # fmt: skip
         self.arm.clock.count(spent)
-        off = float(np.linalg.norm(middle[0] - straight))
-        length = float(np.linalg.norm(after - before))
-        if left[0] > EXACT or off > MIDPOINT_RATIO * length + NO_EXTRA_OFFSET:
-            return None
-        q = np.vstack([before, middle, after])
-        these = self.s[2 * k - 2 : 2 * k + 1]
-        if self.arm.first_contact(self.reference, these, q) is not None:
-            return None
-        return np.asarray(middle[0])
+        return reached, parent, middles
+
+    def _bodies(self, point: int) -> ContactArrays:
+        """What must not be touched from a point to the next: all that is there on a part of it."""
+        arrays = self.contact.arrays(None)
+        if not self.contact.changes_by_segment or not self.reference.segments:
+            return arrays
+        begin, end = self.s[point], self.s[point + 1]
+        active = np.zeros_like(arrays.active)
+        for part in self.reference.segments:
+            if end > part.begin and begin < part.end:
+                active |= self.contact.arrays(segment_number(part.field)).active
+        return arrays._replace(active=active)
 
     def drawn_taut(self, nodes: Array, middles: Array) -> Array:
         """Return a way made shorter among solutions near to it, still clear of contact.
@@ -134,7 +156,7 @@ class PathLadder:
         for width in _TAUT:
             self.arm.clock.check()
             near = [way[0][:1], *(self.beside(k, way[0], width) for k in range(1, len(nodes)))]
-            shorter = shortest_way(near, np.zeros(1), LONGEST, self.step)
+            shorter = shortest_way(near, np.zeros(1), self.join)
             way = way if shorter is None else shorter
         q = np.empty((len(self.s), nodes.shape[1]))
         q[0::2], q[1::2] = way

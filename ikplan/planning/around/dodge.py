@@ -13,8 +13,8 @@ from dataclasses import replace
 import numpy as np
 
 from ikplan.arrays import Array
+from ikplan.planning.around.path_ladder import PathLadder
 from ikplan.planning.ladder.free_ladder import shortest_way
-from ikplan.planning.tracking.path_ladder import LONGEST, PathLadder
 from ikplan.planning.tracking.reference_path import ReferencePath
 from ikplan.planning.tracking.tracked_arm import TrackedArm
 
@@ -60,5 +60,5 @@ def _sequence(
         if len(rung) == 0:
             return None
         rungs.append(rung)
-    way = shortest_way(rungs, costs, LONGEST, ladder.step)
+    way = shortest_way(rungs, costs, ladder.join)
     return None if way is None else ladder.drawn_taut(*way)

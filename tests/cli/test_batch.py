@@ -95,7 +95,8 @@ def test_every_line_is_answered_in_its_place_and_none_spoils_another(
         alone = ikplan.plan(request).model_dump(mode="json")
         assert {**answer["plan"], "stats": None} == {**alone, "stats": None}
     said = done.err.splitlines()
-    said = [line for line in said if not line.startswith("compiling kernels")]  # a first use
+    # A first use tells that it compiles, and a slow one how far it has got.
+    said = [line for line in said if not line.startswith("compiling") and "lines/s" not in line]
     assert said == ["ikplan: 3 of 7 requests have no plan: 2 invalid-request, 1 unreachable"]
 
 

@@ -16,7 +16,7 @@ import numpy as np
 
 from ikplan.arrays import Array
 from ikplan.path.curves.natural_spline import natural_spline
-from ikplan.planning.ladder.path_shortening import shorten_sequence
+from ikplan.planning.tracking.coarse_shortening import shortened, shortened_coarse_first
 from ikplan.planning.tracking.reference_path import ReferencePath
 from ikplan.planning.tracking.start_copies import StartCopies, turning_joints, without_limits
 from ikplan.planning.tracking.track_from import FirstPoints, track_from
@@ -35,13 +35,11 @@ _FEW_POINTS = 64
 _WINDING = 4
 """Where tracking through few points makes this many times as many of them, a path winds between
 them: tracking through all costs no more, and shortening at few points leads to longer sequences."""
-_HIDDEN = 1.05
-"""Where the motion through all points is this many times that through few, few hide motion."""
+_ALIKE = 0.05
+"""Where the motion through all points is longer or shorter than that through few by more than this
+share, few do not stand for all."""
 _DIGITS = 9
 """Digits after the point to which lengths are compared."""
-_ITERATIONS = 30
-_GAIN = 1e-4
-"""Steps of shortening at most, and the least share of the motion that one has to save."""
 
 
 class StartTracker(TrackedArm):
@@ -78,21 +76,13 @@ class StartTracker(TrackedArm):
         # Self-motion may keep to the limits where it has to; otherwise this tells where they bind.
         return self._track_from(reference, q[0], first)
 
-    def _shorten(self, reference: ReferencePath, s: Array, q: Array) -> Array:
+    def _shorten(
+        self, reference: ReferencePath, s: Array, q: Array, *, coarse_first: bool = False
+    ) -> Array:
         """Shorten a sequence by self-motion; whether it stays continuous, densifying shows."""
-        targets, arm, shorter = self.targets_at(reference, s[1:]), self.arm, q[1:].copy()
-        _, spent = shorten_sequence(
-            arm.chain,
-            targets,
-            shorter,
-            q[0],
-            False,
-            arm.lower,
-            arm.upper,
-            self.cost,
-            _ITERATIONS,
-            _GAIN,
-        )
+        targets = self.targets_at(reference, s[1:])
+        shorten = shortened_coarse_first if coarse_first else shortened
+        shorter, spent = shorten(self.arm, targets, q[1:], q[0], self.cost)
         self.clock.count(spent)
         return np.vstack([q[:1], shorter])
 
@@ -137,21 +127,24 @@ class StartTracker(TrackedArm):
         k, (length, s, q) = best
         before = length - self.sequence_cost(s, q)
         found: list[JointSequence] = []
-        if first.redundant:
-            found = self._costed(self._through_all(reference, s, q, first), before)
-        if not found or found[0][0] > _HIDDEN * length:
-            # The few points hide motion between them, as do all where there is one way only.
+        if first.redundant and (led := self._through_all(reference, s, q, first)) is not None:
+            found.append(self._costed(*led, before))
+        if not found or abs(found[0][0] - length) > _ALIKE * length:
             with contextlib.suppress(TrackingFailed):
                 s, q = self._track_copies(reference, starts[k], first, copies)
+                ways = [q]
                 if first.redundant:
-                    q = self._shorten(reference, s, q)
-                found += self._costed((s, q), before)
+                    ways = [
+                        self._shorten(reference, s, q, coarse_first=coarse)
+                        for coarse in (False, True)
+                    ]
+                found += [self._costed(s, way, before) for way in ways]
         clear = (x for x in shortest_first(found) if self.first_contact(reference, *x[1:]) is None)
         return next(clear, None)
 
-    def _costed(self, found: tuple[Array, Array] | None, before: float) -> list[JointSequence]:
+    def _costed(self, s: Array, q: Array, before: float) -> JointSequence:
         """Return a sequence with its cost, after that of getting to its start."""
-        return [] if found is None else [(before + self.sequence_cost(*found), *found)]
+        return before + self.sequence_cost(s, q), s, q
 
     def _through_all(
         self, reference: ReferencePath, s: Array, q: Array, first: FirstPoints

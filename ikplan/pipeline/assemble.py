@@ -22,7 +22,9 @@ from ikplan.kinematics.arm import arm_of
 from ikplan.limits.motion_limits import MotionLimits
 from ikplan.pipeline.asked.events import EventFinder
 from ikplan.pipeline.collisions import handed_out, prove_motion
-from ikplan.pipeline.hints import default_hints, segment_hints, stop_hints
+from ikplan.pipeline.hints.limit_hints import default_hints, segment_hints
+from ikplan.pipeline.hints.noise_hints import path_noise_hints
+from ikplan.pipeline.hints.stop_hints import stop_hints
 from ikplan.pipeline.timing_stage import Timing
 from ikplan.planning import JointRoute
 from ikplan.planning.posture import report_posture
@@ -220,6 +222,7 @@ def assemble_plan(
     told = [
         *hints,
         *stop_hints(certificate, path, asked),
+        *path_noise_hints(path, np.array(waypoints.q), np.array(waypoints.time)),
         *default_hints(robot, request.limits),
         *segment_hints(robot, request.limits, limits, asked),
     ]

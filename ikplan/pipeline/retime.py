@@ -23,7 +23,7 @@ from ikplan.pipeline.asked.waypoint_times import time_at
 from ikplan.pipeline.assemble import assemble_plan, joint_steps
 from ikplan.pipeline.collisions import requested_model, with_meshes
 from ikplan.pipeline.helpers import helped_by
-from ikplan.pipeline.hints import noise_hints
+from ikplan.pipeline.hints.noise_hints import joint_noise_hints
 from ikplan.pipeline.identity import plan_id
 from ikplan.pipeline.near_path import Nearness, NearPath, smooth_path
 from ikplan.pipeline.request_budget import RequestBudget
@@ -244,7 +244,7 @@ def _made(request: TimingRequest, robot: Robot, clock: RequestBudget, known_id: 
                 )
             )
         times = timing.timed.times
-        hints = noise_hints(robot, asked, times)
+        hints = joint_noise_hints(robot, asked, times)
     else:
         near, timing = _near_motion(
             request, robot, limits, asked, nearness, segments, asked_motion, clock

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from typing import Any
 
 import numpy as np
@@ -80,3 +81,34 @@ def test_noise_beyond_the_tolerance_is_followed_within_it() -> None:
     assert off_polyline(arm.poses(plan.q)[1], points).max() <= TOLERANCE
     errors = arm.poses(plan.waypoints.q)[1] - points
     assert np.linalg.norm(errors, axis=1).max() <= TOLERANCE
+
+
+def test_a_motion_that_follows_noise_says_so_and_what_passes_it() -> None:
+    rng = np.random.default_rng(6)
+    points = circle(np.linspace(0.0, 1.0, 200)) + np.array([0.45, 0.1, 0.3])
+    clean = [{"position": p.tolist(), "quaternion_xyzw": [1.0, 0.0, 0.0, 0.0]} for p in points]
+    points += rng.normal(scale=1e-4, size=points.shape)
+    noisy = [{"position": p.tolist(), "quaternion_xyzw": [1.0, 0.0, 0.0, 0.0]} for p in points]
+
+    def planned_by(
+        interpolation: str, waypoints: list[dict[str, Any]], **more: Any
+    ) -> tuple[float, list[str]]:
+        path = {"interpolation": interpolation, "waypoints": waypoints, **more}
+        plan = ikplan.plan({"robot": "ur5", "start": "free", "path": path})
+        assert plan.timing is not None
+        return plan.duration, plan.timing.hints
+
+    assert not planned_by("spline", clean)[1]
+    duration, hints = planned_by("line", clean)
+    assert not hints
+    (told,) = planned_by("spline", noisy)[1]
+    assert "noisy" in told
+    assert '`path.interpolation` "line"' in told
+    given = re.search(r"`path.tolerance.position`, such as ([0-9.e-]+),", told)
+    assert given is not None
+    tolerance = float(given.group(1))
+    assert 3e-4 < tolerance < 2e-3
+    # What is told holds: the motion takes about as long as that past points without noise.
+    eased = planned_by("line", noisy, tolerance={"position": tolerance})
+    assert eased[0] <= 1.1 * duration
+    assert not eased[1]

@@ -19,7 +19,7 @@ _OFTEN = 0.2
 """Share of the rows in which the acceleration of a noisy column reverses."""
 _SMALL = 0.01
 """Noise is small beside the motion: at most this share of it."""
-_TURNED = 0.05
+_TURNED = 0.01
 """Rates that turn to and fro by less than this share of the largest cost little time."""
 _ROUNDING = 1e-9
 """What numbers are off by rounding [rad or m]."""

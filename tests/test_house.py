@@ -61,6 +61,7 @@ OVER_ALL = {"ikplan", "__main__"}
 MOST_MODULES = 20
 """Most modules in a folder of the library; about 15 where they are no catalogue."""
 SERVICE_RANK = {
+    "cancelling": 0,
     "documentation": 0,
     "settings": 0,
     "telemetry": 0,
@@ -77,8 +78,8 @@ SERVICE_RANK = {
     "app": 5,
 }
 """app -> routes -> handlers -> connections, jobs, middleware, robots, scenes -> http, store,
-workers -> documentation, settings, telemetry: a room of the service imports rooms of a lower rank
-only, never one beside it."""
+workers -> cancelling, documentation, settings, telemetry: a room of the service imports rooms of a
+lower rank only, never one beside it."""
 MOST_FILES = 15
 """Most modules in a folder of the service."""
 

@@ -13,6 +13,7 @@ from typing import Any
 from ikplan.documents.json_text import json_ready
 from ikplan.documents.status import PlanStatus
 from ikplan.errors import IkplanError, PlanNotFound, ServiceUnavailable
+from ikplan_api.cancelling import cancelled
 from ikplan_api.http.problems import http_problem
 from ikplan_api.jobs.fleet_run import FleetAttempts, FleetRun
 from ikplan_api.jobs.fleet_watch import FleetWatch
@@ -160,10 +161,7 @@ class FleetJobs(RunningJobs[FleetRun]):
         self._parked = True
         await self.drain(None)
         await self._writes.settled()
-        for loop in self._loops:
-            loop.cancel()
-        if self._loops:
-            await asyncio.wait(self._loops)
+        await cancelled(self._loops)
         self._store.on_change = None
 
     def _heard(self, key: Key | None, change: dict[str, Any]) -> None:
@@ -278,7 +276,7 @@ class FleetJobs(RunningJobs[FleetRun]):
             await self._fail(claim, http_problem(500, "unexpected error in the service"))
             raise
         finally:
-            reporting.cancel()
+            await cancelled([reporting])
         await self._finish(run, result.document)
         return result
 

@@ -9,6 +9,7 @@ import math
 import sqlite3
 import time
 
+from ikplan_api.cancelling import cancelled
 from ikplan_api.store.plan_store import StoreFault
 from ikplan_api.store.sqlite_file import SqliteFile
 
@@ -84,8 +85,7 @@ class SqlitePurge:
     async def stop(self) -> None:
         """End the purge."""
         if self._purging is not None:
-            self._purging.cancel()
-            await asyncio.wait([self._purging])
+            await cancelled([self._purging])
             self._purging = None
 
     def added(self, key: str, size: int) -> None:

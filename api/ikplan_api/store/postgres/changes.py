@@ -12,6 +12,8 @@ from typing import Any
 
 import psycopg
 
+from ikplan_api.cancelling import cancelled
+
 __all__ = ["CHANNEL", "Changes"]
 
 _log = logging.getLogger("ikplan.service")
@@ -46,8 +48,7 @@ class Changes:
     async def stop(self) -> None:
         """End to listen."""
         if self._listening is not None:
-            self._listening.cancel()
-            await asyncio.wait([self._listening])
+            await cancelled([self._listening])
             self._listening = None
 
     @contextmanager

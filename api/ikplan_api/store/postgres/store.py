@@ -11,6 +11,7 @@ import uuid
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
+from ikplan_api.cancelling import cancelled
 from ikplan_api.store.plan_store import AuditRow, StoreFault
 from ikplan_api.store.postgres.changes import Changes
 from ikplan_api.store.postgres.database import Database
@@ -110,11 +111,8 @@ class PostgresStore:
 
     async def close(self) -> None:
         """Close every connection."""
-        for task in self._tasks:
-            task.cancel()
-        if self._tasks:
-            await asyncio.wait(self._tasks)
-            self._tasks = []
+        await cancelled(self._tasks)
+        self._tasks = []
         await self.changes.stop()
         await self.database.close()
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ikplan.arrays import Array
-from ikplan.kinematics.target import constraint_rows
+from ikplan.kinematics.target import fixed_rows
 from ikplan.planning.ladder.equivalent_configurations import with_equivalents
 from ikplan.planning.ladder.ik_candidates import sample_ik_solutions
 from ikplan.planning.ladder.motion_cost import posture_distances
@@ -71,7 +71,9 @@ def branches(problem: WaypointProblem, *, turns: bool = False, effort: int = 1) 
         if len(q) == 0:
             q = solve_waypoint(problem, 0, problem.q_start)[None]
         moves = np.abs(q - problem.q_start).max(axis=1)
-        fixed = not problem.start_free and arm.dof == constraint_rows(problem.targets[0])
+        target = problem.targets[0]
+        exact = arm.dof == fixed_rows(target.freedom, target.oriented)
+        fixed = not problem.start_free and exact
         if fixed and moves.min() > _FAR:
             q = np.vstack([q, *solutions_at_limits(problem, stack_targets(problem.targets))])
         if problem.contact is not None:

@@ -12,7 +12,7 @@ import numpy as np
 
 from ikplan.arrays import Array, Flags, Indices
 from ikplan.kinematics.arm import Arm
-from ikplan.kinematics.target import constraint_rows
+from ikplan.kinematics.target import fixed_rows
 from ikplan.planning.ladder.equivalent_configurations import with_equivalents
 from ikplan.planning.ladder.ik_candidates import IkCandidates, Targets
 from ikplan.planning.ladder.shortest_sequences import ik_candidates, shortened_sequences
@@ -50,7 +50,7 @@ def meet_at_limits(
     rows = q if problem.start_free else np.vstack([problem.q_start, q])
     if len(rows) < 2 or np.abs(np.diff(rows, axis=0)).max() <= _FLIP:
         return q, cost
-    if any(arm.dof > constraint_rows(target) for target in problem.targets):
+    if any(arm.dof > fixed_rows(target.freedom, target.oriented) for target in problem.targets):
         # An arm with a motion of its own leaves a limit without a flip.
         return q, cost
     at_limits = solutions_at_limits(problem, targets)

@@ -149,9 +149,9 @@ def _unchanged(
 @functools.lru_cache(maxsize=256)
 def _files_of(
     name: str,
-    folders: tuple[str, ...],  # noqa: ARG001 - where it is looked for, and what is found there
-    stamps: tuple[Stamp, ...],  # noqa: ARG001
-    search_path: tuple[str, ...],  # noqa: ARG001
+    folders: tuple[str, ...],  # noqa: ARG001 - part of the key: where it is looked for
+    stamps: tuple[Stamp, ...],  # noqa: ARG001 - part of the key: the state of what is there
+    search_path: tuple[str, ...],  # noqa: ARG001 - part of the key: where packages are found
 ) -> tuple[str, ...]:
     """The files beside its ``robot.yaml`` that a robot of the catalogue may be read from."""
     return files_beside(robot_folder(name) / ROBOT_FILE, name)
@@ -163,9 +163,9 @@ def _catalogue_robot(
     base: str | None,
     tip: str | None,
     rename: str | None,
-    folders: tuple[str, ...],  # noqa: ARG001 - which files it is read from, and their state
-    files: tuple[str, ...],  # noqa: ARG001
-    stamps: tuple[Stamp, ...],  # noqa: ARG001
+    folders: tuple[str, ...],  # noqa: ARG001 - part of the key: where it is looked for
+    files: tuple[str, ...],  # noqa: ARG001 - part of the key: what it is read from
+    stamps: tuple[Stamp, ...],  # noqa: ARG001 - part of the key: the state of these files
 ) -> Robot:
     return robot_of_file(robot_folder(name) / ROBOT_FILE, base, tip, rename, expected=name)
 

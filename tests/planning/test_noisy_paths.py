@@ -108,7 +108,7 @@ def test_a_motion_that_follows_noise_says_so_and_what_passes_it() -> None:
     assert given is not None
     tolerance = float(given.group(1))
     assert 3e-4 < tolerance < 2e-3
-    # What is told holds: the motion takes about as long as that past points without noise.
+    # The hint is right: the motion takes about as long as the one past points without noise.
     eased = planned_by("line", noisy, tolerance={"position": tolerance})
     assert eased[0] <= 1.1 * duration
     assert not eased[1]

@@ -11,7 +11,7 @@ from ikplan_api.cancelling import cancelled
 
 
 async def loop(dropped: list[int]) -> None:
-    """Goes on for ever, and drops as many cancellations as it is told to."""
+    """Run until cancelled, and ignore one cancellation for each entry of the list."""
     while True:
         try:
             await asyncio.sleep(30.0)

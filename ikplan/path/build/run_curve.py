@@ -52,7 +52,12 @@ class RunPoints:
 
 
 def points_of(run: Sequence[PathItem], allowed: CornerTolerance) -> RunPoints:
-    """Return the points of a run of lines."""
+    """Return the points of a run of lines.
+
+    Args:
+        run: The lines, joined end to end.
+        allowed: How far from them the tool may be: it says which lines are long.
+    """
     p, q, ends = [], [], [0]
     before = None
     for item in run:

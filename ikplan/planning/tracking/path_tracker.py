@@ -86,6 +86,7 @@ class PathTracker(StartTracker):
             first = first_points(self, reference, step)
             quick = self._by_few_points(reference, starts, costs, first, copies)
             if quick is not None:
+                # Where it cannot be made dense, all starts are tracked.
                 with contextlib.suppress(TrackingFailed):
                     return self._densify_first(reference, [quick])
             tracked = self._track_starts(reference, starts, costs, first, copies)

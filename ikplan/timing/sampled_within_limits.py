@@ -57,7 +57,10 @@ def sampled_within_limits(
     step = _FIRST_STEP
     while True:
         check()
-        timed = on_grid(timed, rate_hz)
+        gridded = on_grid(timed, rate_hz)
+        # What ends a rounding sooner than it was timed to is at its limits, not below them.
+        most = 1.0 + _ROUNDING if gridded.duration < timed.duration else 1.0
+        timed = gridded
         samples = with_nodes(timed, rate_hz) if nodes else sample(timed, rate_hz)
         ratio = max(
             [
@@ -65,7 +68,7 @@ def sampled_within_limits(
                 *(constraint_ratio(timed, samples, c) for c in constraints),
             ]
         )
-        if ratio <= 1.0 + _ROUNDING:
+        if ratio <= most:
             return timed, samples
         timed = timed.slowed(math.sqrt(ratio) * (1.0 + step))
         step *= 10.0

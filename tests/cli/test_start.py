@@ -96,6 +96,14 @@ def test_a_plan_in_the_order_given_imports_neither_orders_nor_repairs_nor_export
     assert len(without_measuring(modules)) < 1180
 
 
+def test_a_spline_needs_no_scipy(tmp_path: Path) -> None:
+    points = [[0.6, -0.1, 0.4], [0.55, 0.0, 0.45], [0.6, 0.1, 0.4]]
+    path = {"waypoints": [{"position": p} for p in points], "interpolation": "spline"}
+    request = tmp_path / "spline.json"
+    request.write_text(json.dumps({"robot": "iiwa14", "path": {**path, "approach": "joint"}}))
+    assert not modules_of(["plan", str(request), "-q"]) & SCIPY
+
+
 def test_toppra_draws_as_ever_afterwards() -> None:
     code = (
         "import sys\n"

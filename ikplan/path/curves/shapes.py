@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ikplan.arrays import Array
-from ikplan.path.curves.natural_spline import natural_spline
+from ikplan.path.curves.natural_spline import NaturalSpline
 from ikplan.path.curves.shape_kernels import (
     COEFFICIENTS,
     CUBIC,
@@ -85,7 +85,7 @@ class CubicShape(Shape):
     def __init__(self, points: Array) -> None:
         chords = np.linalg.norm(np.diff(points, axis=0), axis=1)
         breaks: Array = np.concatenate([[0.0], np.cumsum(chords)])
-        rows = _cubic_rows(natural_spline(breaks, points).c, points[-1])
+        rows = _cubic_rows(NaturalSpline(breaks, points).c, points[-1])
         super().__init__(CUBIC, breaks, rows=rows)
 
 

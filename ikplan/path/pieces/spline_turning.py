@@ -2,18 +2,13 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
 from ikplan.arrays import Array
-from ikplan.path.curves.natural_spline import natural_spline
+from ikplan.path.curves.natural_spline import NaturalSpline
 from ikplan.path.pieces.piece import dot
 from ikplan.path.pieces.turning import Turning, quaternion_rows
 from ikplan.path.pieces.turning_kernels import BY_LENGTH
-
-if TYPE_CHECKING:
-    from scipy.interpolate import CubicSpline
 
 __all__ = ["SplineTurning"]
 
@@ -57,8 +52,8 @@ class SplineTurning(Turning):
         rows = quaternion_rows(self._fit(knots, q).c)
         super().__init__(BY_LENGTH, np.ones(1), knots, rows, s, _monotone(s, knots))
 
-    def _fit(self, knots: Array, q: Array) -> CubicSpline:
-        spline = natural_spline(knots, q)
+    def _fit(self, knots: Array, q: Array) -> NaturalSpline:
+        spline = NaturalSpline(knots, q)
         between = spline(np.linspace(knots[:-1], knots[1:], 9).ravel())
         off = np.abs(np.linalg.norm(between, axis=1) - 1.0).reshape(9, -1).max(axis=0)
         self.worst_span, self.off_sphere = int(np.argmax(off)), float(off.max())

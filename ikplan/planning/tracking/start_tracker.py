@@ -15,7 +15,7 @@ from typing import Self
 import numpy as np
 
 from ikplan.arrays import Array
-from ikplan.path.curves.natural_spline import natural_spline
+from ikplan.path.curves.natural_spline import NaturalSpline
 from ikplan.planning.tracking.coarse_shortening import shortened, shortened_coarse_first
 from ikplan.planning.tracking.reference_path import ReferencePath
 from ikplan.planning.tracking.start_copies import StartCopies, turning_joints, without_limits
@@ -152,7 +152,7 @@ class StartTracker(TrackedArm):
         """Lead a sequence through few points through all of them; None: it is not continuous."""
         arm, at = self.arm, first.s
         # By a smooth curve: kinks would stay, and take time.
-        every = np.clip(natural_spline(s, q)(at[1:]), arm.lower, arm.upper)
+        every = np.clip(NaturalSpline(s, q)(at[1:]), arm.lower, arm.upper)
         targets = self.targets_at(reference, at[1:])
         left, spent = project_onto_targets(arm.chain, targets, every, arm.lower, arm.upper)
         self.clock.count(spent)

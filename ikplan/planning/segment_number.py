@@ -8,6 +8,8 @@ from ikplan.path import JointWaypoint
 
 __all__ = ["segment_number", "segment_to"]
 
+_SEGMENT = re.compile(r"path\.(?:segments|waypoints)\[(\d+)\]")
+
 
 def segment_to(waypoint: JointWaypoint) -> int | None:
     """Return the number of the segment that ends at a waypoint; None: none of the path does."""
@@ -19,5 +21,5 @@ def segment_number(field: str) -> int | None:
 
     Segment k of waypoints is the one that ends at waypoint k.
     """
-    found = re.match(r"path\.(?:segments|waypoints)\[(\d+)\]", field)
+    found = _SEGMENT.match(field)
     return None if found is None else int(found[1])

@@ -207,10 +207,12 @@ class Robot:
         """
         model, data, tip = self.model, self._data(), self.tip_frame_id
         R, p = np.empty((len(q), 3, 3)), np.empty((len(q), 3))
+        T_universe_tip = data.oMf[tip]  # what is updated, seen through two arrays
+        rotation, translation = T_universe_tip.rotation, T_universe_tip.translation
         for k, configuration in enumerate(self.configurations(q)):
             pin.forwardKinematics(model, data, configuration)
-            T_universe_tip = pin.updateFramePlacement(model, data, tip)
-            R[k], p[k] = T_universe_tip.rotation, T_universe_tip.translation
+            pin.updateFramePlacement(model, data, tip)
+            R[k], p[k] = rotation, translation
         base, tool = self._T_base_universe, self.T_tip_tool
         p += R @ tool.translation
         return base.rotation @ R @ tool.rotation, p @ base.rotation.T + base.translation

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import functools
-import importlib.metadata
 import os
 import site
 import sys
@@ -17,6 +16,7 @@ __all__ = [
     "package_file",
     "package_places",
     "robot_folder",
+    "robot_folders",
     "robot_names",
     "searched_folders",
     "user_folder",
@@ -78,14 +78,17 @@ def _own_folder() -> str:
 
 def robot_names() -> list[str]:
     """Names of the catalogue, sorted."""
-    return sorted(
-        {
-            entry.name
-            for folder in catalogue_folders()
-            for entry in folder.iterdir()
-            if (entry / _FILE).is_file()
-        }
-    )
+    return list(robot_folders())
+
+
+def robot_folders() -> dict[str, Path]:
+    """Folders of the robots of the catalogue, by name, sorted; errors of catalogue_folders."""
+    found: dict[str, Path] = {}
+    for folder in catalogue_folders():
+        for entry in folder.iterdir():
+            if entry.name not in found and (entry / _FILE).is_file():
+                found[entry.name] = entry
+    return dict(sorted(found.items()))
 
 
 def robot_folder(name: str) -> Path:
@@ -141,6 +144,8 @@ def package_places(package: str, path: str) -> list[Path]:
 @functools.lru_cache(maxsize=8)
 def _package_roots(package: str, search_path: tuple[str, ...]) -> list[Path]:
     """Places where the package's data may be: its own record first, then the usual prefixes."""
+    import importlib.metadata  # half of what listing the robots would take
+
     roots: list[Path] = []
     try:
         distribution = importlib.metadata.distribution(package)

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import contextlib
+from pathlib import Path
 from typing import NamedTuple
 
 import yaml
 
-from ikplan.robots.folders import robot_folder, robot_names
+from ikplan.robots.folders import robot_folders
 from ikplan.robots.yaml_text import glance_at_yaml
 
 __all__ = ["ListedRobot", "listed_robots"]
@@ -33,12 +34,12 @@ def listed_robots() -> list[ListedRobot]:
     Raises:
         InvalidRobot: A description makes no sense.
     """
-    return [_listed(name) for name in robot_names()]
+    return [_listed(name, folder) for name, folder in robot_folders().items()]
 
 
-def _listed(name: str) -> ListedRobot:
+def _listed(name: str, folder: Path) -> ListedRobot:
     """What the list shows of a robot; a file that does not show it is read in full."""
-    text = (robot_folder(name) / "robot.yaml").read_bytes()
+    text = (folder / "robot.yaml").read_bytes()
     with contextlib.suppress(yaml.YAMLError):  # the full reader says what is wrong
         shown = glance_at_yaml(text)
         title, joints = shown.get("title"), shown.get("joints")

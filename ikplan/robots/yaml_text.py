@@ -40,37 +40,41 @@ def glance_at_yaml(text: str | bytes) -> dict[str, str | int]:
     Raises:
         YAMLError: Not YAML; names line and column.
     """
+    loader = _LOADER(text)
+    try:
+        return _glance(iter(loader.get_event, None))
+    finally:
+        loader.dispose()
+
+
+def _glance(events: Iterator[Any]) -> dict[str, str | int]:
+    """Return texts and lengths of lists of the outermost mapping, from the events of a stream."""
     found: dict[str, str | int] = {}
-    events = yaml.parse(text, Loader=_LOADER)
-    nodes = (event for event in events if not isinstance(event, _AROUND))
-    if not isinstance(next(nodes, None), yaml.MappingStartEvent):
+    next(events)  # the stream starts
+    if isinstance(next(events), yaml.StreamEndEvent):
         return found
-    while not isinstance(key := next(nodes), yaml.MappingEndEvent):
+    if not isinstance(next(events), yaml.MappingStartEvent):
+        return found
+    while not isinstance(key := next(events), yaml.MappingEndEvent):
         if isinstance(key, yaml.CollectionStartEvent):
-            _count(nodes)
-        value = next(nodes)
-        items = _count(nodes) if isinstance(value, yaml.CollectionStartEvent) else 0
+            _count(events)
+        value = next(events)
+        items = _count(events) if isinstance(value, yaml.CollectionStartEvent) else 0
         if not isinstance(key, yaml.ScalarEvent):
             continue
         if isinstance(value, yaml.SequenceStartEvent):
             found[key.value] = items
         elif isinstance(value, yaml.ScalarEvent) and _is_text(value):
             found[key.value] = value.value
-    return found if next(nodes, None) is None else {}  # a second document is for the full reader
+    next(events)  # the document ends
+    # A second document is for the full reader.
+    return found if isinstance(next(events), yaml.StreamEndEvent) else {}
 
 
-_AROUND = (
-    yaml.StreamStartEvent,
-    yaml.DocumentStartEvent,
-    yaml.DocumentEndEvent,
-    yaml.StreamEndEvent,
-)
-
-
-def _count(nodes: Iterator[Any]) -> int:
+def _count(events: Iterator[Any]) -> int:
     """Pass over the rest of a list or a mapping; return how many nodes are directly in it."""
     count, depth = 0, 1
-    for event in nodes:
+    for event in events:
         if isinstance(event, yaml.CollectionEndEvent):
             depth -= 1
             if depth == 0:

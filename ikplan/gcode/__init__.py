@@ -8,13 +8,14 @@ from ikplan._lazy import on_first_use
 
 if TYPE_CHECKING:
     from ikplan.gcode.machine import Move
-    from ikplan.gcode.reading import SUFFIXES, Toolpath, gcode_request, read_gcode, read_toolpath
+    from ikplan.gcode.reading import Toolpath, gcode_request, read_gcode, read_toolpath
+    from ikplan.gcode.suffixes import SUFFIXES
 else:
     __getattr__ = on_first_use(
         __name__,
         {
             "Move": "machine",
-            "SUFFIXES": "reading",
+            "SUFFIXES": "suffixes",
             "Toolpath": "reading",
             "gcode_request": "reading",
             "read_gcode": "reading",

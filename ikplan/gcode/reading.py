@@ -17,10 +17,8 @@ from ikplan.gcode.arcs import Arc
 from ikplan.gcode.blocks import fault, read_blocks
 from ikplan.gcode.machine import Machine, Move
 
-__all__ = ["SUFFIXES", "Toolpath", "gcode_request", "path_of", "read_gcode", "read_toolpath"]
+__all__ = ["Toolpath", "gcode_request", "path_of", "read_gcode", "read_toolpath"]
 
-SUFFIXES = (".nc", ".gcode", ".ngc", ".cnc", ".tap")
-"""Endings of the names of G-code files."""
 _UNITS = {"mm": 0.001, "in": 0.0254, "m": 1.0, "cm": 0.01, "um": 1e-6}
 # The tool points down in the frame of the program, as a spindle does.
 _DOWN = [1.0, 0.0, 0.0, 0.0]

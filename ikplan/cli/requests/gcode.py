@@ -5,17 +5,17 @@ from __future__ import annotations
 import argparse
 from typing import Any
 
+from ikplan import gcode  # its readers are imported where there is G-code
 from ikplan.cli.requests.points import changes_of_path
 from ikplan.cli.terminal.telling import tell
 from ikplan.errors import InvalidRequest
-from ikplan.gcode import SUFFIXES, gcode_request, read_toolpath
 
 __all__ = ["is_gcode", "plan_of_gcode"]
 
 
 def is_gcode(name: str) -> bool:
     """Whether a file's name says that it holds G-code."""
-    return name.lower().endswith(SUFFIXES)
+    return name.lower().endswith(gcode.SUFFIXES)
 
 
 def plan_of_gcode(options: argparse.Namespace, data: bytes) -> dict[str, Any]:
@@ -27,7 +27,9 @@ def plan_of_gcode(options: argparse.Namespace, data: bytes) -> dict[str, Any]:
     for name in ("angles", "columns", "interpolation"):
         if getattr(options, name) is not None:
             raise InvalidRequest(f"--{name} does not go with G-code", field=f"--{name}")
-    toolpath = read_toolpath(data, options.units)
+    toolpath = gcode.read_toolpath(data, options.units)
     for note in toolpath.notes:
         tell(options, note)
-    return gcode_request(toolpath, {"robot": options.robot_override, **changes_of_path(options)})
+    return gcode.gcode_request(
+        toolpath, {"robot": options.robot_override, **changes_of_path(options)}
+    )

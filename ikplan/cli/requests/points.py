@@ -6,18 +6,10 @@ import argparse
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
+from ikplan import points as tables  # its readers are imported where there is a table
 from ikplan.cli.requests.robot import is_file, robot_of
 from ikplan.cli.terminal.telling import tell_notes
 from ikplan.errors import InvalidRequest
-from ikplan.points import (
-    Choices,
-    JointName,
-    Reading,
-    frame_of,
-    has_no_header,
-    read_points,
-    request_of,
-)
 
 if TYPE_CHECKING:
     from ikplan.robots import Robot
@@ -42,19 +34,19 @@ def is_points(name: str, data: bytes) -> bool:
     return lowered.endswith(_SUFFIXES) or data.lstrip()[:1] not in (b"{", b"[", b"")
 
 
-def joint_names(options: argparse.Namespace) -> list[JointName]:
+def joint_names(options: argparse.Namespace) -> list[tables.JointName]:
     """Return the joints of the robot of ``--robot``."""
     robot = robot_of(options)
     if robot is not None:
         slides = robot.prismatic.tolist()
-        return [JointName(n, s) for n, s in zip(robot.joint_names, slides, strict=True)]
+        return [tables.JointName(n, s) for n, s in zip(robot.joint_names, slides, strict=True)]
     if options.robot_override is None or is_file(options.robot_override):
         return []
     from ikplan.client import Client
 
     with Client(options.server) as client:
         joints = client.robot(options.robot_override)["joints"]
-    return [JointName(joint["name"], joint["type"] == "prismatic") for joint in joints]
+    return [tables.JointName(joint["name"], joint["type"] == "prismatic") for joint in joints]
 
 
 def plan_of_points(options: argparse.Namespace, data: bytes) -> dict[str, Any]:
@@ -63,17 +55,17 @@ def plan_of_points(options: argparse.Namespace, data: bytes) -> dict[str, Any]:
     Raises:
         InvalidRequest: The file or an option is wrong; names line and column, or the option.
     """
-    reading = Reading(options.units, options.angles, options.columns, options.free_axis)
-    points = read_points(data, reading, joint_names(options))
-    choices = Choices(
+    reading = tables.Reading(options.units, options.angles, options.columns, options.free_axis)
+    points = tables.read_points(data, reading, joint_names(options))
+    choices = tables.Choices(
         robot=options.robot_override,
         interpolation=options.interpolation,
         approach=options.approach,
         start=_start(options),
         frame=_path_frame(options),
-        tool=None if options.tool is None else frame_of(options.tool, "--tool"),
+        tool=None if options.tool is None else tables.frame_of(options.tool, "--tool"),
     )
-    request, notes = request_of(points, choices)
+    request, notes = tables.request_of(points, choices)
     tell_notes(options, [*points.notes, *notes])
     return request
 
@@ -86,9 +78,11 @@ def read_joint_rows(options: argparse.Namespace, data: bytes) -> list[list[float
     """
     joints = joint_names(options)
     columns = None
-    if has_no_header(data):
+    if tables.has_no_header(data):
         columns = ",".join(joint.name for joint in joints) or None
-    points = read_points(data, Reading(options.units, options.angles, columns), joints)
+    points = tables.read_points(
+        data, tables.Reading(options.units, options.angles, columns), joints
+    )
     if points.poses:
         raise InvalidRequest(
             "the file has poses; a timing needs joint values (ikplan plan reads poses)",
@@ -127,7 +121,7 @@ def changes_of_path(options: argparse.Namespace) -> dict[str, Any]:
         path["frame"] = frame
     changes: dict[str, Any] = {"path": path} if path else {}
     if options.tool is not None:
-        changes["tool"] = frame_of(options.tool, "--tool")
+        changes["tool"] = tables.frame_of(options.tool, "--tool")
     if (start := _start(options)) is not None:
         changes["start"] = start
     return changes
@@ -151,7 +145,7 @@ def _start(options: argparse.Namespace) -> Any:
 
 def _path_frame(options: argparse.Namespace) -> dict[str, Any] | None:
     """The frame of the points: given, or one of the robot's, or one given in one of the robot's."""
-    given = None if options.frame is None else frame_of(options.frame, "--frame")
+    given = None if options.frame is None else tables.frame_of(options.frame, "--frame")
     if options.base_frame is None:
         return given
     robot = _robot_here(options)

@@ -159,7 +159,8 @@ class Scene(Document):
         return self
 
 
-UNCHECKED = Scene(self_collision=False)
+# Made unchecked: what checks scenes is built at the first that a request has.
+UNCHECKED = Scene.model_construct(self_collision=False)
 """The scene of a request that switches every check off."""
 
 

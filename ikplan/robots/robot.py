@@ -6,19 +6,21 @@ import importlib
 import threading
 from collections.abc import Mapping
 from dataclasses import replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike, NDArray
 
-from ikplan.documents.scene import Scene
 from ikplan.robots.checks import finite_vector, positive_vector, unit_quaternion
 from ikplan.robots.clearance import Clearance
 from ikplan.robots.definition.assumptions import without_assumptions
 from ikplan.robots.description import RobotDescription, Tool
 from ikplan.robots.info import RobotInfo, robot_info
 from ikplan.robots.model import build_model, coupling_arrays, frame_id
+
+if TYPE_CHECKING:
+    from ikplan.documents.scene import Scene
 
 __all__ = ["Robot"]
 

@@ -59,7 +59,7 @@ def packages(modules: set[str]) -> set[str]:
     ("command", "none_of", "most"),
     [
         ("help", HEAVY | {"pydantic", "yaml", "orjson"}, 135),
-        ("robots", HEAVY | {"pydantic", "orjson"}, 220),
+        ("robots", HEAVY | {"pydantic", "orjson"}, 175),
         ("keys", HEAVY | {"pydantic", "yaml"}, 160),
         ("completion", HEAVY | {"pydantic", "yaml"}, 220),
         ("fk", DRAWING | COMPILER | SERVICE | {"scipy", "toppra"}, 490),
@@ -69,6 +69,10 @@ def test_a_command_imports_what_it_uses(command: str, none_of: set[str], most: i
     modules = modules_of(COMMANDS[command])
     assert not packages(modules) & none_of
     assert len(modules) < most
+
+
+def test_an_fk_needs_no_scene() -> None:
+    assert "ikplan.documents.scene" not in modules_of(COMMANDS["fk"])
 
 
 def test_an_ik_needs_neither_toppra_nor_drawing() -> None:
@@ -92,6 +96,8 @@ def test_a_plan_in_the_order_given_imports_neither_orders_nor_repairs_nor_export
         "ikplan.planning.order.free_order",
         "ikplan.planning.repairs",
         "ikplan.plans.export",
+        "ikplan.points.reading",
+        "ikplan.gcode.reading",
     }
     assert len(without_measuring(modules)) < 1180
 

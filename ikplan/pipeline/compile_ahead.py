@@ -41,6 +41,7 @@ def main(arguments: Sequence[str]) -> None:
             torques or of the tool, the number of this helper and how many there are.
     """
     kind, method, jerk, loads, number, count = arguments
+    parent = os.getppid()  # 1 in a container whose only command waits for it
     try:
         turn = Turn(cache_folder() / f"helper-{number}.lock")
     except OSError:
@@ -51,7 +52,7 @@ def main(arguments: Sequence[str]) -> None:
         for run, request in (*work[first:], *work[:first]):
             with contextlib.suppress(IkplanError):
                 run(request)
-            if os.getppid() == 1:
+            if os.getppid() != parent:
                 return  # nobody waits any more
     finally:
         turn.give_back()

@@ -54,6 +54,27 @@ def test_windows_that_few_ways_lead_through_are_passed(window: int) -> None:
     assert np.array_equal(ikplan.plan(request, robot=robot).q, plan.q)
 
 
+@pytest.mark.parametrize("window", [5, 9])
+def test_a_line_in_many_parts_leads_through_a_window_as_in_one(window: int) -> None:
+    """Followed from point to point, the arm swings; where that is not to be shortened, around."""
+    robot = load_robot("iiwa14")
+    request = window_cases(robot, window + 1)[window]
+    goal = request["path"]["waypoints"][0]
+    begin, end = robot.fk(np.array(request["start"])).translation, np.array(goal["position"])
+    lengths, durations = [], []
+    for parts in (1, 100):
+        shares = np.linspace(0.0, 1.0, parts + 1)[1:, None]
+        points = (begin + shares * (end - begin)).tolist()
+        path = {**request["path"], "waypoints": [{**goal, "position": p} for p in points]}
+        plan = ikplan.plan({**request, "path": path}, robot=robot)
+        assert plan.certificate.clearance is not None
+        assert plan.certificate.clearance.proven
+        lengths.append(float(np.linalg.norm(np.diff(plan.trajectory.q, axis=0), axis=1).sum()))
+        durations.append(plan.duration)
+    assert lengths[1] < 1.4 * lengths[0]
+    assert durations[1] < 1.8 * durations[0]
+
+
 def test_a_dodged_motion_is_free_of_contact_by_coal() -> None:
     robot = load_robot("panda")
     request = window_cases(robot, 1)[0]

@@ -15,6 +15,7 @@ from ikplan.planning.tracking.reference_path import (
     initial_points,
     nearest_points,
     points_around,
+    positions_missing,
     rest_points,
 )
 
@@ -86,3 +87,33 @@ def test_a_segment_between_points_is_within_those_around_it(seed: int, count: in
     first, last = points_around(path, s, begin, end)
     assert s[first] <= begin < s[first + 1]
     assert s[last - 1] < end <= s[last]
+
+
+@settings(max_examples=100, deadline=None)
+@given(
+    steps=st.lists(gaps, min_size=1, max_size=8),
+    times=st.integers(1, 40),
+    apart=st.sampled_from([0.005, 0.02, 0.3]),
+)
+def test_points_left_out_of_close_ones_are_told(
+    steps: list[float], times: int, apart: float
+) -> None:
+    places = np.cumsum([0.0, *(times * steps)])
+    path = Straight(float(places[-1]), places[1:-1:2], places)
+    s = initial_points(path, apart, apart=apart)
+    assert len(s) % 2 == 1
+    missing = positions_missing(path, s)
+    assert set(missing) <= set(places)
+    whole = np.sort(np.concatenate([s, missing]))
+    slack = 1.01e-12 * max(path.length, 1.0)
+    assert np.abs(whole[nearest_points(whole, places)] - places).max() <= slack
+    assert len(positions_missing(path, whole)) == 0
+
+
+def test_close_waypoints_do_not_add_to_the_points_of_a_whole_path() -> None:
+    counts = set()
+    for waypoints in (2, 200, 2000):
+        places = np.linspace(0.0, 1.0, waypoints)
+        path = Straight(1.0, places[1:-1], places)
+        counts.add(len(initial_points(path, 0.05, apart=0.05)))
+    assert max(counts) <= 4 * min(counts)

@@ -93,7 +93,7 @@ def test_a_joint_without_limits_goes_on_turning() -> None:
 def test_a_tool_path_may_wind_a_joint_without_limits_on() -> None:
     robot = load_robot("kinova_j2s6s200")
     height = float(robot.fk(robot.home).translation[2])
-    arc = {"type": "arc", "centre": [0.0, 0.0, height], "axis": [0, 0, 1], "angle": 2.0 * TURN}
+    arc = {"type": "arc", "centre": [0.0, 0.0, height], "axis": [0, 0, 1], "angle": 3.0 * TURN}
     plan = ikplan.plan(
         {"robot": robot.name, "path": {"segments": [arc], "orientation_free": "all"}}
     )

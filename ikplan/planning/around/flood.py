@@ -19,7 +19,7 @@ from ikplan.planning.segment_number import segment_number
 from ikplan.planning.tracking.reference_path import (
     ReferencePath,
     initial_points,
-    nearest_points,
+    positions_missing,
 )
 from ikplan.planning.tracking.tracked_arm import EXACT, TrackedArm
 
@@ -31,6 +31,8 @@ _GRID = 32
 """Places of a layer."""
 _EFFORTS = ((60, 0.003), (60, 0.0), (300, 0.003), (300, 0.0))
 """Nodes of a layer, and the gap on top of what is asked for [m], one after the other."""
+_SPARSE = 2
+"""So many of them, the first ones, take little time."""
 _TRIES = 12
 """Neighbours tried for a node of a full layer."""
 _WIDTHS = (0.08, 0.2, 0.4)
@@ -42,14 +44,17 @@ _APART = {60: 0.2, 300: 0.12}
 
 
 def flooded_sequences(
-    arm: TrackedArm, reference: ReferencePath, starts: Array
+    arm: TrackedArm, reference: ReferencePath, starts: Array, *, sparse: bool = False
 ) -> Iterator[tuple[Array, Array]]:
     """Yield sequences along a path that keep clear of contact, found by ever denser floods.
+
+    Of waypoints and corners close to one another most may be missing in them.
 
     Args:
         arm: The arm, with what refuses contact.
         reference: The path.
         starts: Configurations at the path's first pose, shape (c, dof) [rad or m].
+        sparse: Whether the dense floods, which take long, are left out.
 
     Yields:
         Path positions, shape (m,), m odd, and configurations, shape (m, dof) [rad or m].
@@ -58,7 +63,7 @@ def flooded_sequences(
         BudgetExceeded: The time budget ran out.
     """
     assert arm.contact is not None
-    for most, extra in _EFFORTS:
+    for most, extra in _EFFORTS[:_SPARSE] if sparse else _EFFORTS:
         wider = replace(arm, contact=arm.contact.wider(extra))
         found = _Flood(wider, reference, starts, most).sequence()
         if found is not None:
@@ -71,7 +76,8 @@ def _with_fewer_nodes(
 ) -> tuple[Array, Array]:
     """Return a way without the nodes that it can do without; corners and waypoints stay."""
     nodes, node_s = q[0::2], s[0::2]
-    kept = nearest_points(node_s, np.concatenate([reference.corners, reference.waypoint_s]))
+    required = np.concatenate([reference.corners, reference.waypoint_s])
+    kept = np.flatnonzero(np.isin(node_s, required))
     s_way, q_way = [float(s[0])], [q[0]]
     at, last = 0, len(nodes) - 1
     while at < last:
@@ -101,7 +107,12 @@ class _Flood:
         assert arm.contact is not None
         self.arm, self.contact, self.reference, self.most = arm, arm.contact, reference, most
         spacing = max(_LAYER, _LAYER_SHARE * reference.length)
-        self.layers = initial_points(reference, spacing)
+        layers = initial_points(reference, spacing, apart=spacing)
+        if len(positions_missing(reference, layers)) > 0:
+            layers = layers[
+                ::2
+            ]  # each about as long as the spacing; half-way points are not needed
+        self.layers = layers
         steps = np.arange(_GRID) / _GRID
         grid = (self.layers[:-1, None] + np.diff(self.layers)[:, None] * steps).ravel()
         self.grid = np.append(grid, self.layers[-1])

@@ -9,27 +9,21 @@ the path, and nowhere else.
 from __future__ import annotations
 
 import contextlib
-from collections.abc import Iterator
 from dataclasses import replace
 from functools import partial
+from itertools import chain
 
 import numpy as np
 
 from ikplan.arrays import Array, Indices
-from ikplan.planning.around.dodge import dodged_sequence
-from ikplan.planning.around.flood import flooded_sequences
 from ikplan.planning.tracking.densify import densify
 from ikplan.planning.tracking.farthest_starts import COARSE, farthest_starts
-from ikplan.planning.tracking.global_redundancy import resolve_redundancy_globally
-from ikplan.planning.tracking.reference_path import (
-    ReferencePath,
-    initial_points,
-    nearest_points,
-)
+from ikplan.planning.tracking.global_tracker import TRIED
+from ikplan.planning.tracking.reference_path import ReferencePath, nearest_points
+from ikplan.planning.tracking.shortening_tracker import ShorteningTracker
 from ikplan.planning.tracking.start_copies import StartCopies
-from ikplan.planning.tracking.start_tracker import StartTracker
+from ikplan.planning.tracking.through_waypoints import whole_sequences
 from ikplan.planning.tracking.track_from import FirstPoints, first_points
-from ikplan.planning.tracking.tracked_arm import EXACT
 from ikplan.planning.tracking.tracked_path import (
     JointSequence,
     TrackedPath,
@@ -37,9 +31,7 @@ from ikplan.planning.tracking.tracked_path import (
     TrackingFailed,
     farthest_failure,
     in_contact,
-    shortest_first,
 )
-from ikplan.planning.tracking.tracking_kernels import first_discontinuity
 from ikplan.planning.within.track_within import SpanList
 
 __all__ = ["FIRST_STEPS", "PathTracker"]
@@ -47,13 +39,9 @@ __all__ = ["FIRST_STEPS", "PathTracker"]
 FIRST_STEPS = (0.04, 0.005)
 """Spacing of the first points [m, or m-equivalent of a rotation]: the second where the first
 turns out to have gone over a jump."""
-_GLOBAL_STEPS = ((0.05, 0.01), (0.01, 0.003))
-"""Least spacing of the points that sequences are chosen over [m], also as a share of the path."""
-_TRIED = 3
-"""Sequences that are made dense, shortest first."""
 
 
-class PathTracker(StartTracker):
+class PathTracker(ShorteningTracker):
     """Tracks tool paths with an arm."""
 
     def track(
@@ -90,10 +78,15 @@ class PathTracker(StartTracker):
                 with contextlib.suppress(TrackingFailed):
                     return self._densify_first(reference, [quick])
             tracked = self._track_starts(reference, starts, costs, first, copies)
-            sequences = tracked.clear(_TRIED)
+            sequences = tracked.clear(TRIED)
+            wandering = first.damped and not sequences
+            if wandering:
+                undamped = replace(first, damped=False)
+                tracked = self._track_starts(reference, starts, costs, undamped, copies)
+                sequences = tracked.clear(TRIED)
             if sequences:
                 if redundant:
-                    sequences = self._shorten_all(reference, sequences)
+                    sequences = self._shorten_all(reference, sequences, wandering=wandering)
                 try:
                     return self._densify_first(reference, sequences)
                 except TrackingFailed as later:
@@ -157,26 +150,13 @@ class PathTracker(StartTracker):
             BudgetExceeded: The time budget ran out.
         """
         if self.redundant(reference):
-            for sequences in self._global_sequences(reference, starts, costs):
-                if sequences:
+            over_points = self._over_points(reference, starts, costs)
+            for sequences in chain(over_points, self._flooded(reference, starts)):
+                whole = whole_sequences(self, reference, sequences[:TRIED])
+                if whole:
                     with contextlib.suppress(TrackingFailed):
-                        return self._densify_first(reference, sequences[:_TRIED])
+                        return self._densify_first(reference, whole)
         raise TrackingFailed(0.0, starts[0].copy())
-
-    def _global_sequences(
-        self, reference: ReferencePath, starts: Array, costs: Array
-    ) -> Iterator[list[JointSequence]]:
-        """Yield sequences chosen over all points; where there are obstacles, around them first."""
-        for step, share in _GLOBAL_STEPS:
-            spacing = max(step, share * reference.length)
-            if self.contact is not None:
-                s = initial_points(reference, spacing)
-                q = dodged_sequence(self, reference, starts, costs, s)
-                yield [] if q is None else [(self.sequence_cost(s, q), s, q)]
-            yield self._resolve_globally(reference, starts, costs, spacing)
-        if self.contact is not None:
-            for s, q in flooded_sequences(self, reference, starts):
-                yield [(self.sequence_cost(s, q), s, q)]
 
     def _densify_first(
         self,
@@ -219,37 +199,3 @@ class PathTracker(StartTracker):
             before = float(cost) if copies is None else copies.cost(q[0])
             ends.append((before + self.sequence_cost(s, q), s, q))
         return TrackedStarts(ends, partial(self.first_contact, reference))
-
-    def _resolve_globally(
-        self, reference: ReferencePath, starts: Array, costs: Array, step: float
-    ) -> list[JointSequence]:
-        """Choose sequences over all points at once, from the nearest starts, shortest first."""
-        s = initial_points(reference, step)
-        targets = self.targets_at(reference, s)
-        sequences: list[JointSequence] = []
-        for k in np.argsort(costs, kind="stable")[:_TRIED]:
-            free = None if self.contact is None else self.contact.free
-            for length, q in resolve_redundancy_globally(
-                self.arm, targets, starts[k], self.cost, self.clock, free
-            ):
-                broken, spent = first_discontinuity(
-                    self.arm.chain, targets, q, self.arm.lower, self.arm.upper, EXACT, EXACT
-                )
-                self.clock.count(spent)
-                if broken == len(s) - 1 and self.first_contact(reference, s, q) is None:
-                    sequences.append((float(costs[k]) + length, s, q))
-        return sorted(sequences, key=lambda sequence: sequence[0])
-
-    def _shorten_all(
-        self, reference: ReferencePath, sequences: list[JointSequence]
-    ) -> list[JointSequence]:
-        """Return the sequences made shorter where that keeps clear of contact, shortest first."""
-        shorter: list[JointSequence] = []
-        for length, s, q in sequences:
-            self.clock.check()
-            q_short = self._shorten(reference, s, q)
-            if self.first_contact(reference, s, q_short) is not None:
-                q_short = q
-            saved = self.sequence_cost(s, q) - self.sequence_cost(s, q_short)
-            shorter.append((length - saved, s, q_short))
-        return shortest_first(shorter)

@@ -17,6 +17,7 @@ __all__ = [
     "nearest_points",
     "nearest_positions",
     "points_around",
+    "positions_missing",
     "rest_points",
     "turn_between",
 ]
@@ -62,18 +63,22 @@ class ReferencePath(Protocol):
         """Where an orientation is asked for, shape (m,)."""
 
 
-def initial_points(reference: ReferencePath, step: float, begin: float = 0.0) -> Array:
+def initial_points(
+    reference: ReferencePath, step: float, begin: float = 0.0, *, apart: float = 0.0
+) -> Array:
     """Path positions that include every corner and waypoint, an even number of steps between them.
 
     Args:
         reference: The path.
         step: About their spacing [m].
         begin: The first of them.
+        apart: Of many, those nearer than this to the one before are left out [m].
     """
-    required = np.unique(np.concatenate([reference.corners, reference.waypoint_s]))
     slack, kept = _slack(reference), [begin]
+    required = _required(reference)
+    gap = max(slack, apart) if len(required) > _MANY else slack
     for s_required in required.tolist():
-        if s_required > kept[-1] + slack and s_required < reference.length - slack:
+        if s_required > kept[-1] + gap and s_required < reference.length - slack:
             kept.append(s_required)
     if reference.length > 0.0:
         kept.append(reference.length)
@@ -87,6 +92,18 @@ def initial_points(reference: ReferencePath, step: float, begin: float = 0.0) ->
     points = count * (gaps / steps)[part] + ends[:-1][part]
     points[np.cumsum(steps) - 1] = ends[1:]
     return np.append(begin, points)
+
+
+def positions_missing(reference: ReferencePath, s: Array) -> Array:
+    """Return the path positions of corners and waypoints that have no point yet, increasing.
+
+    Args:
+        reference: The path.
+        s: Path positions of the points, shape (m,), increasing.
+    """
+    positions = _required(reference)
+    off = np.abs(s[nearest_points(s, positions)] - positions)
+    return np.asarray(positions[off > _slack(reference)])
 
 
 def rest_points(reference: ReferencePath, s: Array) -> list[int]:
@@ -120,6 +137,10 @@ def points_around(
     slack = _slack(reference)
     first, last = nearest_points(s, begins), nearest_points(s, ends)
     return first - (s[first] > begins + slack), last + (s[last] < ends - slack)
+
+
+def _required(reference: ReferencePath) -> Array:
+    return np.unique(np.concatenate([reference.corners, reference.waypoint_s]))
 
 
 def _slack(reference: ReferencePath) -> float:

@@ -20,6 +20,8 @@ __all__ = ["FirstPoints", "TrackedPart", "first_points", "track_from"]
 
 _FINEST, _FINEST_STEP, _FINEST_TURN = 2.0**-13, 1e-4, 1e-2
 """Smallest step: as a share of the path's length, at most in all [m], and the turn in it [rad]."""
+_MANY, _CLOSE = 64, 3.0
+"""More points than this, and than this many times as many as the spacing asks for, are close."""
 _BEND = 0.01
 """How far joints may turn back within the smallest step [rad or m]."""
 
@@ -34,12 +36,15 @@ class FirstPoints:
         redundant: Whether the arm has self-motion along the path.
         finest: Step, as a share of the path's length, below which none is halved; None: the
             finest there is, and fine in rotation too.
+        damped: Whether self-motion away from limits does not carry on from step to step: through
+            many close points it becomes much longer than the path asks for.
     """
 
     s: Array
     targets: Targets
     redundant: bool
     finest: float | None = None
+    damped: bool = False
 
     def thinned(self, count: int) -> FirstPoints:
         """Return about so many of the points: an even number of steps, the last point included."""
@@ -56,7 +61,7 @@ class FirstPoints:
             t.weight[rows],
             t.freedom,
         )
-        return FirstPoints(self.s[rows], some, self.redundant)
+        return FirstPoints(self.s[rows], some, self.redundant, damped=self.damped)
 
 
 def first_points(
@@ -71,7 +76,9 @@ def first_points(
         begin: Path position to begin from.
     """
     s = initial_points(reference, step, begin)
-    return FirstPoints(s, tracked.targets_at(reference, s), tracked.redundant(reference))
+    redundant = tracked.redundant(reference)
+    close = len(s) > max(_MANY, _CLOSE * reference.length / step)
+    return FirstPoints(s, tracked.targets_at(reference, s), redundant, damped=redundant and close)
 
 
 @dataclass(frozen=True)
@@ -123,6 +130,7 @@ def track_from(
             *tracked.met,
             redundant,
             NO_EXTRA_OFFSET,
+            first.damped,
         )
         tracked.clock.count(spent)
         if reached == len(s) - 1:
@@ -140,7 +148,7 @@ def track_from(
             these = slice(reached, reached + 3)
             over, spent = track_points(
                 tracked.arm.chain, tracked.targets_at(reference, s[these]), s[these], q[these], 0,
-                lower, upper, *tracked.met, redundant, _BEND,
+                lower, upper, *tracked.met, redundant, _BEND, first.damped,
             )  # fmt: skip
             tracked.clock.count(spent)
             if over == 0:

@@ -21,6 +21,7 @@ from ikplan.planning.ladder.ik_candidates import Targets, target_at
 from ikplan.planning.ladder.null_space import null_space_basis
 
 __all__ = [
+    "LIMIT_MARGIN",
     "NO_EXTRA_OFFSET",
     "errors_at",
     "first_discontinuity",
@@ -31,6 +32,8 @@ __all__ = [
 
 _SINGULARITY_STEP = 0.02
 """How far to step aside from a singular configuration [rad or m]."""
+LIMIT_MARGIN = 0.1
+"""Share of a joint's range within which of a limit self-motion moves away from it."""
 MIDPOINT_RATIO = 0.25
 """Fraction of a step by which the half-way configuration may be off the middle."""
 NO_EXTRA_OFFSET = 1e-7
@@ -78,7 +81,7 @@ def _avoid_limits_in_null_space(
     push = np.zeros(dof)
     near = False
     for d in range(dof):
-        margin = 0.1 * (upper[d] - lower[d])
+        margin = LIMIT_MARGIN * (upper[d] - lower[d])
         if q[d] < lower[d] + margin:
             push[d] = lower[d] + margin - q[d]
             near = True
@@ -112,19 +115,29 @@ def _double_step(
     tolerance: float,
     angle_tolerance: float,
     avoid_limits: bool,
+    moved: Array,
+    aside: Array,
     trial: Array,
     w: Workspace,
 ) -> tuple[bool, int]:
-    """Solve point k + 2 starting from point k; return success and evaluations."""
+    """Solve point k + 2 starting from point k; return success and evaluations.
+
+    ``moved`` is how far the step before moved away from limits, as far as that does not carry on;
+    how far this one does is written to ``aside``, shape (dof,) each [rad or m].
+    """
     for d in range(trial.shape[0]):
         trial[d] = q[k, d]
         if k >= 2 and s[k] > s[k - 2]:
-            # Straight on from the step before.
+            # Straight on from the step before; damped, without what it moved away from limits: of
+            # many small steps each adds to the speed of the self-motion.
             ahead = (s[k + 2] - s[k]) / (s[k] - s[k - 2])
-            trial[d] += min(ahead, 2.0) * (q[k, d] - q[k - 2, d])
+            trial[d] += min(ahead, 2.0) * (q[k, d] - q[k - 2, d] - moved[d])
         trial[d] = min(max(trial[d], lower[d]), upper[d])
+        aside[d] = -trial[d]
     if avoid_limits:
         _avoid_limits_in_null_space(chain, targets, k + 2, trial, lower, upper, w)
+    for d in range(trial.shape[0]):
+        aside[d] += trial[d]
     target = target_at(targets, k + 2)
     distance, angle, evaluations = refine(chain, target, trial, lower, upper, Effort(15, 8), w)
     for side in range(2):
@@ -132,8 +145,8 @@ def _double_step(
             break
         # A singular configuration has no slope towards the target: step aside from it.
         for d in range(trial.shape[0]):
-            aside = _SINGULARITY_STEP if (d + side) % 2 == 0 else -_SINGULARITY_STEP
-            trial[d] = min(max(q[k, d] + aside, lower[d]), upper[d])
+            step = _SINGULARITY_STEP if (d + side) % 2 == 0 else -_SINGULARITY_STEP
+            trial[d] = min(max(q[k, d] + step, lower[d]), upper[d])
         distance, angle, spent = refine(chain, target, trial, lower, upper, Effort(25, 8), w)
         evaluations += spent
     return distance <= tolerance and angle <= angle_tolerance, evaluations
@@ -152,6 +165,7 @@ def track_points(
     angle_tolerance: float,
     redundant: bool,
     extra_offset: float,
+    damped: bool,
 ) -> tuple[int, int]:
     """Track points from point ``first``, whose configuration is given, in steps of two.
 
@@ -169,6 +183,7 @@ def track_points(
         extra_offset: How far off the middle a half-way configuration may be besides its part of
             the step [rad or m]: in a bend sharper than the points are dense it is off by all of a
             step.
+        damped: Whether self-motion away from limits does not carry on in the steps that follow.
 
     Returns:
         Index of the last point reached (even; the last one: all), and evaluations.
@@ -176,6 +191,7 @@ def track_points(
     m, dof = q.shape
     w = new_workspace(chain)
     trial, middle = np.empty(dof), np.empty(dof)
+    moved, aside = np.zeros(dof), np.empty(dof)
     evaluations = 0
     k = first
     while k + 2 < m:
@@ -192,6 +208,8 @@ def track_points(
                 tolerance,
                 angle_tolerance,
                 redundant and avoid_limits == 0,
+                moved,
+                aside,
                 trial,
                 w,
             )
@@ -218,6 +236,8 @@ def track_points(
             return k, evaluations
         q[k + 1] = middle
         q[k + 2] = trial
+        if damped:
+            moved[:] = aside
         k += 2
     return k, evaluations
 

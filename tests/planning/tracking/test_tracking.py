@@ -48,6 +48,7 @@ def tracked(
         EXACT,
         False,
         extra_offset,
+        damped=False,
     )
     assert evaluations > 0
     return reached, q
@@ -188,7 +189,7 @@ def test_a_redundant_arm_leans_away_from_its_limits_and_stays_on_the_path() -> N
         q[0] = q0
         reached, _ = track_points(
             arm.chain, targets, np.linspace(0.0, 0.2, m), q, 0, arm.lower, arm.upper, EXACT, EXACT,
-            leaning, NO_EXTRA_OFFSET,
+            leaning, NO_EXTRA_OFFSET, False,
         )  # fmt: skip
         assert reached == m - 1
         R_have, p_have = robot.poses(q)
@@ -205,3 +206,30 @@ def test_the_arm_is_the_one_of_the_closed_form() -> None:
         np.testing.assert_allclose(robot.fk(q).translation, tool(q), atol=1e-12)
         np.testing.assert_allclose(joints(tool(q), np.sign(q[1])), q, atol=1e-9)
     assert (L1, L2) == (0.5, 0.4)
+
+
+def test_damped_self_motion_stays_small_through_many_points() -> None:
+    """Undamped, each step away from a limit adds to the speed that the self-motion has."""
+    robot = load_robot("iiwa14")
+    arm = arm_of(robot)
+    q0 = np.array([0.3, 0.7, 0.2, -1.4, 0.2, 0.9, 3.0])
+    T = robot.fk(q0)
+    lengths: dict[bool, list[float]] = {False: [], True: []}
+    for m in (161, 641, 2561):
+        s = np.linspace(0.0, 0.2, m)
+        p = T.translation + s[:, None] * np.array([0.0, 0.0, -1.0])
+        R = np.broadcast_to(T.rotation, (m, 3, 3)).copy()
+        targets = Targets(
+            R, p, np.ones(m, dtype=bool), np.full(m, ORIENTATION_WEIGHT), no_freedom()
+        )
+        for damped, found in lengths.items():
+            q = np.full((m, 7), np.nan)
+            q[0] = q0
+            reached, _ = track_points(
+                arm.chain, targets, s, q, 0, arm.lower, arm.upper, EXACT, EXACT, True,
+                NO_EXTRA_OFFSET, damped,
+            )  # fmt: skip
+            assert reached == m - 1
+            found.append(float(np.linalg.norm(np.diff(q, axis=0), axis=1).sum()))
+    assert max(lengths[True]) < 2.0 * min(lengths[True])
+    assert min(lengths[False]) > 4.0 * max(lengths[True])

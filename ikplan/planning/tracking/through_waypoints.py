@@ -6,7 +6,7 @@ import contextlib
 
 import numpy as np
 
-from ikplan.path.curves.natural_spline import natural_spline
+from ikplan.path.curves.natural_spline import NaturalSpline
 from ikplan.planning.tracking.reference_path import ReferencePath, positions_missing
 from ikplan.planning.tracking.tracked_arm import EXACT, TrackedArm
 from ikplan.planning.tracking.tracked_path import JointSequence, TrackingFailed
@@ -48,7 +48,7 @@ def _through_waypoints(
         return sequence
     arm, targets = tracked.arm, tracked.targets_at(reference, missing)
     # By a smooth curve: kinks would stay, and take time.
-    added = np.clip(natural_spline(s, q)(missing), arm.lower, arm.upper)
+    added = np.clip(NaturalSpline(s, q)(missing), arm.lower, arm.upper)
     left, spent = project_onto_targets(arm.chain, targets, added, arm.lower, arm.upper)
     tracked.clock.count(spent)
     off = np.flatnonzero(left > EXACT)

@@ -37,7 +37,10 @@ def least_singular_value(
     count = len(claim.time)
     stride = max(1, count // _LOOKS)
     coarse = np.append(np.arange(0, count, stride), count - 1)
-    centre = int(coarse[np.argmin(_values(claim, coarse, oriented, axis))])
+    looked = _values(claim, coarse, oriented, axis)
+    centre = int(coarse[np.argmin(looked)])
+    if stride == 1:  # that was every sample
+        return float(looked[centre]), float(claim.time[centre])
     fine = np.arange(max(0, centre - stride), min(count, centre + stride + 1))
     found = _values(claim, fine, oriented, axis)
     k = int(np.argmin(found))

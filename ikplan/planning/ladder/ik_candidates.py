@@ -200,8 +200,13 @@ def _sample(
         before = found.counts[k - 1] if k > 0 else 0
         given = before + 1 + seeds.shape[1] + branch_count
         count, nearest = 0, np.inf
-        for s in range(given + max(initial_seeds, seeds_per_target)):
-            if s == given + seeds_per_target and nearest <= _FAR:
+        most = max(initial_seeds, seeds_per_target)
+        for s in range(given + most):
+            fresh = seeds_per_target if nearest <= _FAR else most
+            full = count == max_solutions and (s >= before or nearest <= _FAR)
+            if full or s == given + fresh:
+                # The waypoints after have the same spread seeds whether or not this one is full.
+                spread += given + fresh - max(s, given)
                 break
             if s < before:
                 copy_into(q, found.q[k - 1, s])

@@ -10,7 +10,7 @@ import math
 
 import numpy as np
 
-from ikplan._jit import kernel
+from ikplan._jit import kernel, leaf_kernel
 from ikplan.arrays import Array, Flags, Indices
 from ikplan.copying import copy_into, copy_rows_into
 from ikplan.kinematics.chain import Chain
@@ -29,16 +29,24 @@ from ikplan.planning.ladder.motion_cost import (
 
 __all__ = ["diverse_shortest_paths"]
 
+_SURELY_MORE = 1.0 + 1e-12
+"""A square above this times another is above it in spite of rounding."""
 
-@kernel
+
+@leaf_kernel
 def _step_to(
-    q: Array, q_before: Array, turns: Flags, lower: Array, upper: Array, weights: Array
+    q: Array, q_before: Array, turns: Flags, lower: Array, upper: Array, weights: Array, most: float
 ) -> float:
-    """Return the weighted distance to q, each joint at its copy nearest to where it is."""
-    total = 0.0
+    """Return the weighted distance to q, each joint at its copy nearest to where it is.
+
+    Where some of the joints are already farther than ``most``, it is inf.
+    """
+    total, largest = 0.0, most * most * _SURELY_MORE
     for d in range(q.shape[0]):
         value = nearest_equivalent(q[d], q_before[d], lower[d], upper[d]) if turns[d] else q[d]
         total += (weights[d] * (value - q_before[d])) ** 2
+        if total > largest:
+            return math.inf
     return math.sqrt(total)
 
 
@@ -79,7 +87,7 @@ def _cost_to_come(
         if start_free:
             cost[0, j] = 0.0
         else:
-            cost[0, j] = _step_to(candidates.q[0, j], q_start, turns, lower, upper, weights)
+            cost[0, j] = _step_to(candidates.q[0, j], q_start, turns, lower, upper, weights, np.inf)
             _nearest_equivalent_into(
                 candidates.q[0, j], q_start, turns, lower, upper, reached[0, j]
             )
@@ -89,9 +97,11 @@ def _cost_to_come(
         for j in range(candidates.counts[k]):
             q = candidates.q[k, j]
             for i in range(candidates.counts[k - 1]):
-                if cost[k - 1, i] < cost[k, j]:
+                most = cost[k, j] - cost[k - 1, i]
+                if most > 0.0:
                     before = reached[k - 1, i]
-                    total = cost[k - 1, i] + _step_to(q, before, turns, lower, upper, weights)
+                    step = _step_to(q, before, turns, lower, upper, weights, most)
+                    total = cost[k - 1, i] + step
                     if total < cost[k, j]:
                         cost[k, j] = total
                         parent[k, j] = i
@@ -119,7 +129,7 @@ def _cost_to_go(
     child = np.zeros((n, cap), dtype=np.int64)
     for j in range(candidates.counts[n - 1]):
         cost[n - 1, j] = 0.0
-    endless = np.full(turns.shape[0], np.inf)
+    lower, upper = np.full(turns.shape[0], -np.inf), np.full(turns.shape[0], np.inf)
     for back in range(n - 1):
         k = n - 2 - back
         if pull > 0.0:
@@ -128,9 +138,10 @@ def _cost_to_go(
         for j in range(candidates.counts[k]):
             q = candidates.q[k, j]
             for i in range(candidates.counts[k + 1]):
-                if cost[k + 1, i] < cost[k, j]:
+                most = cost[k, j] - cost[k + 1, i]
+                if most > 0.0:
                     after = candidates.q[k + 1, i]
-                    step = _step_to(after, q, turns, -endless, endless, weights) + own[i]
+                    step = _step_to(after, q, turns, lower, upper, weights, most) + own[i]
                     if cost[k + 1, i] + step < cost[k, j]:
                         cost[k, j] = cost[k + 1, i] + step
                         child[k, j] = i

@@ -8,6 +8,7 @@ from ikplan.arrays import Array
 from ikplan.joint_path.joint_path import JointPath
 from ikplan.timing.constraints.constraints import PathPoints
 from ikplan.timing.engines.engine import Check
+from ikplan.timing.jerk.barrier_lanes import WarpLimits
 from ikplan.timing.jerk.course_kernels import apart, course_rates, spline_basis
 from ikplan.timing.jerk.cubic_kernels import times_of
 from ikplan.timing.jerk.cubic_motion import CubicMotion
@@ -193,22 +194,19 @@ def _played(
         profile.jerk,
     )
     rows_b, rows_d, bound = _rows(problem, points)
-    square = np.square(tight)[:, None]
-    most = np.minimum(most, bound) / square
-    rates[..., 2:] *= (square * tight[:, None])[..., None, None]
-    tau = course.time / end
-    c = fastest_warp(
-        tau,
+    square = np.square(tight)
+    rates[:, :, 2:] *= square * tight
+    limits = WarpLimits(
         rates,
-        most,
-        up * square[..., None],
-        down * square[..., None],
-        rows_b * square[..., None],
-        rows_d * square[..., None] / end,
-        (_FIRST_MU / n, _AGAIN_MU / n, last_mu / n),
-        _SHRINK,
-        build_up / end,
+        np.minimum(most, bound) / square,
+        up * square,
+        down * square,
+        rows_b * square,
+        rows_d * square / end,
     )
+    tau = course.time / end
+    weights = _FIRST_MU / n, _AGAIN_MU / n, last_mu / n
+    c = fastest_warp(tau, limits, weights, _SHRINK, build_up / end)
     if not c.any():
         return None
     value, _, _ = spline_basis(tau, _GAUSS)
@@ -233,6 +231,9 @@ def _rows(problem: SpanProblem, points: Array) -> tuple[Array, Array, Array]:
     Args:
         problem: The path and its limits.
         points: Path positions, velocities and accelerations, shape (n, 2, 3).
+
+    Returns:
+        p, d and the bounds as in WarpLimits, shapes (2, rows, n), (2, rows, n) and (2, n).
     """
     n = len(points)
     s, v, a = points.reshape(-1, 3).T
@@ -257,4 +258,7 @@ def _rows(problem: SpanProblem, points: Array) -> tuple[Array, Array, Array]:
         place = slice(first, first + of_u.shape[1])
         rows_b[inside, place] = of_u * a[inside, None] + of_x * np.square(v[inside])[:, None]
         rows_d[inside, place] = 0.5 * of_u * v[inside, None]
-    return rows_b.reshape(n, 2, -1), rows_d.reshape(n, 2, -1), bound.reshape(n, 2)
+    rows = rows_b.shape[1]
+    rows_b, rows_d = (x.reshape(n, 2, rows).transpose(1, 2, 0) for x in (rows_b, rows_d))
+    most = np.ascontiguousarray(bound.reshape(n, 2).T)
+    return np.ascontiguousarray(rows_b), np.ascontiguousarray(rows_d), most

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Callable
 from dataclasses import dataclass, fields, replace
 
 import numpy as np
 
-from ikplan.arrays import Array, Indices
+from ikplan.arrays import Array, Flags, Indices
 from ikplan.errors import InvalidRequest
 from ikplan.timing.constraints.constraints import (
     MARGIN,
@@ -84,6 +85,12 @@ class ToolLimits:
         margin = SPEED_MARGIN if kind.endswith("speed") else MARGIN
         return None if value is None else float(value) * (1.0 - margin)
 
+    @functools.cached_property
+    def _limits(self) -> tuple[Array, Flags]:
+        """The limits with their margins, and which are set; the others are infinite, ratios 0."""
+        limits = np.array([self._limit(kind) or np.inf for kind in _KINDS])
+        return limits, np.isfinite(limits)
+
     def at(self, points: PathPoints) -> ConstraintRows:
         """Write the limits at points of a path; see PathConstraint."""
         V, A = self.motion(points.q, points.qs, points.qss)
@@ -100,9 +107,7 @@ class ToolLimits:
             for kind in ("linear_acceleration", "angular_acceleration")
             if (limit := self._limit(kind)) is not None
         }
-        # Unset limits are infinite, and their ratios zero.
-        limits = np.array([self._limit(kind) or np.inf for kind in _KINDS])
-        bounded_kinds = np.isfinite(limits)
+        limits, bounded_kinds = self._limits
 
         def coefficients(index: Indices) -> tuple[Array, Array]:
             a, b = np.zeros((2, len(index), _DIRECTIONS * len(bounded)))

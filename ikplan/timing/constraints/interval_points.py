@@ -16,6 +16,7 @@ from ikplan.timing.constraints.constraints import (
     PathConstraint,
     PathPoints,
 )
+from ikplan.timing.constraints.interval_kernels import highest_between
 from ikplan.timing.grid import Grid
 
 __all__ = ["COARSE", "FINE", "IntervalPoints", "bend", "highest", "parts_of"]
@@ -137,14 +138,8 @@ def highest(ratios: Array) -> Array:
         The greatest value at the points and of the parabolas through three neighbours each,
         shape (...).
     """
-    before, at, after = ratios[:-2], ratios[1:-1], ratios[2:]
-    curvature = before - 2.0 * at + after
-    slope = 0.5 * (after - before)
-    # The vertex is between the outer ones of the three, or there is no maximum to be found.
-    inner = -curvature > np.abs(slope)
-    rise = np.zeros_like(at)
-    np.divide(np.square(slope), -2.0 * curvature, out=rise, where=inner)
-    return np.asarray(np.maximum(ratios.max(axis=0), (at + rise).max(axis=0)))
+    flat = np.ascontiguousarray(ratios).reshape(len(ratios), -1)
+    return highest_between(flat).reshape(ratios.shape[1:])
 
 
 def parts_of(points: IntervalPoints, ratios: Array, steady: bool) -> Array:

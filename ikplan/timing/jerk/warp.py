@@ -51,6 +51,7 @@ def fastest(
     slowdown: JointSlowdown,
     check: Check,
     rounds: tuple[int, int] = (2, 4),
+    led: bool = False,
 ) -> CubicMotion:
     """Shorten a motion within its limits, to a local optimum on a grid.
 
@@ -67,6 +68,7 @@ def fastest(
         rounds: How often a grid is laid, at least once, and how often the motion is played at
             most on the last one, limits tightened by what is exceeded between the points that
             are looked at. A motion that is nearly optimal needs less.
+        led: See fastest_warp.
 
     Returns:
         The motion, which may exceed limits by a little.
@@ -88,7 +90,7 @@ def fastest(
         for _ in range(tightenings):
             check()
             weight = _LAST_MU if last else _ROUGH_MU
-            played = _played(problem, course, slowdown, tight, weight, build_up)
+            played = _played(problem, course, slowdown, tight, weight, build_up, led)
             if played is None:
                 return best
             course = motion = played
@@ -173,6 +175,7 @@ def _played(
     tight: Array,
     last_mu: float,
     build_up: float,
+    led: bool,
 ) -> CubicMotion | None:
     """Return a motion played as fast as its limits allow; None: none was found."""
     path, profile = slowdown.path, slowdown.profile
@@ -206,7 +209,7 @@ def _played(
     )
     tau = course.time / end
     weights = _FIRST_MU / n, _AGAIN_MU / n, last_mu / n
-    c = fastest_warp(tau, limits, weights, _SHRINK, build_up / end)
+    c = fastest_warp(tau, limits, weights, _SHRINK, build_up / end, led)
     if not c.any():
         return None
     value, _, _ = spline_basis(tau, _GAUSS)

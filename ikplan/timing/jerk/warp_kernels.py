@@ -27,6 +27,9 @@ _BELOW = 0.03
 _FEW = 1_500
 _REACHES = (20.0, 60.0, 6.0)
 _DIPS = 6
+# Where that does not do, so many steps at most lead it in, by a barrier of this weight, within
+# limits so much wider than it needs.
+_ENTERING, _ENTERING_MU, _WIDER = 20, 0.3, 1.1
 
 
 @kernel
@@ -67,14 +70,54 @@ def _dipped(excess: Array, tau: Array, reach: float) -> Array:
 
 
 @kernel
-def _begin(tau: Array, spline: SpeedSpline, limits: WarpLimits, swing: float) -> Array:
+def _widened(limits: WarpLimits, wider: Array) -> WarpLimits:
+    """Return limits that allow a squared rate higher by a factor, interval by interval, (n,)."""
+    rates = limits.rates.copy()
+    rates[:, :, 2:] = rates[:, :, 2:] / (wider * np.sqrt(wider))
+    return WarpLimits(
+        rates,
+        limits.most * wider,
+        limits.up / wider,
+        limits.down / wider,
+        limits.rows_b / wider,
+        limits.rows_d / wider,
+    )
+
+
+@kernel
+def _entered(c: Array, spline: SpeedSpline, limits: WarpLimits) -> Array:
+    """Lead a motion into its limits by Newton's steps within wider ones.
+
+    Where it exceeds limits they are wider than needed by a little. The barrier leads it away from
+    them, and they are narrowed again.
+
+    Returns:
+        Coefficients, shape (n + 2,); all zero where the limits are not reached.
+    """
+    excess = excess_of(c, spline, limits)
+    wider = np.maximum(_WIDER * excess, 1.0)
+    for _ in range(_ENTERING):
+        if not excess.max() < np.inf:
+            break
+        wide = _widened(limits, wider)
+        step, _ = newton_step(c, _ENTERING_MU / len(excess), spline, wide)
+        c = c + longest_step(c, step, spline, wide) * step
+        excess = excess_of(c, spline, limits)
+        if excess.max() < 0.999:
+            return c
+        wider = np.minimum(wider, np.maximum(_WIDER * excess, 1.0))
+    return np.zeros(len(c))
+
+
+@kernel
+def _begin(tau: Array, spline: SpeedSpline, limits: WarpLimits, swing: float, led: bool) -> Array:
     """Return coefficients within the limits, slowed smoothly about the places that exceed them.
 
     The arguments are those of fastest_warp.
 
     Returns:
-        Coefficients, shape (n + 2,); where smooth dips do not do, the whole is slowed; all zero
-        where not even that does.
+        Coefficients, shape (n + 2,); where neither smooth dips nor steps within wider limits do,
+        the whole is slowed; all zero where not even that does.
     """
     n = len(tau) - 1
     for reach in _REACHES:
@@ -92,6 +135,10 @@ def _begin(tau: Array, spline: SpeedSpline, limits: WarpLimits, swing: float) ->
                 break
             slower += _dipped(excess, tau, reach * swing)
     c = np.full(n + 2, 0.98)
+    if led and n > _FEW:
+        entered = _entered(c, spline, limits)
+        if entered.any():
+            return entered
     for _ in range(100):
         excess = excess_of(c, spline, limits)
         if excess.max() < 1.0:
@@ -107,6 +154,7 @@ def fastest_warp(
     weights: tuple[float, float, float],
     shrink: float,
     swing: float,
+    led: bool,
 ) -> Array:
     """Play a motion as fast as limits allow, at a speed that varies along it.
 
@@ -122,13 +170,15 @@ def fastest_warp(
             weight for another, and last weight.
         shrink: Factor from one to the next, below 1.
         swing: About the time in which accelerations build up, as a share of the duration.
+        led: Whether a motion that smooth dips do not bring within the limits is led there before
+            the whole is slowed: soon found, a little longer at times.
 
     Returns:
         The coefficients of b, shape (n + 2,); all zero where not even a slow motion keeps the
         limits.
     """
     spline = _spline(tau)
-    c = _begin(tau, spline, limits, swing)
+    c = _begin(tau, spline, limits, swing, led)
     mu, again_mu, last_mu = weights
     total, room = time_and_room(c, spline, limits)
     if not total < np.inf:

@@ -7,7 +7,7 @@ import numpy as np
 from ikplan._jit import kernel
 from ikplan.arrays import Array, Indices
 
-__all__ = ["evaluate_path", "evaluate_timed", "interval_of", "slopes_on"]
+__all__ = ["evaluate_path", "evaluate_timed", "interval_near", "interval_of", "slopes_on"]
 
 
 @kernel
@@ -35,6 +35,16 @@ def interval_of(nodes: Array, value: float) -> int:
         else:
             high = middle
     return low
+
+
+@kernel
+def interval_near(nodes: Array, value: float, near: int) -> int:
+    """Return what interval_of does, sought from an interval on: values that rise are soon found."""
+    while near > 0 and nodes[near] > value:
+        near -= 1
+    while near < nodes.shape[0] - 2 and nodes[near + 1] <= value:
+        near += 1
+    return near
 
 
 @kernel

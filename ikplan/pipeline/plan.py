@@ -352,9 +352,14 @@ def _segment_limits(
     robot: Robot, request: PlanRequest, limits: MotionLimits
 ) -> dict[str, MotionLimits]:
     """What the motion has to keep on each segment that has limits of its own, by field."""
-    fields = ((f"path.segments[{k}]", s) for k, s in enumerate(request.path.segments or ()))
-    return {
-        field: limits.within(robot, segment.limits, f"{field}.limits")
-        for field, segment in fields
-        if segment.limits is not None
-    }
+    found: dict[str, MotionLimits] = {}
+    # What is asked for alike is one object, so that what follows from it is found once.
+    known: dict[str, MotionLimits] = {}
+    for k, segment in enumerate(request.path.segments or ()):
+        if segment.limits is None:
+            continue
+        field, asked = f"path.segments[{k}]", segment.limits.model_dump_json()
+        if asked not in known:
+            known[asked] = limits.within(robot, segment.limits, f"{field}.limits")
+        found[field] = known[asked]
+    return found

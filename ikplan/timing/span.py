@@ -175,6 +175,7 @@ def time_through(spans: Sequence[SpanTiming]) -> SpanTiming:
     pieces = np.concatenate([problem.grid.pieces for problem in problems])
     constraints = dict.fromkeys(c for problem in problems for c in problem.constraints)
     problem = SpanProblem.build(first.path, Grid(s, pieces), first.profile, tuple(constraints))
+    problem.others.know([each.others for each in problems])
     return within_limits(problem, CompiledEngine())
 
 

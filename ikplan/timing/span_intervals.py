@@ -81,7 +81,9 @@ class SpanIntervals:
     def on(self, grid: Grid, fine: bool = True) -> Self:
         """Return the same problem on another grid."""
         rests = self.grid.s[self.rests]
-        return type(self).build(self.path, grid, self.profile, self.constraints, fine, rests)
+        other = type(self).build(self.path, grid, self.profile, self.constraints, fine, rests)
+        other.others.know([self.others])
+        return other
 
     def within(self, profile: LimitProfile) -> Self:
         """Return the same problem with other limits of the joints."""

@@ -72,7 +72,8 @@ LAST = WORK[0]
 
 def empty_rows(m: int) -> Rows:
     """Return rows for m places, to be written to."""
-    return Rows(np.empty((m, 3, 3)), *(np.empty((m, 3)) for _ in range(4)))
+    p, v, w, bend = np.empty((4, m, 3))
+    return Rows(np.empty((m, 3, 3)), p, v, w, bend)
 
 
 def scratch() -> Array:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
@@ -36,8 +37,21 @@ class GridConstraints:
     @functools.cached_property
     def points(self) -> list[IntervalPoints]:
         """Those that are on the grid at all."""
-        found = [IntervalPoints.of(self.path, self.grid, c, self.shares) for c in self.constraints]
+        known: dict[PathConstraint, IntervalPoints] = self.__dict__.pop("_known", {})
+        found = [
+            IntervalPoints.of(self.path, self.grid, c, self.shares, known.get(c))
+            for c in self.constraints
+        ]
         return [points for points in found if points is not None]
+
+    def know(self, others: Iterable[GridConstraints]) -> None:
+        """Take over what others, of the same path, have evaluated at points of their grids.
+
+        A range of the path whose grid is the same there is not evaluated again.
+        """
+        points = (points for other in others for points in other.__dict__.get("points", ()))
+        mine = frozenset(self.constraints)
+        self.__dict__["_known"] = {x.constraint: x for x in points if x.constraint in mine}
 
     @functools.cached_property
     def rows(self) -> tuple[Array, Array, Array]:

@@ -16,6 +16,7 @@ from ikplan.timing.constraints.constraints import (
     PathConstraint,
     PathPoints,
 )
+from ikplan.timing.constraints.interval_kernels import highest_between
 from ikplan.timing.grid import Grid
 
 __all__ = ["COARSE", "FINE", "IntervalPoints", "bend", "highest", "parts_of"]
@@ -37,17 +38,26 @@ class IntervalPoints:
         constraint: The constraint.
         inside: The intervals, shape (r,).
         where: Row of each point of each interval, shape (p, r).
+        at: Path positions of the points, shape (m,).
+        pieces: The piece of the path on which each is, shape (m,).
         rows: The constraint at the points.
     """
 
     constraint: PathConstraint
     inside: Indices
     where: Indices
+    at: Array
+    pieces: Indices
     rows: ConstraintRows
 
     @classmethod
     def of(
-        cls, path: JointPath, grid: Grid, constraint: PathConstraint, shares: Sequence[float]
+        cls,
+        path: JointPath,
+        grid: Grid,
+        constraint: PathConstraint,
+        shares: Sequence[float],
+        known: IntervalPoints | None = None,
     ) -> IntervalPoints | None:
         """Evaluate a constraint; None: no interval is in its range.
 
@@ -58,6 +68,8 @@ class IntervalPoints:
             grid: The intervals.
             constraint: The constraint.
             shares: Where in each interval, from 0 to 1.
+            known: The same constraint on another grid: at the same points it is not evaluated
+                again.
         """
         s, pieces = grid.s, grid.pieces
         middle = 0.5 * (s[:-1] + s[1:])
@@ -73,8 +85,10 @@ class IntervalPoints:
         length = np.diff(s)[inside]
         at = np.concatenate([*(s[inside] + share * length for share in shares[:-1]), s[alone + 1]])
         of = np.concatenate([*(pieces[inside] for _ in shares[:-1]), pieces[alone]])
+        if known is not None and np.array_equal(known.at, at) and np.array_equal(known.pieces, of):
+            return cls(constraint, inside, where, at, of, known.rows)
         rows = constraint.at(PathPoints(at, *path.derivatives(at, of), path.length))
-        return cls(constraint, inside, where, rows)
+        return cls(constraint, inside, where, at, of, rows)
 
     @property
     def thrice(self) -> IntervalPoints:
@@ -124,14 +138,8 @@ def highest(ratios: Array) -> Array:
         The greatest value at the points and of the parabolas through three neighbours each,
         shape (...).
     """
-    before, at, after = ratios[:-2], ratios[1:-1], ratios[2:]
-    curvature = before - 2.0 * at + after
-    slope = 0.5 * (after - before)
-    # The vertex is between the outer ones of the three, or there is no maximum to be found.
-    inner = -curvature > np.abs(slope)
-    rise = np.zeros_like(at)
-    np.divide(np.square(slope), -2.0 * curvature, out=rise, where=inner)
-    return np.asarray(np.maximum(ratios.max(axis=0), (at + rise).max(axis=0)))
+    flat = np.ascontiguousarray(ratios).reshape(len(ratios), -1)
+    return highest_between(flat).reshape(ratios.shape[1:])
 
 
 def parts_of(points: IntervalPoints, ratios: Array, steady: bool) -> Array:

@@ -9,7 +9,7 @@ from ikplan.arrays import Array, Indices
 from ikplan.kinematics.chain import Chain
 from ikplan.kinematics.forward import moved, placed
 
-__all__ = ["disc_rows", "tool_rates", "tool_ratios"]
+__all__ = ["disc_rows", "speed_bounds", "tool_rates", "tool_ratios"]
 
 
 @leaf_kernel
@@ -76,6 +76,28 @@ def tool_rates(chain: Chain, q: Array, dq: Array, ddq: Array) -> tuple[Array, Ar
         frame = placed(chain.placements, n, frame)
         _carry(frame[9] - p0, frame[10] - p1, frame[11] - p2, v, a)
     return velocity, acceleration
+
+
+@kernel
+def speed_bounds(V: Array, linear: float, angular: float) -> Array:
+    """Return the highest squared path velocities that limits of the tool's speed allow.
+
+    Args:
+        V: The tool's twists for joint velocities q', shape (m, 6).
+        linear: Square of the limit of its linear speed, inf where there is none.
+        angular: The same of its angular speed.
+
+    Returns:
+        Shape (m,); inf where nothing is bounded.
+    """
+    out = np.full(len(V), np.inf)
+    for row in range(len(V)):
+        for part, square in ((0, linear), (3, angular)):
+            norm = V[row, part] * V[row, part] + V[row, part + 1] * V[row, part + 1]
+            norm += V[row, part + 2] * V[row, part + 2]
+            if norm > 0.0:
+                out[row] = min(out[row], square / norm)
+    return out
 
 
 @kernel

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Callable
 from dataclasses import dataclass, fields, replace
 
 import numpy as np
 
-from ikplan.arrays import Array, Indices
+from ikplan.arrays import Array, Flags, Indices
 from ikplan.errors import InvalidRequest
 from ikplan.timing.constraints.constraints import (
     MARGIN,
@@ -16,7 +17,7 @@ from ikplan.timing.constraints.constraints import (
     Label,
     PathPoints,
 )
-from ikplan.timing.constraints.tool_kernels import disc_rows, tool_ratios
+from ikplan.timing.constraints.tool_kernels import disc_rows, speed_bounds, tool_ratios
 
 __all__ = ["ToolLimits", "ToolRates"]
 
@@ -84,25 +85,30 @@ class ToolLimits:
         margin = SPEED_MARGIN if kind.endswith("speed") else MARGIN
         return None if value is None else float(value) * (1.0 - margin)
 
+    @functools.cached_property
+    def _limits(self) -> tuple[Array, Flags]:
+        """The limits with their margins, and which are set; the others are infinite, ratios 0."""
+        limits = np.array([self._limit(kind) or np.inf for kind in _KINDS])
+        return limits, np.isfinite(limits)
+
+    @functools.cached_property
+    def _squares(self) -> tuple[float, float]:
+        """Squares of the limits of the speeds with their margins; inf where there is none."""
+        linear, angular = (self._limit(kind) or np.inf for kind in _KINDS[:2])
+        return float(linear**2), float(angular**2)
+
+    @functools.cached_property
+    def _bounded_accelerations(self) -> dict[str, float]:
+        """The limits of the accelerations that are set, with their margins."""
+        limits = {kind: self._limit(kind) for kind in _KINDS[2:]}
+        return {kind: limit for kind, limit in limits.items() if limit is not None}
+
     def at(self, points: PathPoints) -> ConstraintRows:
         """Write the limits at points of a path; see PathConstraint."""
         V, A = self.motion(points.q, points.qs, points.qss)
-        x_max = np.full(len(points.s), np.inf)
-        for kind in ("linear_speed", "angular_speed"):
-            limit = self._limit(kind)
-            if limit is not None:
-                norm = np.sum(V[:, _part(kind)] ** 2, axis=1)
-                bound = np.full(len(x_max), np.inf)
-                np.divide(limit**2, norm, out=bound, where=norm > 0.0)
-                x_max = np.minimum(x_max, bound)
-        bounded = {
-            kind: limit
-            for kind in ("linear_acceleration", "angular_acceleration")
-            if (limit := self._limit(kind)) is not None
-        }
-        # Unset limits are infinite, and their ratios zero.
-        limits = np.array([self._limit(kind) or np.inf for kind in _KINDS])
-        bounded_kinds = np.isfinite(limits)
+        limits, bounded_kinds = self._limits
+        x_max = speed_bounds(V, *self._squares)
+        bounded = self._bounded_accelerations
 
         def coefficients(index: Indices) -> tuple[Array, Array]:
             a, b = np.zeros((2, len(index), _DIRECTIONS * len(bounded)))

@@ -65,7 +65,7 @@ def course_rates(
     acceleration_lower: Array,
     jerk: Array,
 ) -> tuple[Array, Array, Array, Array, Array]:
-    """Evaluate a motion and its limits as fastest_warp wants them, tau the share of the duration.
+    """Evaluate a motion and its limits as WarpLimits has them, tau the share of the duration.
 
     Args:
         s_knots: As in slowdown_factors, and so are the next four.
@@ -84,12 +84,12 @@ def course_rates(
         jerk: Jerk limits.
 
     Returns:
-        Rates, the upper bounds of b, the inverse acceleration limits, and path positions,
-        velocities and accelerations, shape (n, 2, 3).
+        Rates, the upper bounds of b, the inverse acceleration limits, all as in WarpLimits, and
+        path positions, velocities and accelerations, shape (n, 2, 3).
     """
     n, dof = len(time) - 1, q.shape[1]
-    rates, most = np.empty((n, 2, dof, 5)), np.full((n, 2), np.inf)
-    up, down, points = np.empty((n, 2, dof)), np.empty((n, 2, dof)), np.empty((n, 2, 3))
+    rates, most = np.empty((2, dof, 5, n)), np.full((2, n), np.inf)
+    up, down, points = np.empty((2, dof, n)), np.empty((2, dof, n)), np.empty((n, 2, 3))
     end = time[n]
     for i in range(n):
         dt = time[i + 1] - time[i]
@@ -105,16 +105,16 @@ def course_rates(
                 r1 = end * qs * speed
                 r2 = end**2 * (qs * pull + qss * speed * speed)
                 r3 = end**3 * (qs * j_path + 3.0 * qss * speed * pull + third[k, j] * speed**3)
-                rates[i, side, j, 0], rates[i, side, j, 1] = r2, 0.5 * r1
+                rates[side, j, 0, i], rates[side, j, 1, i] = r2, 0.5 * r1
                 limit = jerk[k, j] * end**3
-                rates[i, side, j, 2] = r3 / limit
-                rates[i, side, j, 3] = 1.5 * r2 / limit
-                rates[i, side, j, 4] = 0.5 * r1 / limit
-                up[i, side, j] = 1.0 / (acceleration[k, j] * end**2)
-                down[i, side, j] = 1.0 / (acceleration_lower[k, j] * end**2)
+                rates[side, j, 2, i] = r3 / limit
+                rates[side, j, 3, i] = 1.5 * r2 / limit
+                rates[side, j, 4, i] = 0.5 * r1 / limit
+                up[side, j, i] = 1.0 / (acceleration[k, j] * end**2)
+                down[side, j, i] = 1.0 / (acceleration_lower[k, j] * end**2)
                 if r1 != 0.0:
                     bound = (velocity[k, j] if r1 > 0.0 else velocity_lower[k, j]) * end / r1
-                    most[i, side] = min(most[i, side], bound * bound)
+                    most[side, i] = min(most[side, i], bound * bound)
     return rates, most, up, down, points
 
 

@@ -90,7 +90,7 @@ def smooth_span_alike(problem: SpanProblem, known: Smoothed, check: Check = unli
     if straight is not None and straight[1]:
         return straight[0]
     _, swing = build_up(problem, known.duration)
-    motion = fastest(problem, known.motion, swing, slowdown, check, rounds=(1, 2))
+    motion = fastest(problem, known.motion, swing, slowdown, check, rounds=(1, 2), led=True)
     return Smoothed(within_limits(problem, motion, slowdown), None, None)
 
 

@@ -6,7 +6,7 @@ import numpy as np
 
 from ikplan._jit import kernel
 from ikplan.arrays import Array
-from ikplan.joint_path.evaluation import _piece, interval_of
+from ikplan.joint_path.evaluation import _piece, interval_near, interval_of
 from ikplan.timing.jerk.cubic_kernels import path_position
 
 __all__ = ["path_rates", "slowdown_factors", "spread"]
@@ -62,6 +62,7 @@ def slowdown_factors(
         Factors of time, 1 where a limit is just kept, shape (p,).
     """
     found = np.zeros(len(places) - 1)
+    k, place = interval_of(s_knots, s[0]), interval_of(places, s[0])
     for i in range(len(time) - 1):
         dt = time[i + 1] - time[i]
         if dt <= 0.0:
@@ -70,7 +71,7 @@ def slowdown_factors(
             # The ends of an interval from inside: at a knot the limits and the curvature may step.
             t = time[i] + dt * min(max(point / points, _INSIDE), 1.0 - _INSIDE)
             at, speed, pull, j_path = path_position(time, s, v, a, i, t)
-            k = interval_of(s_knots, at)
+            k, place = interval_near(s_knots, at, k), interval_near(places, at, place)
             length = s_knots[k + 1] - s_knots[k]
             fraction = min(max((at - s_knots[k]) / length, 0.0), 1.0)
             top_v, top_a, top_j = 0.0, 0.0, 0.0
@@ -79,10 +80,11 @@ def slowdown_factors(
                 dq = qs * speed
                 ddq = qs * pull + qss * speed * speed
                 dddq = qs * j_path + 3.0 * qss * speed * pull + third[k, j] * speed**3
-                top_v = max(top_v, dq / velocity[k, j], dq / velocity_lower[k, j])
-                top_a = max(top_a, ddq / acceleration[k, j], ddq / acceleration_lower[k, j])
+                # The limit on the side to which it goes is the one that it may exceed.
+                top_v = max(top_v, dq / (velocity[k, j] if dq > 0.0 else velocity_lower[k, j]))
+                limit = acceleration[k, j] if ddq > 0.0 else acceleration_lower[k, j]
+                top_a = max(top_a, ddq / limit)
                 top_j = max(top_j, abs(dddq) / jerk[k, j])
-            place = interval_of(places, at)
             found[place] = max(found[place], top_v, np.sqrt(top_a), np.cbrt(top_j))
     return found
 

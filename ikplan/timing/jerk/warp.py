@@ -8,6 +8,7 @@ from ikplan.arrays import Array
 from ikplan.joint_path.joint_path import JointPath
 from ikplan.timing.constraints.constraints import PathPoints
 from ikplan.timing.engines.engine import Check
+from ikplan.timing.jerk.barrier_lanes import WarpLimits
 from ikplan.timing.jerk.course_kernels import apart, course_rates, spline_basis
 from ikplan.timing.jerk.cubic_kernels import times_of
 from ikplan.timing.jerk.cubic_motion import CubicMotion
@@ -50,6 +51,7 @@ def fastest(
     slowdown: JointSlowdown,
     check: Check,
     rounds: tuple[int, int] = (2, 4),
+    led: bool = False,
 ) -> CubicMotion:
     """Shorten a motion within its limits, to a local optimum on a grid.
 
@@ -66,6 +68,7 @@ def fastest(
         rounds: How often a grid is laid, at least once, and how often the motion is played at
             most on the last one, limits tightened by what is exceeded between the points that
             are looked at. A motion that is nearly optimal needs less.
+        led: See fastest_warp.
 
     Returns:
         The motion, which may exceed limits by a little.
@@ -87,7 +90,7 @@ def fastest(
         for _ in range(tightenings):
             check()
             weight = _LAST_MU if last else _ROUGH_MU
-            played = _played(problem, course, slowdown, tight, weight, build_up)
+            played = _played(problem, course, slowdown, tight, weight, build_up, led)
             if played is None:
                 return best
             course = motion = played
@@ -172,6 +175,7 @@ def _played(
     tight: Array,
     last_mu: float,
     build_up: float,
+    led: bool,
 ) -> CubicMotion | None:
     """Return a motion played as fast as its limits allow; None: none was found."""
     path, profile = slowdown.path, slowdown.profile
@@ -193,22 +197,19 @@ def _played(
         profile.jerk,
     )
     rows_b, rows_d, bound = _rows(problem, points)
-    square = np.square(tight)[:, None]
-    most = np.minimum(most, bound) / square
-    rates[..., 2:] *= (square * tight[:, None])[..., None, None]
-    tau = course.time / end
-    c = fastest_warp(
-        tau,
+    square = np.square(tight)
+    rates[:, :, 2:] *= square * tight
+    limits = WarpLimits(
         rates,
-        most,
-        up * square[..., None],
-        down * square[..., None],
-        rows_b * square[..., None],
-        rows_d * square[..., None] / end,
-        (_FIRST_MU / n, _AGAIN_MU / n, last_mu / n),
-        _SHRINK,
-        build_up / end,
+        np.minimum(most, bound) / square,
+        up * square,
+        down * square,
+        rows_b * square,
+        rows_d * square / end,
     )
+    tau = course.time / end
+    weights = _FIRST_MU / n, _AGAIN_MU / n, last_mu / n
+    c = fastest_warp(tau, limits, weights, _SHRINK, build_up / end, led)
     if not c.any():
         return None
     value, _, _ = spline_basis(tau, _GAUSS)
@@ -233,6 +234,9 @@ def _rows(problem: SpanProblem, points: Array) -> tuple[Array, Array, Array]:
     Args:
         problem: The path and its limits.
         points: Path positions, velocities and accelerations, shape (n, 2, 3).
+
+    Returns:
+        p, d and the bounds as in WarpLimits, shapes (2, rows, n), (2, rows, n) and (2, n).
     """
     n = len(points)
     s, v, a = points.reshape(-1, 3).T
@@ -257,4 +261,7 @@ def _rows(problem: SpanProblem, points: Array) -> tuple[Array, Array, Array]:
         place = slice(first, first + of_u.shape[1])
         rows_b[inside, place] = of_u * a[inside, None] + of_x * np.square(v[inside])[:, None]
         rows_d[inside, place] = 0.5 * of_u * v[inside, None]
-    return rows_b.reshape(n, 2, -1), rows_d.reshape(n, 2, -1), bound.reshape(n, 2)
+    rows = rows_b.shape[1]
+    rows_b, rows_d = (x.reshape(n, 2, rows).transpose(1, 2, 0) for x in (rows_b, rows_d))
+    most = np.ascontiguousarray(bound.reshape(n, 2).T)
+    return np.ascontiguousarray(rows_b), np.ascontiguousarray(rows_d), most

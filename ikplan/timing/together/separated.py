@@ -29,6 +29,7 @@ def separated(timing: SpanTiming) -> list[SpanTiming]:
         problem = replace(problem, sparse=True)
         problem.__dict__["_derivatives"] = tuple(slope[intervals] for slope in slopes)
         problem.__dict__["compiled_solution"] = compiled[nodes]
+        problem.others.know([whole.others])
         spans.append(
             SpanTiming(problem, timing.x[nodes], timing.dt[intervals], timing.loss, timing.engine)
         )

@@ -79,11 +79,11 @@ class PathTracker(ShorteningTracker):
                     return self._densify_first(reference, [quick])
             tracked = self._track_starts(reference, starts, costs, first, copies)
             sequences = tracked.clear(TRIED)
-            wandering = first.damped and not sequences
+            wandering = bool(sequences) and self._wanders(reference, sequences[0], first)
             if wandering:
-                undamped = replace(first, damped=False)
-                tracked = self._track_starts(reference, starts, costs, undamped, copies)
-                sequences = tracked.clear(TRIED)
+                calm = replace(first, damped=True)
+                damped = self._track_starts(reference, starts, costs, calm, copies).clear(TRIED)
+                sequences, wandering = damped + sequences, not damped
             if sequences:
                 if redundant:
                     sequences = self._shorten_all(reference, sequences, wandering=wandering)

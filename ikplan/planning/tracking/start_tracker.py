@@ -9,6 +9,7 @@ are close. The points between follow in proportion, and then go back onto their 
 from __future__ import annotations
 
 import contextlib
+import itertools
 from dataclasses import replace
 from typing import Self
 
@@ -108,23 +109,26 @@ class StartTracker(TrackedArm):
         """
         if len(first.s) <= LONG or not (first.redundant or len(starts) > FEW_STARTS):
             return None
-        few = first.thinned(_FEW_POINTS)
-        best: tuple[int, JointSequence] | None = None
-        for k, q_start in enumerate(starts):
+        best: tuple[int, bool, JointSequence] | None = None
+        few_points = first.thinned(_FEW_POINTS)
+        for k, few in itertools.product(range(len(starts)), few_points.ways):
             self.clock.check()
             with contextlib.suppress(TrackingFailed):
-                s, q = self._track_copies(reference, q_start, few, copies)
+                s, q = self._track_copies(reference, starts[k], few, copies)
                 if best is None and len(s) > _WINDING * len(few.s):
                     return None
                 before = float(costs[k]) if copies is None else copies.cost(q[0])
                 if few.redundant:
                     q = self._shorten(reference, s, q)
                 length = round(before + self.sequence_cost(s, q), _DIGITS)
-                if best is None or length < best[1][0]:
-                    best = k, (length, s, q)
+                # Damped self-motion counts where it leads to clearly less joint motion.
+                share = 1.0 - _ALIKE if few.damped else 1.0
+                if best is None or length < share * best[2][0]:
+                    best = k, few.damped, (length, s, q)
         if best is None:
             return None
-        k, (length, s, q) = best
+        k, damped, (length, s, q) = best
+        first = replace(first, damped=damped)
         before = length - self.sequence_cost(s, q)
         found: list[JointSequence] = []
         if first.redundant and (led := self._through_all(reference, s, q, first)) is not None:

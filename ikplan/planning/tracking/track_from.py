@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TypeVar
 
 import numpy as np
@@ -36,15 +36,22 @@ class FirstPoints:
         redundant: Whether the arm has self-motion along the path.
         finest: Step, as a share of the path's length, below which none is halved; None: the
             finest there is, and fine in rotation too.
+        close: Whether there are many, and closer than their spacing asks for, as waypoints may be.
         damped: Whether self-motion away from limits does not carry on from step to step: through
-            many close points it becomes much longer than the path asks for.
+            many close points it may become much longer than the path asks for.
     """
 
     s: Array
     targets: Targets
     redundant: bool
     finest: float | None = None
+    close: bool = False
     damped: bool = False
+
+    @property
+    def ways(self) -> tuple[FirstPoints, ...]:
+        """The points, and where there is self-motion through close ones, with it damped."""
+        return (self, replace(self, damped=True)) if self.close and self.redundant else (self,)
 
     def thinned(self, count: int) -> FirstPoints:
         """Return about so many of the points: an even number of steps, the last point included."""
@@ -61,7 +68,7 @@ class FirstPoints:
             t.weight[rows],
             t.freedom,
         )
-        return FirstPoints(self.s[rows], some, self.redundant, damped=self.damped)
+        return replace(self, s=self.s[rows], targets=some)
 
 
 def first_points(
@@ -76,9 +83,9 @@ def first_points(
         begin: Path position to begin from.
     """
     s = initial_points(reference, step, begin)
-    redundant = tracked.redundant(reference)
     close = len(s) > max(_MANY, _CLOSE * reference.length / step)
-    return FirstPoints(s, tracked.targets_at(reference, s), redundant, damped=redundant and close)
+    targets, redundant = tracked.targets_at(reference, s), tracked.redundant(reference)
+    return FirstPoints(s, targets, redundant, close=close)
 
 
 @dataclass(frozen=True)

@@ -20,8 +20,8 @@ def drawn(n: int, dof: int, rows: int, seed: int = 0) -> tuple[Array, SpeedSplin
     tau = np.append(0.0, np.cumsum(rng.uniform(0.5, 1.5, n)))
     tau /= tau[-1]
     value, slope, bend = spline_basis(tau, np.array([FIRST, 1.0 - FIRST]))
-    lines = [np.ascontiguousarray(x.transpose(1, 2, 0)) for x in (value, slope)]
-    spline = SpeedSpline(np.diff(tau), *lines, np.ascontiguousarray(bend.T))
+    values, slopes = (np.ascontiguousarray(x.transpose(1, 2, 0)) for x in (value, slope))
+    spline = SpeedSpline(np.diff(tau), values, slopes, np.ascontiguousarray(bend.T))
     small = 0.1 / n**2
     rates = (
         rng.uniform(-1.0, 1.0, (2, dof, 5, n)) * np.array([1.0, small, 0.2, small, small])[:, None]

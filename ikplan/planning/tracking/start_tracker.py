@@ -39,6 +39,9 @@ them: tracking through all costs no more, and shortening at few points leads to 
 _ALIKE = 0.05
 """Where the motion through all points is longer or shorter than that through few by more than this
 share, few do not stand for all."""
+_KINKED = 0.01
+"""Where a joint comes to its limit and leaves it, the shortest sequence has kinks, which take time;
+one without may be longer by this share."""
 _DIGITS = 9
 """Digits after the point to which lengths are compared."""
 
@@ -162,9 +165,20 @@ class StartTracker(TrackedArm):
         self.clock.count(spent)
         if left.max() > EXACT:
             return None
-        shorter = self._shorten(reference, at, np.vstack([q[:1], every]))
-        broken, spent = first_discontinuity(
-            arm.chain, first.targets, shorter, arm.lower, arm.upper, EXACT, EXACT
-        )
-        self.clock.count(spent)
-        return (at, shorter) if broken == len(at) - 1 else None
+        smooth = np.vstack([q[:1], every])
+        shorter = self._shorten(reference, at, smooth)
+        ways = [smooth, shorter] if self._at_limits(shorter) else [shorter]
+        most = (1.0 + _KINKED) * self.sequence_cost(at, shorter)
+        for way in ways:
+            broken, spent = first_discontinuity(
+                arm.chain, first.targets, way, arm.lower, arm.upper, EXACT, EXACT
+            )
+            self.clock.count(spent)
+            if broken == len(at) - 1 and self.sequence_cost(at, way) <= most:
+                return at, way
+        return None
+
+    def _at_limits(self, q: Array) -> bool:
+        """Whether joints are at their limits on a part of a sequence."""
+        inner = q[1:-1]
+        return bool(((inner <= self.arm.lower) | (inner >= self.arm.upper)).any())

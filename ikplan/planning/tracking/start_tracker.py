@@ -9,7 +9,6 @@ are close. The points between follow in proportion, and then go back onto their 
 from __future__ import annotations
 
 import contextlib
-import itertools
 from dataclasses import replace
 from typing import Self
 
@@ -112,26 +111,18 @@ class StartTracker(TrackedArm):
         """
         if len(first.s) <= LONG or not (first.redundant or len(starts) > FEW_STARTS):
             return None
-        best: tuple[int, bool, JointSequence] | None = None
-        few_points = first.thinned(_FEW_POINTS)
-        for k, few in itertools.product(range(len(starts)), few_points.ways):
-            self.clock.check()
-            with contextlib.suppress(TrackingFailed):
-                s, q = self._track_copies(reference, starts[k], few, copies)
-                if best is None and len(s) > _WINDING * len(few.s):
-                    return None
-                before = float(costs[k]) if copies is None else copies.cost(q[0])
-                if few.redundant:
-                    q = self._shorten(reference, s, q)
-                length = round(before + self.sequence_cost(s, q), _DIGITS)
-                # Damped self-motion counts where it leads to clearly less joint motion.
-                share = 1.0 - _ALIKE if few.damped else 1.0
-                if best is None or length < share * best[2][0]:
-                    best = k, few.damped, (length, s, q)
+        few = first.thinned(_FEW_POINTS)
+        best = self._through_few(reference, starts, costs, few, copies)
         if best is None:
             return None
-        k, damped, (length, s, q) = best
-        first = replace(first, damped=damped)
+        k = best[0]
+        for calm in few.ways[1:]:
+            one = slice(k, k + 1)
+            other = self._through_few(reference, starts[one], costs[one], calm, copies)
+            # Damped self-motion counts where it leads to clearly less joint motion.
+            if other is not None and other[1][0] < (1.0 - _ALIKE) * best[1][0]:
+                best, first = other, replace(first, damped=True)
+        length, s, q = best[1]
         before = length - self.sequence_cost(s, q)
         found: list[JointSequence] = []
         if first.redundant and (led := self._through_all(reference, s, q, first)) is not None:
@@ -148,6 +139,33 @@ class StartTracker(TrackedArm):
                 found += [self._costed(s, way, before) for way in ways]
         clear = (x for x in shortest_first(found) if self.first_contact(reference, *x[1:]) is None)
         return next(clear, None)
+
+    def _through_few(
+        self,
+        reference: ReferencePath,
+        starts: Array,
+        costs: Array,
+        few: FirstPoints,
+        copies: StartCopies | None,
+    ) -> tuple[int, JointSequence] | None:
+        """Return the shortest sequence through few points, and the number of its start.
+
+        It is None where the path winds between the points, or no start leads to its end.
+        """
+        best: tuple[int, JointSequence] | None = None
+        for k, q_start in enumerate(starts):
+            self.clock.check()
+            with contextlib.suppress(TrackingFailed):
+                s, q = self._track_copies(reference, q_start, few, copies)
+                if best is None and len(s) > _WINDING * len(few.s):
+                    return None
+                before = float(costs[k]) if copies is None else copies.cost(q[0])
+                if few.redundant:
+                    q = self._shorten(reference, s, q)
+                length = round(before + self.sequence_cost(s, q), _DIGITS)
+                if best is None or length < best[1][0]:
+                    best = k, (length, s, q)
+        return best
 
     def _costed(self, s: Array, q: Array, before: float) -> JointSequence:
         """Return a sequence with its cost, after that of getting to its start."""

@@ -46,16 +46,21 @@ class GlobalTracker(StartTracker):
             s = initial_points(reference, spacing, apart=spacing)
             if self.contact is not None:
                 q = dodged_sequence(self, reference, starts, costs, s)
-                yield [] if q is None else [(self.sequence_cost(s, q), s, q)]
+                yield [] if q is None else [self._from_start(s, q, starts, costs)]
             yield self._resolve_globally(reference, starts, costs, s)
 
     def _flooded(
-        self, reference: ReferencePath, starts: Array, *, sparse: bool = False
+        self, reference: ReferencePath, starts: Array, costs: Array, *, sparse: bool = False
     ) -> Iterator[list[JointSequence]]:
         """Yield sequences where few ways lead around what is in the way, by ever denser floods."""
         if self.contact is not None:
             for s, q in flooded_sequences(self, reference, starts, sparse=sparse):
-                yield [(self.sequence_cost(s, q), s, q)]
+                yield [self._from_start(s, q, starts, costs)]
+
+    def _from_start(self, s: Array, q: Array, starts: Array, costs: Array) -> JointSequence:
+        """Return a sequence with its cost, after that of getting to the start it begins with."""
+        k = int(np.abs(starts - q[0]).max(axis=1).argmin())
+        return self._costed(s, q, float(costs[k]))
 
     def _resolve_globally(
         self, reference: ReferencePath, starts: Array, costs: Array, s: Array

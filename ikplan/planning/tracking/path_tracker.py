@@ -151,7 +151,7 @@ class PathTracker(ShorteningTracker):
         """
         if self.redundant(reference):
             over_points = self._over_points(reference, starts, costs)
-            for sequences in chain(over_points, self._flooded(reference, starts)):
+            for sequences in chain(over_points, self._flooded(reference, starts, costs)):
                 whole = whole_sequences(self, reference, sequences[:TRIED])
                 if whole:
                     with contextlib.suppress(TrackingFailed):

@@ -72,7 +72,7 @@ class ShorteningTracker(GlobalTracker):
         starts = np.array([q[0] for _, _, q in sequences])
         costs = np.array([length - self.sequence_cost(s, q) for length, s, q in sequences])
         over_points = self._over_points(reference, starts, costs)
-        for found in chain(over_points, self._flooded(reference, starts, sparse=True)):
+        for found in chain(over_points, self._flooded(reference, starts, costs, sparse=True)):
             whole = whole_sequences(self, reference, found[:TRIED])
             if whole:
                 return whole

@@ -86,14 +86,27 @@ class SpanProblem(SpanIntervals):
             if largest.max() <= 1.0 + _ENOUGH:
                 break
             tightening *= np.maximum(largest, 1.0)
-            x = self._solved(engine, tightening)
+            x = self._solved(engine, tightening, (x, largest > 1.0))
         return x
 
-    def _solved(self, engine: Engine, tightening: Array | None = None) -> Array:
-        """Solve the problem once, the constraints tightened in each interval."""
+    def _solved(
+        self,
+        engine: Engine,
+        tightening: Array | None = None,
+        before: tuple[Array, Flags] | None = None,
+    ) -> Array:
+        """Solve the problem once, the constraints tightened in each interval.
+
+        Before is the solution that it had, and in which intervals it is tightened since: spans
+        without any keep it.
+        """
         if isinstance(engine, CompiledEngine) and self.others.only_bound_speeds:
-            wanted = np.ones(len(self.rests) + 1, dtype=np.bool_)
-            return self._solved_span_by_span(self.highest_speeds(tightening), wanted)
+            highest = self.highest_speeds(tightening)
+            if before is None or len(self.rests) == 0:
+                return self._solved_span_by_span(highest, np.ones(len(self.ends) - 1, np.bool_))
+            known, tighter = before
+            wanted = np.logical_or.reduceat(tighter, self.ends[:-1])
+            return self._solved_span_by_span(highest, wanted, known)
         rows, unit = self._in_units_of(engine, tightening)
         return engine.solve(rows) * unit
 

@@ -8,7 +8,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from ikplan.arrays import Array, Flags
+from ikplan.arrays import Array, Flags, clamped
 from ikplan.documents.path import PathRequest
 from ikplan.path.build.corners import Junctions
 from ikplan.path.build.found_corners import FoundCorners
@@ -182,7 +182,7 @@ def _off(before: Piece, after: Piece, blend: Blend, allowed: CornerTolerance) ->
         if here.any():  # a curve that is nearest to its corner at its end has no second side
             past = places[here]
             guess = low + past if side is before else high - blend.piece.length + past
-            sharp = _nearest(side, curve, here, np.clip(guess, low, high), low, high)
+            sharp = _nearest(side, curve, here, clamped(guess, low, high), low, high)
             worst = max(worst, _ratio(allowed, curve, here, sharp, blend.piece.oriented))
         if side is before:
             # The pose nearest to the corner is held to the corner itself: a waypoint may be there.
@@ -199,7 +199,7 @@ def _nearest(
     """The places of a side that are nearest to places of the curve: steps along the tangent."""
     sharp = side.evaluate(s)
     for _ in range(3):
-        s = np.clip(s + dot(curve.p[here] - sharp.p, sharp.v), low, high)
+        s = clamped(s + dot(curve.p[here] - sharp.p, sharp.v), low, high)
         sharp = side.evaluate(s)
     return sharp
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import TypeVar
 
 import numpy as np
@@ -39,6 +39,8 @@ class FirstPoints:
         close: Whether there are many, and closer than their spacing asks for, as waypoints may be.
         damped: Whether self-motion away from limits does not carry on from step to step: through
             many close points it may become much longer than the path asks for.
+        between: Targets of points added so far, by the path positions of each two: from other
+            starts the same are added.
     """
 
     s: Array
@@ -47,6 +49,7 @@ class FirstPoints:
     finest: float | None = None
     close: bool = False
     damped: bool = False
+    between: dict[tuple[float, float], Targets] = field(default_factory=dict, compare=False)
 
     @property
     def ways(self) -> tuple[FirstPoints, ...]:
@@ -166,7 +169,10 @@ def track_from(
         halves = 0.5 * (s[reached : reached + 2] + s[reached + 1 : reached + 3])
         s = _halved(s, reached, halves)
         q = np.vstack([q[: reached + 1], np.empty((len(s) - reached - 1, q.shape[1]))])
-        further = tracked.targets_at(reference, halves)
+        places = float(halves[0]), float(halves[1])
+        further = first.between.get(places)
+        if further is None:
+            further = first.between[places] = tracked.targets_at(reference, halves)
         targets = Targets(
             _halved(targets.R, reached, further.R),
             _halved(targets.p, reached, further.p),

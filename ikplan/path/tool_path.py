@@ -120,6 +120,11 @@ class ToolPath:
         return np.array([waypoint.s for waypoint in self.waypoints])
 
     @cached_property
+    def orientation_changes(self) -> Array:
+        """Path lengths at which an orientation begins or ends to be asked for, shape (k,) [m]."""
+        return np.asarray(self.begins[1:-1][self._oriented[1:] != self._oriented[:-1]])
+
+    @cached_property
     def _oriented(self) -> Flags:
         return np.array([piece.oriented for piece in self.pieces])
 

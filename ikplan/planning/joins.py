@@ -65,6 +65,10 @@ class _Backwards:
         return self.length - self._path.waypoint_s[::-1]
 
     @property
+    def orientation_changes(self) -> Array:
+        return self.length - self._path.orientation_changes[::-1]
+
+    @property
     def segments(self) -> Sequence[SegmentRange]:
         return ()
 

@@ -103,6 +103,10 @@ class Polyline:
         return self._s[1:]
 
     @property
+    def orientation_changes(self) -> Array:
+        return np.empty(0)
+
+    @property
     def segments(self) -> tuple[SegmentRange, ...]:
         return ()
 

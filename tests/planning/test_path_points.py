@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import itertools
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 
 import numpy as np
+import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
@@ -33,6 +34,7 @@ class Straight:
     waypoint_s: Array
     segments: tuple[SegmentRange, ...] = ()
     taken: float = 0.0
+    orientation_changes: Array = field(default_factory=lambda: np.empty(0))
 
     def poses(self, s: Array) -> tuple[Array, Array]:
         return np.tile(np.eye(3), (len(s), 1, 1)), np.outer(s, [1.0, 0.0, 0.0])
@@ -87,6 +89,14 @@ def test_a_segment_between_points_is_within_those_around_it(seed: int, count: in
     first, last = points_around(path, s, begin, end)
     assert s[first] <= begin < s[first + 1]
     assert s[last - 1] < end <= s[last]
+
+
+@pytest.mark.parametrize("place", [0.05, 0.3337, 0.98])
+def test_where_the_orientation_becomes_free_there_is_a_point(place: float) -> None:
+    path = Straight(1.0, np.empty(0), np.array([0.0, 1.0]))
+    change = replace(path, orientation_changes=np.array([place]))
+    assert place not in initial_points(path, 0.04)
+    assert place in initial_points(change, 0.04)
 
 
 @settings(max_examples=100, deadline=None)

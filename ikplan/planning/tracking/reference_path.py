@@ -46,6 +46,10 @@ class ReferencePath(Protocol):
         """Path positions of the waypoints, shape (n,)."""
 
     @property
+    def orientation_changes(self) -> Array:
+        """Path positions where an orientation begins or ends to be asked for, shape (k,)."""
+
+    @property
     def segments(self) -> Sequence[SegmentRange]:
         """What of the request each part comes from, in order."""
 
@@ -66,7 +70,10 @@ class ReferencePath(Protocol):
 def initial_points(
     reference: ReferencePath, step: float, begin: float = 0.0, *, apart: float = 0.0
 ) -> Array:
-    """Path positions that include every corner and waypoint, an even number of steps between them.
+    """Path positions with every corner and waypoint, an even number of steps between them.
+
+    Where an orientation begins or ends to be asked for there is one as well: it is kept there, and
+    the free part goes on from it.
 
     Args:
         reference: The path.
@@ -95,7 +102,7 @@ def initial_points(
 
 
 def positions_missing(reference: ReferencePath, s: Array) -> Array:
-    """Return the path positions of corners and waypoints that have no point yet, increasing.
+    """Return path positions that have no point yet where there has to be one, increasing.
 
     Args:
         reference: The path.
@@ -140,7 +147,8 @@ def points_around(
 
 
 def _required(reference: ReferencePath) -> Array:
-    return np.unique(np.concatenate([reference.corners, reference.waypoint_s]))
+    places = reference.corners, reference.waypoint_s, reference.orientation_changes
+    return np.unique(np.concatenate(places))
 
 
 def _slack(reference: ReferencePath) -> float:

@@ -15,10 +15,6 @@ from ikplan.timing.timed_path import TimedPath
 __all__ = ["NotShorter", "limit_jerk"]
 
 
-_STEPS = 10
-"""Spans are told apart by how far the jerk limits bound them, in steps of a tenth."""
-
-
 class NotShorter(Exception):
     """No jerk-limited motion along a path is as short as asked for; stays inside the program."""
 
@@ -47,10 +43,9 @@ def limit_jerk(timed: TimedPath, check: Check = unlimited, most: float = np.inf)
     if np.isfinite(most):
         found = [least_duration(span.problem, span.x) for span in spans]
         by_jerk, without = np.array(found).reshape(-1, 2).T
-        # Where the jerk limits bound a joint's whole move, little is left to be found out; of
-        # those where they bound it alike the longest tell most.
-        bounded = np.floor(_STEPS * by_jerk / np.maximum(without, 1e-300))
-        order = np.lexsort((-without, bounded))
+        # Where the jerk limits bound a joint's whole move, little is left to be found out: the
+        # spans that take longest beyond that tell most.
+        order = np.argsort(by_jerk - without, kind="stable")
         taken = np.maximum(by_jerk, without)
     motions: dict[int, Smoothed] = {}
     for k in order.tolist():

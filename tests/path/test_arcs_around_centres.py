@@ -143,6 +143,14 @@ def test_both_readings_turn_alike_about_an_axis(seed: int) -> None:
     np.testing.assert_allclose(p[-1], to, atol=1e-9)
 
 
+def test_how_far_along_the_axis_the_centre_is_does_not_count() -> None:
+    # The end is a little higher than the begin, so that the chord leans towards the axis.
+    for height in (0.0, 0.5, -2.0):
+        document = arc([0.0, 0.06, height], [0.06, 0.06, 3e-5], axis=[0.0, 0.0, 1.0])
+        path = of_segments(document, start=ORIGIN)
+        assert path.length == pytest.approx(0.06 * 0.5 * math.pi, rel=1e-6)
+
+
 @pytest.mark.parametrize(
     ("centre", "to", "axis", "words"),
     [

@@ -124,10 +124,13 @@ def arc_between(p0: Array, centre: Array, p1: Array, z: Array) -> SteadyPiece:
         raise ValueError("its ends are not level: one is farther along the axis than the other")
     n = unit(z - lean * along)
     left = np.cross(n, along)
-    height = float((centre - middle) @ left)
+    hub = centre - middle
+    height = float(hub @ left)
     radius = math.hypot(height, half)
     _refuse_microscopic(radius)
-    if abs(float((centre - middle) @ along)) > _UNEVEN * radius:
+    # Where the axis passes the plane of the arc, however far along it the centre is given.
+    uneven = float(hub @ along) - lean * float(hub @ n) / float(z @ n)
+    if abs(uneven) > _UNEVEN * radius:
         a, b = (float(np.linalg.norm(np.cross(p - centre, z))) for p in (p0, p1))
         raise ValueError(
             f"its ends are {a:.6g} m and {b:.6g} m from its axis, and not as far as each other"

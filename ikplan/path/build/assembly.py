@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Container, Sequence
 from dataclasses import replace
-from itertools import dropwhile, pairwise
+from itertools import dropwhile
 
 import numpy as np
 
@@ -81,10 +81,7 @@ def assemble(
             kept, junctions = smooth, Junctions.between(smooth)
     radii = blend_radii(kept, junctions, blend, joint_after=joint_after)
     found = found or FoundCorners()
-    blends = [
-        _blended(a.piece, b.piece, radius, found) if radius > 0.0 else None
-        for (a, b), radius in zip(pairwise(kept), radii, strict=True)
-    ]
+    blends = _blended([item.piece for item in kept], radii, found)
     if rounding is not None:
         blends = rounded_corners(kept, junctions, blends, rounding, found)
     path = _lay_out(waypoints, segments, kept, blends, junctions)
@@ -98,9 +95,20 @@ def assemble(
     return replace(path, taken=rounding.share, other_roundings=frozenset(others))
 
 
-def _blended(before: Piece, after: Piece, radius: float, found: FoundCorners) -> Blend | None:
-    """Round a corner within a radius asked for."""
-    return found.between(before, after, (radius,), lambda: blend_corner(before, after, radius))
+def _blended(
+    pieces: Sequence[Piece], radii: Sequence[float], found: FoundCorners
+) -> list[Blend | None]:
+    """Round the corners between pieces within the radii asked for; 0: none is."""
+    rows = [k for k, radius in enumerate(radii) if radius > 0.0]
+    corners = [(pieces[k], pieces[k + 1], (radii[k],)) for k in rows]
+
+    def blended(new: list[int]) -> list[Blend]:
+        return [blend_corner(*corners[k][:2], *corners[k][2]) for k in new]
+
+    blends: list[Blend | None] = [None] * len(radii)
+    for k, blend in zip(rows, found.of(corners, blended), strict=True):
+        blends[k] = blend
+    return blends
 
 
 def _is_empty(item: PathItem) -> bool:

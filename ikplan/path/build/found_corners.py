@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from hashlib import blake2b
 
 import numpy as np
@@ -15,6 +15,8 @@ from ikplan.path.pieces.steady import SteadyPiece
 
 __all__ = ["FoundCorners"]
 
+Corner = tuple[Piece, Piece, tuple[float, ...]]
+
 
 class FoundCorners:
     """Corners rounded before, by the numbers that their curves follow from.
@@ -26,25 +28,27 @@ class FoundCorners:
     def __init__(self) -> None:
         self._found: dict[tuple[bytes, tuple[float, ...]], Blend | None] = {}
 
-    def between(
+    def of(
         self,
-        before: Piece,
-        after: Piece,
-        bounds: tuple[float, ...],
-        find: Callable[[], Blend | None],
-    ) -> Blend | None:
-        """Return a rounded corner; None: there is no room for it.
+        corners: Sequence[Corner],
+        find: Callable[[list[int]], Sequence[Blend | None]],
+    ) -> list[Blend | None]:
+        """Return the rounded corners; None: there is no room for one.
 
         Args:
-            before: The piece that ends at the corner.
-            after: The piece that begins there.
-            bounds: What else it follows from: the radius of a blend; or what is allowed.
-            find: Rounds it, where it was not rounded before.
+            corners: The piece that ends at each, the piece that begins there, and what else its
+                curve follows from: the radius of a blend; or what is allowed.
+            find: Rounds those of some indices, which were not rounded before.
         """
-        key = _numbers(before) + _numbers(after), bounds
-        if key not in self._found:
-            self._found[key] = find()
-        return self._found[key]
+        digests: dict[int, bytes] = {}
+        for piece in (piece for corner in corners for piece in corner[:2]):
+            if id(piece) not in digests:
+                digests[id(piece)] = _numbers(piece)
+        keys = [(digests[id(a)] + digests[id(b)], bounds) for a, b, bounds in corners]
+        new = {key: k for k, key in enumerate(keys) if key not in self._found}
+        if new:
+            self._found.update(zip(new, find(list(new.values())), strict=True))
+        return [self._found[key] for key in keys]
 
 
 def _numbers(piece: Piece) -> bytes:

@@ -4,18 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from itertools import pairwise
 
 import numpy as np
 
-from ikplan.arrays import Array, Flags, clamped
+from ikplan.arrays import Array, Flags
 from ikplan.documents.path import PathRequest
 from ikplan.path.build.corners import Junctions
 from ikplan.path.build.found_corners import FoundCorners
 from ikplan.path.build.items import PathItem
+from ikplan.path.build.sharp_corners import SharpCorners
 from ikplan.path.pieces.blend import Blend, blend_corner
-from ikplan.path.pieces.piece import PathDerivatives, Piece, dot
-from ikplan.path.rotation.so3 import angle_between
 from ikplan.path.tolerance_shares import ROUNDING, SMOOTHING, Rounding
 
 __all__ = ["MIDDLE", "CornerTolerance", "may_round", "rounded_corners"]
@@ -26,7 +24,6 @@ MIDDLE = 3.0 / 16.0
 _SHORTER = 0.7
 _ROUNDING = 1.0 + 1e-6
 _TRIES = 12
-_PLACES = np.linspace(0.0, 1.0, 17)
 _LEAST = 1e-9
 """A corner with less room than this is left exact [m]."""
 _HALF = 0.5 * (1.0 - 1e-12)
@@ -80,8 +77,13 @@ class CornerTolerance:
 
     def ratio(self, distance: Array, angle: Array) -> float:
         """Return the largest ratio of what is off to what is allowed."""
-        off = np.maximum((distance + self.lever * angle) / self.position, angle / self.orientation)
-        return float(off.max())
+        return float(self.ratios(distance, angle).max())
+
+    def ratios(self, distance: Array, angle: Array) -> Array:
+        """Return the ratios of what is off to what is allowed, shape (n,)."""
+        return np.asarray(
+            np.maximum((distance + self.lever * angle) / self.position, angle / self.orientation)
+        )
 
 
 def rounded_corners(
@@ -106,11 +108,21 @@ def rounded_corners(
     wanted = [bool(may) for may in may_round(items, junctions)]
     if allowed.slight_only:
         wanted = [may and not sharp for may, sharp in zip(wanted, junctions.sharp, strict=True)]
+    if not any(wanted):
+        return list(blends)
     rooms = _rooms(items, blends, wanted)
-    return [
-        _rounded(a.piece, b.piece, rooms[k], allowed, found) if wanted[k] else blends[k]
-        for k, (a, b) in enumerate(pairwise(items))
-    ]
+    corners = SharpCorners.of([item.piece for item in items], wanted)
+    reaches = np.minimum(
+        np.array([room for room, may in zip(rooms, wanted, strict=True) if may]),
+        allowed.position / (MIDDLE * np.maximum(corners.bends, 1e-12)),
+    )
+    bounds = allowed.position, allowed.orientation, allowed.lever
+    asked = [(*corners.sides(k), (float(reach), *bounds)) for k, reach in enumerate(reaches)]
+    rounded = found.of(asked, lambda new: _shrunk(corners, new, reaches, allowed))
+    blends = list(blends)
+    for row, blend in zip(corners.rows, rounded, strict=True):
+        blends[row] = blend
+    return blends
 
 
 def may_round(items: Sequence[PathItem], junctions: Junctions) -> Flags:
@@ -144,75 +156,21 @@ def _rooms(
     return rooms
 
 
-def _rounded(
-    before: Piece, after: Piece, room: float, allowed: CornerTolerance, found: FoundCorners
-) -> Blend | None:
-    """Round one corner; None: there is no room for it."""
-    a = before.evaluate(np.array([before.length]))
-    b = after.evaluate(np.zeros(1))
-    bend = max(float(np.linalg.norm(b.v - a.v)), 1e-12)
-    reach = min(room, allowed.position / (MIDDLE * bend))
-    bounds = reach, allowed.position, allowed.orientation, allowed.lever
-    return found.between(before, after, bounds, lambda: _shrunk(before, after, reach, allowed))
-
-
-def _shrunk(before: Piece, after: Piece, reach: float, allowed: CornerTolerance) -> Blend | None:
-    """Round one corner by a reach that shrinks until the curve is within the tolerance."""
+def _shrunk(
+    corners: SharpCorners, rows: Sequence[int], reaches: Array, allowed: CornerTolerance
+) -> list[Blend | None]:
+    """Round some corners by reaches that shrink until their curves are within the tolerance."""
+    found: dict[int, Blend] = {}
+    reach = {k: float(reaches[k]) for k in rows}
     for _ in range(_TRIES):
-        if reach < _LEAST:
-            return None
-        blend = blend_corner(before, after, reach)
-        ratio = _off(before, after, blend, allowed)
-        if ratio <= _ROUNDING:
-            return blend
-        reach *= max(min(_SHORTER, 0.98 / ratio), 0.05)
-    return None
-
-
-def _off(before: Piece, after: Piece, blend: Blend, allowed: CornerTolerance) -> float:
-    """How far a rounded corner is from its sharp sides, as a ratio of what is allowed."""
-    places = np.append(_PLACES * blend.piece.length, blend.nearest)
-    curve = blend.piece.evaluate(places)
-    first = places <= blend.nearest
-    worst = 0.0
-    for side, here, low, high in (
-        (before, first, before.length - blend.reach, before.length),
-        (after, ~first, 0.0, blend.reach),
-    ):
-        if here.any():  # a curve that is nearest to its corner at its end has no second side
-            past = places[here]
-            guess = low + past if side is before else high - blend.piece.length + past
-            sharp = _nearest(side, curve, here, clamped(guess, low, high), low, high)
-            worst = max(worst, _ratio(allowed, curve, here, sharp, blend.piece.oriented))
-        if side is before:
-            # The pose nearest to the corner is held to the corner itself: a waypoint may be there.
-            at = side.evaluate(np.array([side.length]))
-            nearest = np.zeros(len(places), dtype=bool)
-            nearest[-1] = True
-            worst = max(worst, _ratio(allowed, curve, nearest, at, blend.piece.oriented))
-    return worst
-
-
-def _nearest(
-    side: Piece, curve: PathDerivatives, here: Flags, s: Array, low: float, high: float
-) -> PathDerivatives:
-    """The places of a side that are nearest to places of the curve: steps along the tangent."""
-    sharp = side.evaluate(s)
-    for _ in range(3):
-        s = clamped(s + dot(curve.p[here] - sharp.p, sharp.v), low, high)
-        sharp = side.evaluate(s)
-    return sharp
-
-
-def _ratio(
-    allowed: CornerTolerance,
-    curve: PathDerivatives,
-    here: Flags,
-    sharp: PathDerivatives,
-    oriented: bool,
-) -> float:
-    distance = np.linalg.norm(curve.p[here] - sharp.p, axis=1)
-    angle = np.zeros(len(distance))
-    if oriented:
-        angle = np.asarray(angle_between(curve.R[here], sharp.R), dtype=np.float64)
-    return allowed.ratio(distance, angle)
+        left = [k for k in rows if k not in found and reach[k] >= _LEAST]
+        if not left:
+            break
+        tried = [blend_corner(*corners.sides(k), reach[k]) for k in left]
+        ratios = corners.ratios_off(left, tried, allowed.ratios)
+        for k, blend, ratio in zip(left, tried, ratios.tolist(), strict=True):
+            if ratio <= _ROUNDING:
+                found[k] = blend
+            else:
+                reach[k] *= max(min(_SHORTER, 0.98 / ratio), 0.05)
+    return [found.get(k) for k in rows]

@@ -50,11 +50,11 @@ def blend_corner(before: Piece, after: Piece, radius: float) -> Blend:
         after: The piece that begins there.
         radius: Radius of the ball, at most the length of either piece [m].
     """
-    corner = after.evaluate(np.zeros(1)).p[0]
     reach = radius
     for _ in range(40):
         a = before.evaluate(np.array([before.length - reach]))
-        b = after.evaluate(np.array([reach]))
+        b = after.evaluate(np.array([reach, 0.0]))
+        corner = b.p[1]
         # Run through at the speed of the path where it leaves and joins it.
         shape = QuinticShape(_end(a, 2.0 * reach), _end(b, 2.0 * reach))
         if (np.linalg.norm(shape.control_points - corner, axis=1) <= radius * (1.0 + 1e-9)).all():
@@ -70,7 +70,7 @@ def blend_corner(before: Piece, after: Piece, radius: float) -> Blend:
     at = piece.evaluate(np.array([nearest]))
     rotation = 0.0
     if turning is not None:
-        rotation = float(angle_between(at.R[0], after.evaluate(np.zeros(1)).R[0]))
+        rotation = float(angle_between(at.R[0], b.R[1]))
     deviation = float(np.linalg.norm(at.p[0] - corner))
     return Blend(piece, radius, reach, nearest, deviation, rotation)
 

@@ -29,6 +29,8 @@ _INSIDE_WINDOW = 0.8
 """Ratio of the error to the tolerance to which points added in a window are brought."""
 _ON_PATH = 1e-3
 """Ratio of a point's error to the tolerance up to which it counts as exact."""
+_BESIDE = 8
+"""A point more changes the spline in so many steps on either side; beyond, by 1e-4 of that."""
 
 
 def densify(
@@ -57,6 +59,7 @@ def densify(
     """
     most = most_points(len(s))
     targets_at = functools.partial(tracked.targets_at, reference)
+    steps: Indices | None = None
     while True:
         tracked.clock.check()
         rest = rest_points(reference, s)
@@ -70,11 +73,16 @@ def densify(
             tracked.tolerance,
             tracked.deviation_share,
             bounded=has_bounds(tracked.freedom),
+            steps=steps,
         )
         tracked.clock.count(spent)
-        wide = np.flatnonzero(off > _allowed(tracked, reference, s, q, windows or []))
+        looked = np.arange(len(s) - 1) if steps is None else steps
+        wide = looked[off > _allowed(tracked, reference, s, q, windows or [])[looked]]
         if len(wide) == 0:
-            return s, q, rest
+            if steps is None:
+                return s, q, rest
+            steps = None
+            continue
         if len(s) > most:
             raise InvalidRequest(
                 f"path: more than {most} path points are needed to keep the tool "
@@ -83,9 +91,9 @@ def densify(
                 "parts",
                 field="path.tolerance",
             )
-        steps = s[wide + 1] - s[wide]
-        at = int(wide[np.argmin(steps)])
-        still = steps.min() < min(_JUMP * reference.length, _JUMP_STEP)
+        lengths = s[wide + 1] - s[wide]
+        at = int(wide[np.argmin(lengths)])
+        still = lengths.min() < min(_JUMP * reference.length, _JUMP_STEP)
         if still and tracked.oriented:
             still = turn_between(reference, s[at], s[at + 1]) < _JUMP_TURN
         if still:
@@ -96,16 +104,25 @@ def densify(
             at = int(bad[0])
             raise TrackingFailed(float(s[at]), q[at].copy(), q[at + 1].copy())
         order = np.argsort(np.concatenate([s, middle]), kind="stable")
+        steps = _beside(np.flatnonzero(order >= len(s)), len(order))
         s = np.concatenate([s, middle])[order]
         q = np.ascontiguousarray(np.vstack([q, q_middle])[order])
 
 
+def _beside(points: Indices, count: int) -> Indices:
+    """Return the steps beside some of so many points, each by the point it begins at."""
+    change = np.zeros(count + 1, dtype=np.int64)
+    np.add.at(change, np.maximum(points - _BESIDE, 0), 1)
+    np.add.at(change, np.minimum(points + _BESIDE, count), -1)
+    return np.flatnonzero(np.cumsum(change[: count - 1]) > 0)
+
+
 def _allowed(
     tracked: TrackedArm, reference: ReferencePath, s: Array, q: Array, windows: SpanList
-) -> Array | float:
+) -> Array:
     """Largest ratio of the deviation to the tolerance in each step: more where it is needed."""
     if not tracked.within:
-        return tracked.deviation_share
+        return np.full(len(s) - 1, tracked.deviation_share)
     off = error_ratios(tracked, reference, s, q) > _ON_PATH
     needed = off[1:] | off[:-1]
     for begin, end in windows:

@@ -43,8 +43,9 @@ def deviation_ratios(
     enough: float,
     *,
     bounded: bool,
+    steps: Indices | None = None,
 ) -> tuple[Array, int]:
-    """Measure which part of the tolerance the deviation takes between each two points.
+    """Measure which part of the tolerance the deviation takes in steps between two points.
 
     Args:
         chain: The arm's chain.
@@ -57,15 +58,24 @@ def deviation_ratios(
             finds no more, a close one follows.
         bounded: Whether what is free has an edge that the tool can cross; a close look is the first
             then.
+        steps: Steps, by the point that each begins at, shape (n,), of which the first look is
+            enough; None: all, as closely as it takes.
 
     Returns:
-        Largest ratio of deviation to tolerance between each two points, shape (m - 1,), and
-        evaluations spent.
+        Largest ratio of deviation to tolerance in each of the steps, shape (n,), and evaluations
+        spent.
     """
-    worst, evaluations = np.zeros(len(s) - 1), 0
-    for shares in (_THROUGHOUT,) if bounded else (_INSIDE, _THROUGHOUT):
-        worst = _sample_deviation(chain, reference, targets_at, s, path, tolerance, enough, shares)
-        evaluations += len(shares) * (len(s) - 1)
+    looks = (_THROUGHOUT,) if bounded else (_INSIDE, _THROUGHOUT)
+    if steps is None:
+        steps = np.arange(len(s) - 1)
+    else:
+        looks = looks[:1]
+    worst, evaluations = np.zeros(len(steps)), 0
+    for shares in looks:
+        worst = _sample_deviation(
+            chain, reference, targets_at, s, path, tolerance, enough, shares, steps
+        )
+        evaluations += len(shares) * len(steps)
         if worst.max(initial=0.0) > enough:
             break
     return worst, evaluations
@@ -80,12 +90,14 @@ def _sample_deviation(
     tolerance: Tolerance,
     enough: float,
     shares: Array,
+    steps: Indices,
 ) -> Array:
-    """Largest ratio of deviation to tolerance at shares, shape (k,), of each step: (m - 1,)."""
+    """Largest ratio of deviation to tolerance at shares, shape (k,), of some steps, (n,): (n,)."""
     count = len(shares)
     s_points = path.s_waypoints
-    sigma = (s_points[:-1, None] + np.diff(s_points)[:, None] * shares).ravel()
-    abreast = (s[:-1, None] + np.diff(s)[:, None] * shares).ravel()
+    size = np.diff(s)[steps]
+    sigma = (s_points[steps, None] + np.diff(s_points)[steps, None] * shares).ravel()
+    abreast = (s[steps, None] + size[:, None] * shares).ravel()
     q = np.ascontiguousarray(path(sigma))
     R, p = forward_batch(chain, q)
 
@@ -96,7 +108,7 @@ def _sample_deviation(
             off = np.maximum(off, _ratio(tolerance, *violation_between(targets, R, p, shares)))
         return np.asarray(off)
 
-    low, high = np.repeat(s[:-1], count), np.repeat(s[1:], count)
+    low, high = np.repeat(s[steps], count), np.repeat(s[steps + 1], count)
     worst = ratios_at(nearest_positions(reference, abreast, p, low, high))
     if worst.max(initial=0.0) > enough:
         # Nearest says little where the tool turns on the way, or is free to be beside the path.
@@ -104,8 +116,8 @@ def _sample_deviation(
     if count == len(_THROUGHOUT):
         moves = np.diff(p.reshape(-1, count, 3), axis=1)
         way = np.linalg.norm(moves, axis=2).sum(axis=1)
-        longer = np.flatnonzero(np.diff(s) > way + tolerance.position)
-        missed = _left_out(chain, targets_at, s, path, tolerance, longer)
+        longer = np.flatnonzero(size > way + tolerance.position)
+        missed = _left_out(chain, targets_at, s, path, tolerance, steps[longer])
         worst[longer] = np.maximum(worst[longer], missed)
     return worst
 

@@ -92,10 +92,10 @@ class PathTracker(ShorteningTracker):
                 except TrackingFailed as later:
                     broken = farthest_failure(broken, tracked.farthest())
                     broken = farthest_failure(broken, later)
-            else:
+            elif step == FIRST_STEPS[-1] or not self._any_astray(reference, tracked):
+                # Smaller steps were tried where the path was lost, not before.
                 broken = farthest_failure(broken, tracked.farthest())
-            if not sequences:
-                break  # smaller steps were tried where it failed
+                break
         if broken is None:
             raise ValueError("no start was given")
         raise broken
@@ -157,6 +157,10 @@ class PathTracker(ShorteningTracker):
                     with contextlib.suppress(TrackingFailed):
                         return self._densify_first(reference, whole)
         raise TrackingFailed(0.0, starts[0].copy())
+
+    def _any_astray(self, reference: ReferencePath, tracked: TrackedStarts) -> bool:
+        """Whether tracking may have gone over to another branch from one of the starts."""
+        return any(self._astray(reference, failure) for failure in tracked.lost)
 
     def _densify_first(
         self,

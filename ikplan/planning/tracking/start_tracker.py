@@ -58,7 +58,7 @@ class StartTracker(TrackedArm):
         """Return path positions and configurations from one start to the end of the path."""
         part = track_from(self, reference, q_start, first)
         if not part.complete:
-            raise TrackingFailed(float(part.s[-1]), part.q[-1].copy())
+            raise TrackingFailed(float(part.s[-1]), part.q[-1].copy(), way=(part.s, part.q))
         return part.s, part.q
 
     def _track_copies(
@@ -78,6 +78,25 @@ class StartTracker(TrackedArm):
             return s, q
         # Self-motion may keep to the limits where it has to; otherwise this tells where they bind.
         return self._track_from(reference, q[0], first)
+
+    def _astray(self, reference: ReferencePath, failure: TrackingFailed) -> bool:
+        """Whether tracking may have gone over to another branch before it lost the path.
+
+        Where two branches come near each other, the middle of a step from one to the other looks
+        like one of a smooth motion; its quarters do not.
+        """
+        if failure.way is None or len(failure.way[0]) == 1:
+            return False
+        s, q = failure.way
+        at, every = np.repeat(s, 2)[:-1], np.repeat(q, 2, axis=0)[:-1]
+        at[1::2] = 0.5 * (s[:-1] + s[1:])
+        arm = without_limits(self.arm)
+        targets = self.targets_at(reference, at)
+        continuous, spent = first_discontinuity(
+            arm.chain, targets, every, arm.lower, arm.upper, *self.met
+        )
+        self.clock.count(spent)
+        return continuous < len(at) - 1
 
     def _shorten(
         self, reference: ReferencePath, s: Array, q: Array, *, coarse_first: bool = False

@@ -53,6 +53,8 @@ class TrackingFailed(Exception):
         beyond: The configuration next on the path, which it cannot move on to, shape (dof,); None:
             none was found.
         contact: Where the arm meets a body; None: it is not contact that ends the path.
+        way: Path positions, shape (m,), and configurations, shape (m, dof), tracked up to there;
+            None: they are not known.
     """
 
     def __init__(
@@ -61,12 +63,14 @@ class TrackingFailed(Exception):
         q: Array,
         beyond: Array | None = None,
         contact: Contact | None = None,
+        way: tuple[Array, Array] | None = None,
     ) -> None:
         super().__init__(f"lost the path at {s:.6g}")
         self.s = s
         self.q = q
         self.beyond = beyond
         self.contact = contact
+        self.way = way
 
 
 def in_contact(contact: Contact, s: Array) -> TrackingFailed:
@@ -107,6 +111,11 @@ class TrackedStarts:
     ends: Sequence[JointSequence | TrackingFailed]
     contact: Callable[[Array, Array], Contact | None]
     _met: dict[int, Contact | None] = field(default_factory=dict)
+
+    @property
+    def lost(self) -> list[TrackingFailed]:
+        """The failures of those starts from which the path was lost before its end."""
+        return [end for end in self.ends if isinstance(end, TrackingFailed)]
 
     def clear(self, most: int | None = None) -> list[JointSequence]:
         """Return the sequences free of contact, shortest first.

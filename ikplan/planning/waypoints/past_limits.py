@@ -89,9 +89,13 @@ def solutions_at_limits(problem: WaypointProblem, targets: Targets) -> list[Arra
 
 def _hair(problem: WaypointProblem) -> Array:
     """How far past its limit a solution of each joint is looked for, shape (dof,)."""
-    tolerance = problem.tolerance
-    prismatic = problem.solver.arm.chain.prismatic
-    return np.where(prismatic, tolerance.position, tolerance.orientation)
+    tolerance, chain = problem.tolerance, problem.solver.arm.chain
+    allowed = np.where(chain.prismatic, tolerance.position, tolerance.orientation)
+    moved = np.abs(chain.coupling)
+    # One value may move several serial joints: the one that it moves farthest counts.
+    share = np.divide(allowed[:, None], moved, out=np.full(moved.shape, np.inf), where=moved > 0.0)
+    hair = share.min(axis=0)
+    return np.where(np.isfinite(hair), hair, 0.0)
 
 
 def _clipped(problem: WaypointProblem, wider: Arm, targets: Targets, k: int, rows: Array) -> Array:

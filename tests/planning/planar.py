@@ -84,6 +84,7 @@ class Polyline:
     """Lines through points, the tool at rest at each corner; waypoints are the points."""
 
     points: Array
+    taken: float = 0.0
 
     @property
     def _s(self) -> Array:
@@ -109,10 +110,6 @@ class Polyline:
     @property
     def segments(self) -> tuple[SegmentRange, ...]:
         return ()
-
-    @property
-    def taken(self) -> float:
-        return 0.0
 
     def poses(self, s: Array) -> tuple[Array, Array]:
         p = np.stack([np.interp(s, self._s, column) for column in self.points.T], axis=1)

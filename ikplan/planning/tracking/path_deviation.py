@@ -11,6 +11,7 @@ from ikplan.documents.poses import Tolerance
 from ikplan.joint_path import JointPath
 from ikplan.kinematics.chain import Chain
 from ikplan.kinematics.forward import forward_batch
+from ikplan.path.tolerance_shares import left_to_tracking
 from ikplan.planning.ladder.ik_candidates import Targets
 from ikplan.planning.tracking.left_out_kernels import farthest_from_way
 from ikplan.planning.tracking.reference_path import ReferencePath, nearest_positions
@@ -30,7 +31,7 @@ _CLOSELY = np.linspace(0.0, 1.0, 49)
 _TOGETHER = 256
 """Steps that are looked at closely at once."""
 _SEEN = 0.8
-"""Ratio to the tolerance from which on a part of the path counts as left out."""
+"""Ratio to what is left of the tolerance from which on a part of the path counts as left out."""
 
 
 def deviation_ratios(
@@ -117,7 +118,8 @@ def _sample_deviation(
         moves = np.diff(p.reshape(-1, count, 3), axis=1)
         way = np.linalg.norm(moves, axis=2).sum(axis=1)
         longer = np.flatnonzero(size > way + tolerance.position)
-        missed = _left_out(chain, targets_at, s, path, tolerance, steps[longer])
+        seen = _SEEN * left_to_tracking(reference.taken)
+        missed = _left_out(chain, targets_at, s, path, tolerance, steps[longer], seen)
         worst[longer] = np.maximum(worst[longer], missed)
     return worst
 
@@ -129,6 +131,7 @@ def _left_out(
     path: JointPath,
     tolerance: Tolerance,
     steps: Indices,
+    seen: float,
 ) -> Array:
     """Ratio to the tolerance of what the tool leaves out of a step, where it misses it most.
 
@@ -142,6 +145,7 @@ def _left_out(
         path: The joint spline through the points.
         tolerance: How far from the path the tool may be.
         steps: Steps whose path is longer than the way of the tool, shape (n,).
+        seen: Ratio from which on a part counts as left out.
 
     Returns:
         Ratios, shape (n,); 0 where the tool misses less than it may.
@@ -157,7 +161,7 @@ def _left_out(
         off, change = farthest_from_way(tool.reshape(-1, count, 3), targets.p.reshape(-1, count, 3))
         # The tool moves on curves between the places looked at: by about that they bulge.
         ratio = (off - box_size(targets.freedom) - 0.2 * change) / tolerance.position
-        ratios[rows] = np.where(ratio > _SEEN, ratio, 0.0)
+        ratios[rows] = np.where(ratio > seen, ratio, 0.0)
     return ratios
 
 

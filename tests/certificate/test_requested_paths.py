@@ -255,6 +255,23 @@ def test_a_curve_is_run_along_by_its_length() -> None:
     np.testing.assert_allclose(arc.parameter(s), t, atol=1e-12)
 
 
+def test_a_spline_that_turns_back_within_a_point_is_there_where_it_turns() -> None:
+    """At the length of its fold too, where the speed of the curve is 0."""
+    T = arm().fk(START)
+    far = T.translation + np.array([0.1, -0.2, 0.05])
+    there, back = ({"position": p.tolist()} for p in (far, T.translation))
+    (leg,) = read({"waypoints": [there, back], "interpolation": "spline"}).legs
+    path, step = leg.path, far - T.translation
+    fold = float(np.linalg.norm(step))
+    assert path.length == pytest.approx(2.0 * fold, rel=1e-12)
+    s = np.concatenate([path.nodes, fold + np.array([-1e-3, -1e-9, 0.0, 1e-9, 1e-3])])
+    assert np.abs(path.nodes - fold).min() < 1e-12
+    piece = path.piece_at(s)
+    p = path.derivatives(piece, s - path.begins[piece]).p
+    away = np.minimum(s, 2.0 * fold - s)
+    np.testing.assert_allclose(p, T.translation + (away / fold)[:, None] * step, atol=1e-9)
+
+
 def test_a_spline_of_large_turns_over_uneven_ways_is_turned_as_the_planner_turns_it() -> None:
     """So large that a spline of quaternions over the length would swing to and fro."""
     robot = arm()

@@ -91,8 +91,11 @@ class ArcLength:
             speed = self._speed(now)
             step = now - miss / np.where(speed > 0.0, speed, 1.0)
             inside = (step >= low[active]) & (step <= high[active]) & (speed > 0.0)
-            t[active] = np.where(inside, step, 0.5 * (low[active] + high[active]))
-            active = active[np.abs(miss) > 1e-13 * (1.0 + self.length)]
+            found = np.abs(miss) <= 1e-13 * (1.0 + self.length)
+            # Where the curve turns back within a point, its speed is 0, and no step leads on.
+            other = np.where(found, now, 0.5 * (low[active] + high[active]))
+            t[active] = np.where(inside, step, other)
+            active = active[~found]
             if len(active) == 0:
                 break
         return t

@@ -96,9 +96,13 @@ def _parameter(a: RoundedStack, r: int, s: float) -> float:
         else:
             below = t
         speed = _speed(c, t)
+        found = abs(miss) <= 1e-13 * (1.0 + a.s[end])
         ahead = t - miss / speed if speed > 0.0 else below - 1.0
-        t = ahead if below <= ahead <= above else 0.5 * (below + above)
-        if abs(miss) <= 1e-13 * (1.0 + a.s[end]):
+        if below <= ahead <= above:
+            t = ahead
+        elif not found:
+            t = 0.5 * (below + above)
+        if found:
             break
     return float(t)
 

@@ -167,7 +167,7 @@ class _Search:
         for first in range(0, len(left), max(1, _PAIRS // count)):
             part = left[first : first + max(1, _PAIRS // count)]
             starts = low[part, None] + (high - low)[part, None] * shares
-            self._look_from(part, starts)
+            self._look_from(np.repeat(part, count), starts.ravel())
 
     def _from_nodes(self, left: Indices, low: Array, high: Array) -> None:
         """Look from the nodes of the path between path lengths, and from half-way between them.
@@ -176,20 +176,32 @@ class _Search:
         """
         samples, nodes = self._samples, self._path.nodes
         nodes = np.sort(np.concatenate([nodes, 0.5 * (nodes[1:] + nodes[:-1])]))
-        for k in left:
-            a, b = max(low[k], samples.low[k]), min(high[k], samples.high[k])
-            inside = nodes[np.searchsorted(nodes, a) : np.searchsorted(nodes, b, "right")]
-            if len(inside):
-                self._look_from(np.array([k]), inside[None])
+        begin = np.searchsorted(nodes, np.maximum(low, samples.low)[left])
+        end = np.searchsorted(nodes, np.minimum(high, samples.high)[left], "right")
+        count = np.maximum(end - begin, 0)
+        first, pairs = 0, np.cumsum(count)
+        while first < len(left):
+            # As many samples at once as have so many pairs with a node, one at least.
+            before = pairs[first] - count[first]
+            last = max(first + 1, int(np.searchsorted(pairs, before + _PAIRS, "right")))
+            rows = slice(first, last)
+            sample = np.repeat(left[rows], count[rows])
+            since = np.arange(len(sample)) - np.repeat(
+                np.cumsum(count[rows]) - count[rows], count[rows]
+            )
+            if len(sample):
+                self._look_from(sample, nodes[np.repeat(begin[rows], count[rows]) + since])
+            first = last
 
-    def _look_from(self, part: Indices, starts: Array) -> None:
-        """Look from places, shape (n, count) [m], and on from the best of each sample."""
-        count = starts.shape[1]
-        begins, sample = starts.ravel(), np.repeat(part, count)
+    def _look_from(self, sample: Indices, begins: Array) -> None:
+        """Look from places [m] of samples, one after the other, and on from the best of each."""
         piece = self._piece_at(sample, begins)
         square = self._look(sample, piece, begins - self._path.begins[piece])[:, 0]
-        best = np.argsort(square.reshape(-1, count), axis=1, kind="stable")[:, :_DESCENTS]
-        chosen = (best + count * np.arange(len(part))[:, None]).ravel()
+        group = np.cumsum(np.append(0, sample[1:] != sample[:-1]))
+        order = np.lexsort((square, group))
+        first = np.searchsorted(group, np.arange(group[-1] + 1))
+        rank = np.arange(len(order)) - first[group]
+        chosen = order[rank < _DESCENTS]
         self._descend(sample[chosen], piece[chosen], begins[chosen])
 
     def _piece_at(self, sample: Indices, s: Array) -> Indices:

@@ -38,18 +38,8 @@ def test_shares_that_act_together_are_no_more_than_the_whole() -> None:
     assert MET < TRACKING_WITHIN
 
 
-class RoundedPolyline(Polyline):
-    """A path that is within the tolerance of another."""
-
-    @property
-    def taken(self) -> float:
-        return ROUNDING
-
-
-@pytest.mark.parametrize(("kind", "left"), [(Polyline, 1.0), (RoundedPolyline, 0.6)])
-def test_what_tracks_within_the_tolerance_has_what_corners_leave(
-    kind: type[Polyline], left: float
-) -> None:
+@pytest.mark.parametrize("taken", [0.0, ROUNDING])
+def test_what_tracks_within_the_tolerance_has_what_corners_leave(taken: float) -> None:
     tracker = TolerantTracker(
         arm_of(UR5),
         JointLimits.from_robot(UR5),
@@ -58,13 +48,13 @@ def test_what_tracks_within_the_tolerance_has_what_corners_leave(
         Tolerance(position=1e-3, orientation=1e-2),
         TimeBudget(1e6),
     )
-    line = kind(np.array([[0.4, 0.0, 0.4], [0.5, 0.0, 0.4]]))
+    line = Polyline(np.array([[0.4, 0.0, 0.4], [0.5, 0.0, 0.4]]), taken)
     tolerant = tracker.tolerant(line)
     assert tolerant.within
     share = tolerant.deviation_share * np.array(
         [tolerant.tolerance.position / 1e-3, tolerant.tolerance.orientation / 1e-2]
     )
-    assert share == pytest.approx(0.95 * left)
+    assert share == pytest.approx(0.95 * (1.0 - taken))
     assert max(tolerant.met[0] / 1e-3, tolerant.met[1] / 1e-2) <= share.max()
 
 

@@ -8,13 +8,13 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
 import httpx
 
-__all__ = ["Server", "processor_s", "serving"]
+__all__ = ["Server", "processor_s", "serving", "threads_s"]
 
 _READY_S = 300.0
 
@@ -126,6 +126,16 @@ def processor_s(pid: int) -> float:
     """Processor time that a process has taken [s]."""
     fields = Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()
     return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
+
+
+def threads_s(pids: Iterable[int]) -> float:
+    """Processor time of the threads of some processes, of those that have not ended [s]."""
+    total = 0
+    for pid in pids:
+        for thread in Path(f"/proc/{pid}/task").glob("*/schedstat"):
+            with suppress(OSError):
+                total += int(thread.read_text().split()[0])
+    return 1e-9 * total
 
 
 def _command(pid: int) -> str:

@@ -86,3 +86,14 @@ def test_at_most_a_hundred_faults_are_described_and_all_are_counted() -> None:
     with pytest.raises(InvalidRequest, match=r"\(and 901 more\)") as told:
         parse_json(PlanRequest, json.dumps({f"x{i}": 1 for i in range(900)}).encode())
     assert len(told.value.errors) == 100
+
+
+@pytest.mark.parametrize("digits", [17, 18, 19, 20, 40])
+@pytest.mark.parametrize("digit", "179")
+def test_whole_numbers_of_any_length_are_read_to_the_last_digit(digits: int, digit: str) -> None:
+    number = int(digit * digits)
+    text = f'{{"Grüße": [-{number}, {number}.5]}}'
+    for written in (text, text.encode()):
+        read, rounded = load_json(written)["Grüße"]
+        assert read == -number
+        assert rounded == float(f"{number}.5")

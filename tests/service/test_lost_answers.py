@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import contextlib
 import json
 import pickle
 import socket
@@ -14,6 +15,7 @@ from pebble import ProcessExpired
 from ikplan import RobotNotFound, WorkerLost
 from ikplan.workers.process import TaskNotStarted
 from ikplan_api.workers import shared_memory, worker
+from ikplan_api.workers.shared_memory import DocumentReceiver, DocumentSender
 from ikplan_api.workers.task_line import TaskLine, hear, say
 from ikplan_api.workers.tasks import TaskInput, TaskResult
 from ikplan_api.workers.worker_slot import WorkerSlot
@@ -34,16 +36,17 @@ class Worker:
     def __init__(self, answer: object, document: bytes | None = None, closes: bool = False) -> None:
         self.slot = WorkerSlot(0)
         self.slot._line = self._line = TaskLine()
-        self.slot._documents = here, there = socket.socketpair()
+        self.slot._documents = documents = DocumentReceiver()
         self.slot._reports = socket.socketpair(socket.AF_UNIX, socket.SOCK_DGRAM)
-        for end in (here, self.slot._reports[0]):
-            end.setblocking(False)
-        self._answer, self._document, self._closes, self._there = answer, document, closes, there
+        self.slot._reports[0].setblocking(False)
+        self._answer, self._document, self._closes = answer, document, closes
+        self._there = documents.there
 
     def _work(self) -> None:
         number, _ = hear(self._line.there, lambda _: None)
         if self._document is not None:
-            shared_memory.send(self._there, self._document)
+            with contextlib.closing(DocumentSender(self._there)) as sender:
+                sender.send(self._document)
         if self._closes:
             self._there.close()
         if isinstance(self._answer, ProcessExpired):
@@ -118,11 +121,12 @@ def test_the_pipe_carries_what_shared_memory_does_not(
 
         return send
 
-    here, there = socket.socketpair()
-    monkeypatch.setattr(worker, "_documents", [there])
+    receiver = DocumentReceiver()
+    sender = DocumentSender(receiver.there)
+    monkeypatch.setattr(worker, "_documents", [sender])
     monkeypatch.setattr(shared_memory, "_memory", failing(shared_memory._memory))
     monkeypatch.setattr(socket, "send_fds", failing(socket.send_fds))
     reply = worker._reply(TaskResult(LONG))
     assert (reply.result.document, reply.shared_bytes) == (LONG, 0)
-    for end in (here, there):
+    for end in (sender, receiver):
         end.close()

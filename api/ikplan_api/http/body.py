@@ -95,8 +95,11 @@ def _refuse_encodings(request: Request) -> None:
             status=415,
             headers={"accept-encoding": "identity"},
         )
+    content_type = request.headers.get("content-type", "")
+    if ";" not in content_type:  # it has no parameters
+        return
     charset = Message()
-    charset["content-type"] = request.headers.get("content-type", "")
+    charset["content-type"] = content_type
     named = charset.get_content_charset("utf-8")
     if named not in ("utf-8", "utf8", "us-ascii"):
         raise Refusal(

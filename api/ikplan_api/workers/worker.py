@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import contextlib
 import functools
-import json
 import os
 import pickle
 import resource
@@ -15,9 +14,12 @@ import traceback
 from dataclasses import replace
 from typing import NamedTuple
 
+import orjson
+
 from ikplan.errors import IkplanError
 from ikplan.workers.child import Fault, set_up
-from ikplan_api.workers import shared_memory, task_line, tasks
+from ikplan_api.workers import task_line, tasks
+from ikplan_api.workers.shared_memory import DocumentSender
 from ikplan_api.workers.tasks import TaskInput, TaskResult
 
 __all__ = [
@@ -40,7 +42,7 @@ _EVERY_S = 0.05
 _SHORT = 32 * 1024
 """Longest document that the line of the task carries [bytes]."""
 _reports: list[socket.socket] = []
-_documents: list[socket.socket] = []
+_documents: list[DocumentSender] = []
 
 
 class TaskLimits(NamedTuple):
@@ -79,14 +81,14 @@ def initialize(memory_bytes: int, reports: socket.socket, documents: socket.sock
     Args:
         memory_bytes: Private memory that it may allocate [bytes]; 0: no limit.
         reports: Socket for progress reports.
-        documents: Socket for long documents.
+        documents: Socket by which memory for long documents is handed over.
     """
     set_up()
     if memory_bytes:
         resource.setrlimit(resource.RLIMIT_DATA, (memory_bytes, memory_bytes))
     reports.setblocking(False)
     _reports[:] = [reports]
-    _documents[:] = [documents]
+    _documents[:] = [DocumentSender(documents)]
 
 
 def ready() -> int:
@@ -118,7 +120,7 @@ def _report(task: int, stage: str, done: int, total: int) -> None:
     # The reader may be slower: the next report replaces a lost one.
     with contextlib.suppress(BlockingIOError):
         for reports in _reports:
-            reports.send(json.dumps([task, stage, done, total]).encode())
+            reports.send(orjson.dumps([task, stage, done, total]))
 
 
 def _begun(task: int) -> None:
@@ -190,6 +192,6 @@ def _reply(result: TaskResult) -> WorkerReply:
     length = len(result.document)
     if length > _SHORT:
         with contextlib.suppress(OSError):  # then the line carries it
-            shared_memory.send(_documents[0], result.document)
+            _documents[0].send(result.document)
             return WorkerReply(result._replace(document=b""), length)
     return WorkerReply(result, 0)

@@ -5,18 +5,19 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import itertools
-import json
 import pickle
 import signal
 import socket
 
+import orjson
 from pebble import ProcessExpired, ProcessFuture
 
 from ikplan.errors import IkplanError
 from ikplan.planning import Progress
 from ikplan.workers.child import Fault
 from ikplan.workers.process import TaskNotStarted, WorkerProcess, worker_lost
-from ikplan_api.workers import shared_memory, worker
+from ikplan_api.workers import worker
+from ikplan_api.workers.shared_memory import DocumentReceiver
 from ikplan_api.workers.task_line import TaskLine
 from ikplan_api.workers.tasks import TaskInput, TaskResult
 
@@ -57,7 +58,7 @@ class WorkerSlot:
         self._process = WorkerProcess("ikplan_api.workers.preload", worker.initialize)
         self._line: TaskLine | None = None
         self._reports: tuple[socket.socket, ...] = ()
-        self._documents: tuple[socket.socket, ...] = ()
+        self._documents: DocumentReceiver | None = None
         self._numbers = itertools.count(1)
         self._lost: BaseException | None = None
         self.pid = 0
@@ -73,9 +74,9 @@ class WorkerSlot:
         loop = asyncio.get_running_loop()
         self._lost = None
         self._line = line = TaskLine()
-        self._documents = _pair(socket.SOCK_STREAM)
-        self._reports = _pair(socket.SOCK_DGRAM)
-        serving = await asyncio.to_thread(self._start, line)
+        self._documents = documents = DocumentReceiver()
+        self._reports = _pair()
+        serving = await asyncio.to_thread(self._start, line, documents.there)
 
         def ended(_: object) -> None:
             error = serving.exception() or TaskNotStarted()
@@ -85,8 +86,8 @@ class WorkerSlot:
         serving.add_done_callback(ended)
         self.healthy = True
 
-    def _start(self, line: TaskLine) -> ProcessFuture[None]:
-        self._process.start(self._memory_bytes, self._reports[1], self._documents[1])
+    def _start(self, line: TaskLine, documents: socket.socket) -> ProcessFuture[None]:
+        self._process.start(self._memory_bytes, self._reports[1], documents)
         self.pid = self._process.begin(worker.ready).result()
         return self._process.begin(worker.serve, line.there)
 
@@ -100,11 +101,10 @@ class WorkerSlot:
         """End the worker, even during a task."""
         self.healthy = False
         await asyncio.to_thread(self._process.stop)
-        if self._line is not None:
-            self._line.close()
-        for end in (*self._documents, *self._reports):
-            end.close()
-        self._line, self._documents, self._reports = None, (), ()
+        for kept in (self._line, self._documents, *self._reports):
+            if kept is not None:
+                kept.close()
+        self._line, self._documents, self._reports = None, None, ()
 
     async def run(
         self, kind: str, task: TaskInput, limits: worker.TaskLimits, progress: Progress
@@ -156,10 +156,10 @@ class WorkerSlot:
 
     async def _document(self, length: int) -> bytes:
         """Receive the document that the worker sent."""
-        here = self._documents[0]
+        assert self._documents is not None
         if length > _LONG:
-            return await asyncio.to_thread(shared_memory.receive, here)
-        return shared_memory.receive(here)
+            return await asyncio.to_thread(self._documents.receive, length)
+        return self._documents.receive(length)
 
 
 class _Reading:
@@ -190,7 +190,7 @@ class _Reading:
         """Pass on what has been reported."""
         with contextlib.suppress(OSError):  # there is no more
             while True:
-                task, stage, done, total = json.loads(self._reports.recv(4096))
+                task, stage, done, total = orjson.loads(self._reports.recv(4096))
                 if task == self.number:
                     self.begun = True
                     if stage:
@@ -202,9 +202,9 @@ class _Reading:
         self.read()
 
 
-def _pair(kind: socket.SocketKind) -> tuple[socket.socket, socket.socket]:
-    """Return a pair of sockets; reading from the first does not block."""
-    here, there = socket.socketpair(socket.AF_UNIX, kind)
+def _pair() -> tuple[socket.socket, socket.socket]:
+    """Return a pair of sockets for reports; reading from the first does not block."""
+    here, there = socket.socketpair(socket.AF_UNIX, socket.SOCK_DGRAM)
     here.setblocking(False)
     return here, there
 

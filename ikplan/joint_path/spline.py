@@ -6,6 +6,7 @@ import numpy as np
 
 from ikplan._jit import kernel
 from ikplan.arrays import Array, Indices
+from ikplan.copying import copy_rows_into
 
 __all__ = ["hermite_extrema", "limit_tangents", "natural_tangents", "tangents_between"]
 
@@ -163,5 +164,6 @@ def tangents_between(
         here, values = s[first : last + 1], q[first : last + 1]
         m = natural_tangents(here, values)
         limit_tangents(here, values, m, lower, upper)
-        start[first:last], end[first:last] = m[:-1], m[1:]
+        copy_rows_into(start[first:last], m[:-1])
+        copy_rows_into(end[first:last], m[1:])
     return start, end

@@ -26,6 +26,7 @@ RANK = {
     "_version": 0,
     "arrays": 0,
     "copying": 1,
+    "sorting": 1,
     "errors": 0,
     "documents": 1,
     "time_budget": 1,

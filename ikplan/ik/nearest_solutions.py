@@ -20,6 +20,7 @@ from ikplan.ik.self_motion import nearest_on_manifold
 from ikplan.ik.workspace import Workspace, new_workspace
 from ikplan.kinematics.chain import Chain
 from ikplan.kinematics.target import Target
+from ikplan.sorting import stable_order
 
 __all__ = ["nearest_solutions"]
 
@@ -107,7 +108,7 @@ def nearest_solutions(
             best = distance * distance + angle * angle
             copy_into(solutions[0], q)
             errors[0, 0], errors[0, 1], errors[0, 2] = distance, angle, math.inf
-    order = np.argsort(lengths[:count], kind="mergesort")
+    order = stable_order(lengths[:count])
     found = 0
     for j in range(min(count, slides)):
         copy_into(q, pool[order[j]])

@@ -6,6 +6,7 @@ import numpy as np
 
 from ikplan._jit import kernel
 from ikplan.arrays import Array, Indices
+from ikplan.sorting import stable_order
 
 __all__ = ["ascending"]
 
@@ -21,7 +22,7 @@ def ascending(values: Array) -> Indices:
     same order.
     """
     if values.shape[0] > MERGED:
-        return np.argsort(values, kind="mergesort")
+        return stable_order(values)
     order = np.empty(values.shape[0], dtype=np.int64)
     for i in range(values.shape[0]):
         place = i

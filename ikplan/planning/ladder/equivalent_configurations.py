@@ -17,6 +17,7 @@ from ikplan.copying import copy_into
 from ikplan.kinematics.arm import Arm
 from ikplan.kinematics.chain import Chain
 from ikplan.planning.ladder.motion_cost import MotionCost, posture_distance
+from ikplan.sorting import stable_order
 
 __all__ = [
     "equivalents_of",
@@ -147,7 +148,7 @@ def shortest_over_equivalents(
             most = max(most, _count_equivalents(q[k, j], turns, lower, upper, first[j], number[j]))
         cost = np.full((counts[k], most), np.inf)
         parent = np.zeros((counts[k], most), dtype=np.int64)
-        for i in np.argsort(cost_before, kind="mergesort"):
+        for i in stable_order(cost_before):
             for j in range(counts[k]):
                 room = known_length - to_go[k, j] - cost_before[i]
                 if k == 0 and start_free:

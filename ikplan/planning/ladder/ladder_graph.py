@@ -26,6 +26,7 @@ from ikplan.planning.ladder.motion_cost import (
     sequence_cost,
     turned_posture_distance,
 )
+from ikplan.sorting import stable_order
 
 __all__ = ["diverse_shortest_paths"]
 
@@ -188,7 +189,7 @@ def diverse_shortest_paths(
     )
     to_go, child = _cost_to_go(candidates, turns, cost)
     through = (to_come + to_go).reshape(n * cap)
-    order = np.argsort(through, kind="mergesort")
+    order = stable_order(through)
     paths = np.empty((max_paths, n, dof))
     found = 0
     for at in order:

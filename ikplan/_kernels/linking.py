@@ -12,7 +12,6 @@ from __future__ import annotations
 
 import functools
 import importlib
-import itertools
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
@@ -131,8 +130,10 @@ def call_out_of_line(dispatcher: Any, result: Any) -> None:
 
 
 def _large(function: Any) -> bool:
-    instructions = (i for block in function.blocks for i in block.instructions)
-    return next(itertools.islice(instructions, _LARGE - 1, None), None) is not None
+    # Each instruction is a line of the text, further lines of one are set deeper: read at once,
+    # since going from one to the next asks LLVM for each.
+    text = str(function)
+    return text.count("\n  ") - text.count("\n   ") >= _LARGE
 
 
 def _declare(library: Any, loaded: Loaded) -> None:

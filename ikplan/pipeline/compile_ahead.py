@@ -19,12 +19,19 @@ import numpy as np
 
 from ikplan._jit import cache_folder
 from ikplan._kernels.turns import Turn
+from ikplan.certificate.offsets import Allowance
 from ikplan.collision.checker import CollisionChecker
+from ikplan.documents.path import PathRequest
 from ikplan.errors import IkplanError
+from ikplan.kinematics.arm import arm_of
+from ikplan.kinematics.target import ORIENTATION_WEIGHT, no_freedom
 from ikplan.pipeline.plan import plan
 from ikplan.pipeline.poses import solve_ik_request
 from ikplan.pipeline.retime import time_request
 from ikplan.pipeline.warm_up import small_requests
+from ikplan.planning.ladder.ik_candidates import Targets
+from ikplan.planning.ladder.motion_cost import plain_cost
+from ikplan.planning.ladder.path_shortening import shorten_sequence
 from ikplan.robots import catalogue_robot
 from ikplan.scene.model import collision_model
 
@@ -65,10 +72,16 @@ def _work(kind: str, method: str, jerk: bool, loads: bool) -> list[tuple[Run, di
     (timing, *_) = _as_asked(small_requests("time", jerk=jerk), loads)
     if kind == "time":
         return [(time_request, timing)]
-    # Timing, certificate and the proof of no contact come last in a plan, the checks before them.
+    # Timing, certificate and the proof of no contact come last in a plan, before them the checks,
+    # and before these the shortening of sequences.
     checked: dict[str, Any] = {"scene": {"self_collision": True}}
     (asked, *_) = _as_asked(small_requests("plan", method, jerk=jerk), loads)
-    return [(time_request, {**timing, **checked}), (_check, timing), (plan, asked)]
+    return [
+        (time_request, {**timing, **checked}),
+        (_check, timing),
+        (_shorten, timing),
+        (plan, asked),
+    ]
 
 
 def _as_asked(requests: list[dict[str, Any]], loads: bool) -> list[dict[str, Any]]:
@@ -80,10 +93,29 @@ def _as_asked(requests: list[dict[str, Any]], loads: bool) -> list[dict[str, Any
 def _check(request: Mapping[str, Any]) -> None:
     """Check waypoints, and the motions between them, as planning does."""
     robot = catalogue_robot(request["robot"])
-    q = np.array(request["waypoints"])
+    s, q = np.arange(2.0), np.array(request["waypoints"])
     checker = CollisionChecker(robot, collision_model(robot, None))
     checker.first_contact(q)
-    checker.contacts_on_curve(np.arange(2.0), q, (q[:1], q[1:]), None, 0.0)
+    for each in (s, q):
+        each.setflags(write=False)  # as in the motions that planning checks
+    checker.contacts_on_curve(s, q, (q[:1], q[1:]), None, 0.0)
+
+
+def _shorten(request: Mapping[str, Any]) -> None:
+    """Shorten a sequence, as planning does, and measure its waypoints, as the certificate does."""
+    robot = catalogue_robot(request["robot"])
+    arm, q = arm_of(robot), np.array(request["waypoints"])
+    poses = [robot.fk(each) for each in q]
+    p, R = (
+        np.array([each.translation for each in poses]),
+        np.array([each.rotation for each in poses]),
+    )
+    oriented, weight = np.ones(len(q), dtype=np.bool_), np.full(len(q), ORIENTATION_WEIGHT)
+    targets = Targets(R, p, oriented, weight, no_freedom())
+    path = PathRequest.model_validate({"waypoints": [{"position": each.tolist()} for each in p]})
+    Allowance(path).offsets(p, R, p, R, oriented)
+    cost, start = plain_cost(robot.dof), q[0].copy()
+    shorten_sequence(arm.chain, targets, q, start, False, arm.lower, arm.upper, cost, 1, 1.0)
 
 
 if __name__ == "__main__":

@@ -93,11 +93,11 @@ def test_a_helper_begins_with_what_a_request_uses_last(
     kind: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     ran: list[str] = []
-    for name in ("plan", "time_request", "solve_ik_request", "_check"):
+    for name in ("plan", "time_request", "solve_ik_request", "_check", "_shorten"):
         monkeypatch.setattr(compile_ahead, name, lambda _, name=name: ran.append(name))
     monkeypatch.setattr(compile_ahead, "cache_folder", lambda: tmp_path)
     compile_ahead.main([kind, "ik-ba", "0", "0", "0", "1"])
-    order = {"time": ["time_request"], "plan": ["time_request", "_check", "plan"]}
+    order = {"time": ["time_request"], "plan": ["time_request", "_check", "_shorten", "plan"]}
     assert ran == order.get(kind, ["solve_ik_request"] * len(ran))
     assert ran
     assert not list(tmp_path.iterdir())
@@ -123,7 +123,32 @@ def test_a_helper_compiles_for_the_limits_that_are_asked_for(loads: bool) -> Non
         assert ("torque" in request["limits"]) == loads, run
 
 
-def test_a_helper_checks_motions_for_contact() -> None:
-    """Of a request that is checked as a plan is, in which nothing touches."""
-    _, (check, request), _ = compile_ahead._work("plan", "ik-ba", False, False)
-    check(request)
+@pytest.mark.parametrize("place", [1, 2], ids=["checks motions", "shortens a sequence"])
+def test_a_helper_calls_what_a_plan_calls_in_its_midst(place: int) -> None:
+    """For a request that is checked as a plan is, in which nothing touches."""
+    run, request = compile_ahead._work("plan", "ik-ba", False, False)[place]
+    run(request)
+
+
+def test_a_helper_compiles_for_the_arguments_of_a_plan() -> None:
+    """Else it compiles what nobody calls: one set of types for each kernel that it calls itself."""
+    code = (
+        "import ikplan\n"
+        "from ikplan.certificate.offset_kernels import offset_rows\n"
+        "from ikplan.collision.motion import curve_contacts, motion_contact\n"
+        "from ikplan.pipeline import compile_ahead\n"
+        "from ikplan.planning.ladder.path_shortening import shorten_sequence\n"
+        "work = compile_ahead._work('plan', 'ik-ba', False, False)\n"
+        "for run, request in work[1:3]:\n"
+        "    run(request)\n"
+        "kernels = offset_rows, curve_contacts, motion_contact, shorten_sequence\n"
+        "before = [{*each.overloads} for each in kernels]\n"
+        "pose = {'position': [0.4, 0.1, 0.5], 'quaternion_xyzw': [1.0, 0.0, 0.0, 0.0]}\n"
+        "path = {'waypoints': [pose, {**pose, 'position': [0.4, 0.0, 0.5]}]}\n"
+        "request = {'robot': 'xarm7', 'path': path, 'limits': {'jerk': False}}\n"
+        "ikplan.plan(request)\n"
+        "assert all(before)\n"
+        "assert before == [{*each.overloads} for each in kernels]\n"
+    )
+    environment = {**os.environ, helpers.VARIABLE: "0", "PYTHONPATH": os.pathsep.join(sys.path)}
+    subprocess.run([sys.executable, "-c", code], env=environment, check=True)

@@ -182,6 +182,21 @@ def test_kernels_are_compiled_once_and_again_when_what_they_call_changes(package
     assert package.run() == ({"value": 12.0, "compiled": False}, "")
 
 
+def test_a_file_that_changes_after_its_import_leaves_no_kernel_of_what_it_was(
+    package: Package, tmp_path: Path
+) -> None:
+    package.write(factor=2.0)
+    file = package.root / "ikplan" / "inner" / "base.py"
+    edited = (
+        "import json, pathlib\n"
+        "from ikplan.top import twice\n"
+        f"pathlib.Path({str(file)!r}).write_text({BASE.format(factor=7.0)!r})\n"
+        "print(json.dumps(twice(3.0)))"
+    )
+    assert package.forge.run(edited, package.root, tmp_path)[0] == 12.0
+    assert package.run(tmp_path)[0] == {"value": 42.0, "compiled": True}
+
+
 def test_a_cache_that_was_cut_short_is_made_again(package: Package) -> None:
     package.write(factor=3.0)
     package.run()

@@ -20,7 +20,7 @@ from ikplan._kernels.linking import call_out_of_line, reduced, restored
 from ikplan._kernels.loading import ready_to_load, unpickled
 from ikplan._kernels.pack import pack_key, shipped_pack
 from ikplan._kernels.python_calls import Wrapper, wrap_when_called
-from ikplan._kernels.sources import PACKAGE, digest_of
+from ikplan._kernels.sources import PACKAGE, digest_of, last_change
 from ikplan._kernels.turns import Turn, take_turn
 
 __all__ = ["cache_folder", "keep", "when_compiling"]
@@ -132,15 +132,30 @@ class _KernelCache(caching.FunctionCache):  # type: ignore[misc]
 
     _impl_class = _KernelCacheImpl
 
+    _enabled = True
+
     def __init__(self, dispatcher: Any, py_func: Callable[..., Any]) -> None:
-        super().__init__(py_func)
         self._dispatcher = dispatcher
-        self._cache_file = _CacheFile(
-            cache_path=self._cache_path,
-            filename_base=self._impl.filename_base,
-            source_stamp=self._impl.locator.get_source_stamp(),
-        )
+        self._py_func = py_func
+        self._name = py_func.__qualname__
         self._turns: dict[Any, Turn] = {}
+        last_change(py_func.__code__.co_filename)
+
+    # Where a kernel is kept is found when it is looked for: most are part of others.
+
+    @functools.cached_property
+    def _impl(self) -> _KernelCacheImpl:
+        return _KernelCacheImpl(self._py_func)
+
+    @functools.cached_property
+    def _cache_path(self) -> str:
+        path: str = self._impl.locator.get_cache_path()
+        return path
+
+    @functools.cached_property
+    def _cache_file(self) -> _CacheFile:
+        stamp = self._impl.locator.get_source_stamp()
+        return _CacheFile(self._cache_path, self._impl.filename_base, stamp)
 
     def load_overload(self, sig: Any, target_context: Any) -> Any:
         ready_to_load(target_context)

@@ -6,12 +6,13 @@ import functools
 import hashlib
 import os
 import re
+import uuid
 from pathlib import Path
 from typing import NamedTuple
 
 import numba
 
-__all__ = ["PACKAGE", "digest_of", "sources_of"]
+__all__ = ["PACKAGE", "digest_of", "last_change", "sources_of"]
 
 PACKAGE = Path(__file__).parents[1]
 _ROOT = str(PACKAGE)
@@ -37,9 +38,22 @@ def _is_file(path: str) -> bool:
 
 
 @functools.cache
+def last_change(path: str) -> int:
+    """Return when a file was changed last [ns], as of the first time that this is asked.
+
+    Asked when a module is imported, so that its file can be read later: a file that was changed
+    in between is not what was imported, and has a digest that no other process finds.
+    """
+    return os.stat(path).st_mtime_ns
+
+
+@functools.cache
 def _source(path: str) -> _Source:
+    imported = last_change(path)
     with open(path, "rb") as file:
         content = file.read()
+        if os.fstat(file.fileno()).st_mtime_ns != imported:
+            content += uuid.uuid4().bytes
     imports: list[str] = []
     for module, several, few in _IMPORT.findall(content):
         base = os.path.join(_ROOT, *module.decode().split(".")[1:])

@@ -140,16 +140,21 @@ class _Farthest:
     def from_point(self, centre: Array) -> tuple[int, float]:
         """Return the first of the points that are the farthest, and its distance [m]."""
         if len(self._points) <= _FEW:
-            distance = np.linalg.norm(self._points - centre, axis=1)
+            distance = _lengths(self._points - centre)
             far = int(np.argmax(distance))
             return far, float(distance[far])
         # The squares of the distances, but for what all points share, to a rounding.
         nearly = np.dot(self._offsets, 2.0 * (centre - self._middle), out=self._nearly)
         np.subtract(self._squares, nearly, out=nearly)
         among = np.flatnonzero(nearly >= nearly.max() - self._alike)
-        distance = np.linalg.norm(self._points[among] - centre, axis=1)
+        distance = _lengths(self._points[among] - centre)
         far = int(np.argmax(distance))
         return int(among[far]), float(distance[far])
+
+
+def _lengths(steps: Array) -> Array:
+    """Lengths of vectors, shape (n, 3): what ``np.linalg.norm`` computes, without its choices."""
+    return np.asarray(np.sqrt(np.add.reduce(steps * steps, axis=1)))
 
 
 @leaf_kernel

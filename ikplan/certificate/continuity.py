@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from ikplan.arrays import steps_of
 from ikplan.certificate.claim import Claim
 from ikplan.errors import CertificateViolated
 
@@ -65,7 +66,7 @@ def discontinuities(claim: Claim) -> list[str]:
     where its velocity would bring it: a sample or a waypoint farther off is a hidden jump.
     """
     wrong = []
-    steps, end = np.diff(claim.time), claim.time[-1]
+    steps, end = steps_of(claim.time), claim.time[-1]
     if claim.time[0] != 0.0 or (steps <= 0.0).any():
         wrong.append("sample times do not increase strictly from 0")
     wrong += _wrong_ends(claim)
@@ -76,15 +77,15 @@ def discontinuities(claim: Claim) -> list[str]:
     limits = claim.limits
     a = limits.largest_acceleration * (1.0 + 1e-6)
     dt = steps[:, None]
-    if (np.abs(np.diff(claim.dq, axis=0)) > a * dt + _ROUNDING).any():
+    if (np.abs(steps_of(claim.dq)) > a * dt + _ROUNDING).any():
         wrong.append("velocities jump between samples")
-    off = np.abs(np.diff(claim.q, axis=0) - claim.dq[:-1] * dt)
+    off = np.abs(steps_of(claim.q) - claim.dq[:-1] * dt)
     if (off > 0.5 * a * dt**2 + _ROUNDING).any():
         wrong.append("positions jump between samples")
     passed = claim.waypoint_time
     stands = sum(seconds for row, seconds in claim.dwells if row == len(passed) - 1)
     last = passed[-1] + stands
-    if (np.diff(passed) < 0.0).any() or passed[0] < 0.0 or abs(last - end) > 1e-9 * end:
+    if (steps_of(passed) < 0.0).any() or passed[0] < 0.0 or abs(last - end) > 1e-9 * end:
         wrong.append("waypoint times do not increase to the end of the motion")
     # Seen from the sample before and from the sample after.
     at = np.maximum(np.searchsorted(claim.time, passed, side="right") - 1, 0)

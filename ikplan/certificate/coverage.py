@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ikplan.arrays import Array, Indices, clamped
+from ikplan.arrays import Array, Indices, clamped, steps_of
 from ikplan.certificate.claim import Claim
 from ikplan.certificate.deviation import MatchedLeg, Tool
 from ikplan.certificate.elongation import joint_reach
@@ -48,12 +48,12 @@ def left_out(
         return 0.0, 0.0
     # Of what need not be followed, nothing can be left out.
     ahead = clamped(np.maximum.accumulate(s), *part.leg.followed)
-    steps = np.diff(tool.p[part.sample], axis=0)
+    steps = steps_of(tool.p[part.sample])
     way = np.sqrt((steps * steps).sum(axis=1))
     box = float(np.linalg.norm(allowance.box_position))
     unseen = _unseen(claim)
     slack = 2.0 * (allowance.position + box)
-    gained = np.diff(ahead) - way - allowance.position
+    gained = steps_of(ahead) - way - allowance.position
     middle = path.piece_at(0.5 * (ahead[1:] + ahead[:-1]))
     gained[path.spots[middle]] = -np.inf
     worst, when = 0.0, 0.0
@@ -86,7 +86,7 @@ def _unseen(claim: Claim) -> float:
     """
     limits = claim.limits
     a = limits.largest_acceleration
-    h = float(np.diff(claim.time).max())
+    h = float(steps_of(claim.time).max())
     return float(joint_reach(claim.robot) @ a) * h * h / 8.0
 
 

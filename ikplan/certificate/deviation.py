@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ikplan.arrays import Array, Flags, Indices, clamped
+from ikplan.arrays import Array, Flags, Indices, clamped, steps_of
 from ikplan.certificate.claim import Claim
 from ikplan.certificate.matching import Samples, match_samples
 from ikplan.certificate.offsets import Allowance
@@ -196,7 +196,7 @@ def _samples(
     gone = np.empty(len(order))
     gone[order] = np.concatenate([[0.0], np.cumsum(way)])
     at_waypoint, at_sample = gone[: len(leg.s)], gone[len(leg.s) :]
-    whole = np.diff(at_waypoint)[step]
+    whole = steps_of(at_waypoint)[step]
     share = (at_sample - at_waypoint[step]) / np.where(whole > 0.0, whole, 1.0)
     share = clamped(share, 0.0, 1.0)
     low, high = leg.s[step], leg.s[step + 1]
@@ -219,7 +219,7 @@ def turning_progress(path: RequestedPath, allowance: Allowance) -> tuple[Array, 
         return np.zeros(0), np.zeros(0)
     nodes = path.nodes
     piece = path.piece_at(0.5 * (nodes[1:] + nodes[:-1]))
-    begin, step = path.begins[piece], np.diff(nodes)
+    begin, step = path.begins[piece], steps_of(nodes)
     here, there = (
         path.derivatives(piece, nodes[:-1] - begin),
         path.derivatives(piece, nodes[1:] - begin),
@@ -239,14 +239,14 @@ def turning_progress(path: RequestedPath, allowance: Allowance) -> tuple[Array, 
 
 
 def _lengths(p: Array) -> Array:
-    steps = np.diff(p, axis=0)
+    steps = steps_of(p)
     return np.asarray(np.sqrt((steps * steps).sum(axis=1)))
 
 
 def _angles(R: Array, free_axis: int | None) -> Array:
     """Angles between neighbouring rotations, or between their axes that may be turned about."""
     if free_axis is not None:
-        steps = np.diff(R[:, :, free_axis], axis=0)
+        steps = steps_of(R[:, :, free_axis])
         return np.asarray(2.0 * np.arcsin(np.minimum(0.5 * np.linalg.norm(steps, axis=1), 1.0)))
     chords = np.sqrt(((R[1:] - R[:-1]) ** 2).sum(axis=(1, 2)) / 8.0)
     return np.asarray(2.0 * np.arcsin(np.minimum(chords, 1.0)))

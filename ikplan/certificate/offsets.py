@@ -69,6 +69,7 @@ class Allowance:
         self.box_position: Array = np.zeros(3) if box is None else np.array(box.position)
         self.box_orientation: Array = np.zeros(3) if box is None else np.array(box.orientation)
         axes: Array | None = None
+        self._unturned = np.eye(3)
         if box is not None and box.frame == "path":
             axes = rotation_of(path.frame.quaternion_xyzw)
         self.rows = Allowed(
@@ -78,7 +79,7 @@ class Allowance:
             self.cone,
             box is not None,
             axes is None,
-            np.eye(3) if axes is None else axes,
+            self._unturned if axes is None else axes,
             self.box_position,
             self.box_orientation,
         )
@@ -106,8 +107,19 @@ class Allowance:
         counts = oriented & (not self.positions_only)
         apart, turned, steps = np.empty_like(p), np.empty_like(p), np.empty_like(p)
         v, w = (np.zeros_like(p), np.zeros_like(p)) if rates is None else rates
-        work, unturned = np.empty((5, 3)), np.eye(3)
         offset_rows(
-            self.rows, p, R, p_target, R_target, counts, v, w, apart, turned, steps, work, unturned
+            self.rows,
+            p,
+            R,
+            p_target,
+            R_target,
+            counts,
+            v,
+            w,
+            apart,
+            turned,
+            steps,
+            np.empty((5, 3)),
+            self._unturned,
         )
         return Offsets(apart, turned, steps)

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ikplan.arrays import Array, clamped
+from ikplan.arrays import Array, clamped, steps_of
 from ikplan.certificate.claim import Claim
 
 __all__ = ["false_stops", "stops"]
@@ -25,7 +25,7 @@ _ROUNDING = 1e-9
 
 def stops(claim: Claim) -> list[float]:
     """Return the times at which all joints rest, between the first and the last sample [s]."""
-    h = float(np.diff(claim.time).max(initial=0.0))
+    h = float(steps_of(claim.time).max(initial=0.0))
     said = claim.stop_time
     seen = [t for t in _seen(claim) if not len(said) or np.abs(said - t).min() > h]
     return [float(t) for t in np.sort(np.concatenate([said, seen]))]
@@ -60,7 +60,7 @@ def _seen(claim: Claim) -> Array:
     still = speed <= _STILL
     ahead, straight_ahead = _to_rest(v[:-1], a[:-1])
     back, straight_back = _to_rest(v[1:], -a[1:])
-    h = np.diff(claim.time)
+    h = steps_of(claim.time)
     moving = ~still[:-1] & ~still[1:]
     between = moving & straight_ahead & straight_back & (ahead + back <= h * _SLACK)
     found = list(claim.time[:-1][between] + ahead[between])

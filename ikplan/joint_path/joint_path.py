@@ -8,7 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ikplan.arrays import Array, Indices
+from ikplan.arrays import Array, Indices, steps_of
 from ikplan.errors import InvalidRequest
 from ikplan.joint_path.evaluation import evaluate_path, slopes_on
 from ikplan.joint_path.spline import hermite_extrema, tangents_between
@@ -113,9 +113,7 @@ class JointPath:
                 )
         kept, knot_of_waypoint = _distinct(q)
         q_knots = q[kept]
-        s_knots = np.concatenate(
-            [[0.0], np.cumsum(np.linalg.norm(np.diff(q_knots, axis=0), axis=1))]
-        )
+        s_knots = np.concatenate([[0.0], np.cumsum(np.linalg.norm(steps_of(q_knots), axis=1))])
         rests = sorted({0, len(kept) - 1, *(int(knot_of_waypoint[i]) for i in rest_at)})
         lower, upper = (
             (np.full(q.shape[1], -np.inf), np.full(q.shape[1], np.inf))
@@ -143,7 +141,7 @@ class JointPath:
         more = np.unique(np.array(inside, dtype=np.float64))
         if not len(more):
             return self
-        more = more[np.append(True, np.diff(more) > slack)]
+        more = more[np.append(True, steps_of(more) > slack)]
         q, m, _ = self.derivatives(more)
         at = np.searchsorted(self.s_knots, more)
         moved = np.arange(len(self.s_knots)) + np.searchsorted(more, self.s_knots)
@@ -226,7 +224,7 @@ class JointPath:
         s = self.s_knots.copy()  # one compiled kind of arrays
         _, _, start = self.derivatives(s[:-1], pieces)
         _, _, end = self.derivatives(s[1:], pieces)
-        third: Array = (end - start) / np.diff(self.s_knots)[:, None]
+        third: Array = (end - start) / steps_of(self.s_knots)[:, None]
         return third
 
     def curvature_jumps(self) -> Indices:
@@ -249,7 +247,7 @@ class JointPath:
         )
         jump = np.abs(start[1:] - end[:-1]).max(axis=1, initial=0.0) > 1e-6 * size
         change = np.abs(end - start).max(axis=1, initial=0.0)
-        short = np.diff(self.s_knots) < _SHORT * self.length
+        short = steps_of(self.s_knots) < _SHORT * self.length
         found = np.union1d(np.flatnonzero(jump) + 1, np.flatnonzero(short & (change > 0.01 * size)))
         return found[~np.isin(found, self.rest_knots)]
 
@@ -283,7 +281,7 @@ class JointPath:
 
 def _distinct(q: Array) -> tuple[Indices, Indices]:
     """Return the rows to keep and, for each row, the number of the kept row it belongs to."""
-    steps = np.linalg.norm(np.diff(q, axis=0), axis=1)
+    steps = np.linalg.norm(steps_of(q), axis=1)
     smallest = _MERGE * steps.sum()
     if (steps > smallest).all():
         return np.arange(len(q)), np.arange(len(q))

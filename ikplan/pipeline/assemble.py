@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ikplan._version import __version__
+from ikplan.arrays import steps_of
 from ikplan.certificate import Claim, RequestedSegment, certify
 from ikplan.certificate.clearance.leaving import Leaving
 from ikplan.certificate.regions import has_regions, prove_regions
@@ -46,7 +47,7 @@ def joint_steps(q_before: Array, q: Array) -> Array:
         q_before: The configuration before the first, shape (dof,) [rad or m].
         q: Configurations, shape (n, dof) [rad or m].
     """
-    steps = np.diff(np.vstack([q_before[None], q]), axis=0)
+    steps = steps_of(np.vstack([q_before[None], q]))
     return np.asarray(np.linalg.norm(steps, axis=1))
 
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ikplan.arrays import Array, Flags, Indices
+from ikplan.arrays import Array, Flags, Indices, steps_of
 from ikplan.errors import InvalidRequest, TimingFailed
 from ikplan.timing.constraints.constraints import Label, PathConstraint, PathPoints
 from ikplan.timing.engines.engine import Check, EngineFailed, unlimited
@@ -124,7 +124,7 @@ def binding(timed: TimedPath) -> Binding:
 def _ratios(span: SpanTiming) -> tuple[list[Label], Array, Array]:
     """Return limits, how near each is in the middle of every interval, and the durations."""
     problem, x = span.problem, span.x
-    u = np.diff(x) / (2.0 * problem.h)
+    u = steps_of(x) / (2.0 * problem.h)
     # In the middle of an interval, away from the switches at its ends.
     middle = 0.5 * (x[1:] + x[:-1])
     qss = 0.5 * (problem.qss0 + problem.qss1)
@@ -167,7 +167,7 @@ def _jerk_ratios(timed: TimedPath) -> tuple[list[Label], Array, Array]:
     if timed.sddot is None or not timed.spans:
         return [], np.zeros((0, 0)), np.zeros(0)
     profile, path = timed.spans[0].problem.profile, timed.path
-    dt = np.diff(timed.node_times)
+    dt = steps_of(timed.node_times)
     middle = timed.node_times[:-1] + 0.5 * dt
     _, dq, ddq = timed.evaluate(middle)
     # The acceleration is smooth inside an interval, but for knots of the path.
@@ -202,7 +202,7 @@ def _jerk_limited_ratios(
     path, sddot = timed.path, timed.sddot
     assert sddot is not None  # it is jerk-limited
     half, jerk = 0.5 * dt, np.zeros(len(dt))
-    np.divide(np.diff(sddot), dt, out=jerk, where=dt > 0.0)
+    np.divide(steps_of(sddot), dt, out=jerk, where=dt > 0.0)
     a, v = sddot[:-1], timed.sdot[:-1]
     s = timed.s[:-1] + half * (v + half * (0.5 * a + half * jerk / 6.0))
     x, u = np.square(v + half * (a + 0.5 * half * jerk)), a + half * jerk

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ikplan._jit import kernel
-from ikplan.arrays import Array, Indices
+from ikplan.arrays import Array, Indices, steps_of
 from ikplan.joint_path.joint_path import JointPath
 
 __all__ = ["Grid", "curvature_grid", "regridded"]
@@ -74,7 +74,7 @@ def regridded(grid: Grid, counts: Array, kept: Array | None = None) -> Grid:
     if kept is not None:
         pieces = grid.pieces[np.searchsorted(runs, pieces)]
     # A node that rounding put on its neighbour would be an interval of length zero.
-    distinct = np.append(np.diff(s) > 0.0, True)
+    distinct = np.append(steps_of(s) > 0.0, True)
     return Grid(s[distinct], pieces[distinct[:-1]])
 
 
@@ -92,9 +92,9 @@ def curvature_grid(path: JointPath, knots: Sequence[int], weight: Array, target:
     """
     first, last = knots[0], knots[-1]
     s = path.s_knots[first : last + 1]
-    h = np.diff(s)
+    h = steps_of(s)
     m0, m1 = path.tangents_start[first:last], path.tangents_end[first:last]
-    d = np.diff(path.q_knots[first : last + 1], axis=0) / h[:, None]
+    d = steps_of(path.q_knots[first : last + 1]) / h[:, None]
     turn = np.sqrt(
         np.sum((np.abs(d - m0) + np.abs(m1 - d)) * weight, axis=1)
         / np.maximum(np.sum(np.abs(d) * weight, axis=1), 1e-300)

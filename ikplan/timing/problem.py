@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ikplan.arrays import Array, Flags
+from ikplan.arrays import Array, Flags, steps_of
 from ikplan.timing.constraints.interval_points import highest
 from ikplan.timing.engines.compiled_engine import HIGHEST, CompiledEngine
 from ikplan.timing.engines.engine import Engine, EngineFailed, checked
@@ -260,7 +260,7 @@ class SpanProblem(SpanIntervals):
         factor = self._largest_ratios(x, least) * (1.0 + margin)
         if len(factor) == 1:
             return np.asarray(x / factor[0])
-        per_interval = np.repeat(factor, np.diff(self.ends))
+        per_interval = np.repeat(factor, steps_of(self.ends))
         # The nodes at both ends of a span rest.
         return np.asarray(x / np.append(per_interval, factor[-1]))
 

@@ -83,10 +83,9 @@ class LimitProfile:
         else:  # nothing depends on them
             up = down = np.zeros((k, path.dof), dtype=np.bool_)
         middle = 0.5 * (path.s_knots[:-1] + path.s_knots[1:])
-        rates = {name: np.tile(getattr(limits, name), (k, 1)) for name in _RATES}
+        rates = {name: np.full((k, path.dof), getattr(limits, name)) for name in _RATES}
         rates["acceleration"], rates["acceleration_lower"] = acceleration_bounds(limits, up, down)
-        jerk = np.tile(np.inf if limits.jerk is None else limits.jerk, (k, 1))
-        jerk = np.broadcast_to(jerk, (k, path.dof)).copy()
+        jerk = np.full((k, path.dof), np.inf if limits.jerk is None else limits.jerk)
         for segment in segments:
             inside = (middle > segment.start) & (middle < segment.end)
             own = {name: getattr(segment.limits, name) for name in _RATES[:2]}

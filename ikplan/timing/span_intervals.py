@@ -9,7 +9,7 @@ from typing import Self
 
 import numpy as np
 
-from ikplan.arrays import Array, Indices
+from ikplan.arrays import Array, Indices, steps_of
 from ikplan.joint_path.joint_path import JointPath
 from ikplan.timing.constraints.constraints import PathConstraint
 from ikplan.timing.constraints.grid_constraints import GridConstraints
@@ -74,7 +74,7 @@ class SpanIntervals:
             grid=grid,
             profile=profile,
             others=GridConstraints(path, grid, tuple(constraints), FINE if fine else COARSE),
-            h=np.diff(grid.s),
+            h=steps_of(grid.s),
             rests=np.searchsorted(grid.s, np.zeros(0) if rests is None else rests),
         )
 

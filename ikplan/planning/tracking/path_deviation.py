@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from ikplan.arrays import Array, Indices
+from ikplan.arrays import Array, Indices, steps_of
 from ikplan.documents.poses import Tolerance
 from ikplan.joint_path import JointPath
 from ikplan.kinematics.chain import Chain
@@ -96,8 +96,8 @@ def _sample_deviation(
     """Largest ratio of deviation to tolerance at shares, shape (k,), of some steps, (n,): (n,)."""
     count = len(shares)
     s_points = path.s_waypoints
-    size = np.diff(s)[steps]
-    sigma = (s_points[steps, None] + np.diff(s_points)[steps, None] * shares).ravel()
+    size = steps_of(s)[steps]
+    sigma = (s_points[steps, None] + steps_of(s_points)[steps, None] * shares).ravel()
     abreast = (s[steps, None] + size[:, None] * shares).ravel()
     q = np.ascontiguousarray(path(sigma))
     R, p = forward_batch(chain, q)
@@ -115,7 +115,8 @@ def _sample_deviation(
         # Nearest says little where the tool turns on the way, or is free to be beside the path.
         worst = np.minimum(worst, ratios_at(abreast))
     if count == len(_THROUGHOUT):
-        moves = np.diff(p.reshape(-1, count, 3), axis=1)
+        places = p.reshape(-1, count, 3)
+        moves = places[:, 1:] - places[:, :-1]
         way = np.linalg.norm(moves, axis=2).sum(axis=1)
         longer = np.flatnonzero(size > way + tolerance.position)
         seen = _SEEN * left_to_tracking(reference.taken)

@@ -7,7 +7,7 @@ from typing import Protocol
 
 import numpy as np
 
-from ikplan.arrays import Array, Flags, Indices, clamped
+from ikplan.arrays import Array, Flags, Indices, clamped, steps_of
 from ikplan.path.rotation.so3 import angle_between
 from ikplan.path.tool_path import SegmentRange
 
@@ -90,7 +90,7 @@ def initial_points(
     if reference.length > 0.0:
         kept.append(reference.length)
     ends = np.array(kept)
-    gaps = np.diff(ends)
+    gaps = steps_of(ends)
     least = 2 if len(gaps) <= _MANY else 1
     steps = 2 * np.maximum(least, np.ceil(gaps / (2.0 * step)).astype(np.int64))
     # Even steps between each two; the points required are exact.

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ikplan.arrays import Array
+from ikplan.arrays import Array, steps_of
 from ikplan.planning.ladder.joint_length import joint_path_length
 from ikplan.planning.tracking.reference_path import ReferencePath
 from ikplan.planning.tracking.track_from import TrackedPart
@@ -69,14 +69,14 @@ def _flip(
     tracked: TrackedArm, reference: ReferencePath, s: Array, q: Array, passed: float
 ) -> int | None:
     """Index of the point where the first flip behind a path position is fastest, None: none."""
-    moved = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(q, axis=0), axis=1))])
+    moved = np.concatenate([[0.0], np.cumsum(np.linalg.norm(steps_of(q), axis=1))])
     over = np.interp(s + _SPAN, s, moved) - moved
     begins = np.flatnonzero((over > _FLIP) & (s >= passed))
     if len(begins) == 0:
         return None
     first = int(begins[0])
     last = min(int(np.searchsorted(s, s[first] + 2.0 * _SPAN)), len(s) - 1)
-    rate = np.diff(moved[first : last + 1]) / np.maximum(np.diff(s[first : last + 1]), 1e-12)
+    rate = steps_of(moved[first : last + 1]) / np.maximum(steps_of(s[first : last + 1]), 1e-12)
     place = first + int(np.argmax(rate)) if len(rate) else first
     near = near_singular(tracked, reference, float(s[place]), q[place])
     return place if near and 0 < place < len(s) - 1 else None

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ikplan.arrays import Array
+from ikplan.arrays import Array, steps_of
 from ikplan.joint_path.joint_path import JointPath
 from ikplan.timing.constraints.constraints import PathConstraint
 from ikplan.timing.constraints.interval_points import IntervalPoints, parts_of
@@ -60,7 +60,7 @@ class GridConstraints:
         A row that is zero bounds nothing. Constraints whose ranges do not meet share columns.
         Shapes (n, m), (n, m) and (n, 2).
         """
-        h = np.diff(self.grid.s)
+        h = steps_of(self.grid.s)
         n = len(h)
         occupied = np.zeros(n, dtype=np.int64)
         places = []
@@ -100,7 +100,7 @@ class GridConstraints:
         share = np.array(self.shares)[:, None]
         here = x[:-1] + share * (x[1:] - x[:-1])
         here[-1] = x[1:]
-        u = np.broadcast_to(np.diff(x) / (2.0 * np.diff(self.grid.s)), here.shape)
+        u = np.broadcast_to(steps_of(x) / (2.0 * steps_of(self.grid.s)), here.shape)
         return [(points, points.ratios(u, here)) for points in self.points]
 
     def slowdown_factors(self, u: Array, x: Array) -> Array:

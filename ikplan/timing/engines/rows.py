@@ -286,7 +286,8 @@ def _median(values: Array) -> float:
     middle = len(values) // 2
     if len(values) % 2:
         return float(np.partition(values, middle)[middle])
-    return float(np.partition(values, (middle - 1, middle))[middle - 1 : middle + 1].mean())
+    ordered = np.partition(values, (middle - 1, middle))
+    return 0.5 * (float(ordered[middle - 1]) + float(ordered[middle]))
 
 
 def natural_units(rows: StageRows) -> tuple[StageRows, float]:

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from ikplan._kernels.clock import counting
-from ikplan.arrays import Array
+from ikplan.arrays import Array, steps_of
 from ikplan.timing.engines.engine import EngineFailed, checked
 from ikplan.timing.engines.rows import StageRows
 from ikplan.timing.engines.toppra_import import libraries_on_first_use
@@ -103,7 +103,7 @@ class ToppraEngine:
                 controllable[i] = top
             elif math.isnan(top):
                 raise EngineFailed(i)
-        h = np.diff(rows.s).tolist()
+        h = steps_of(rows.s).tolist()
         x = [min(rows.ends[0], controllable[0])] + [0.0] * n
         highest_next = np.array([0.0, -1.0])
         for i in range(n):

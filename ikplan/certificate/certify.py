@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from ikplan.arrays import Array, steps_of
+from ikplan.arrays import Array, lengths_of, steps_of
 from ikplan.certificate.claim import Claim
 from ikplan.certificate.continuity import check_finite, discontinuities
 from ikplan.certificate.coverage import left_out
@@ -140,4 +140,4 @@ def _deviations(
 def _elongations(claim: Claim) -> Array:
     """Joint distance of each waypoint from the one before, or the start, shape (n,)."""
     begin = claim.waypoint_q[:1] if claim.q_start is None else claim.q_start[None]
-    return np.asarray(np.linalg.norm(steps_of(np.vstack([begin, claim.waypoint_q])), axis=1))
+    return np.asarray(lengths_of(steps_of(np.vstack([begin, claim.waypoint_q]))))

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ikplan.arrays import Array, Flags, Indices, clamped, steps_of
+from ikplan.arrays import Array, Flags, Indices, clamped, lengths_of, steps_of
 from ikplan.certificate.claim import Claim
 from ikplan.certificate.matching import Samples, match_samples
 from ikplan.certificate.offsets import Allowance
@@ -157,7 +157,7 @@ def _in_balls(leg: TimedLeg, p: Array, tolerance: float) -> _Balls:
             continue
         piece = leg.path.piece_at(np.array([place]))
         corner = leg.path.derivatives(piece, place - leg.path.begins[piece]).p
-        away = np.linalg.norm(p[order] - corner, axis=1)
+        away = lengths_of(p[order] - corner)
         out = np.flatnonzero(away > radius + tolerance)
         run = order[: out[0] if len(out) else len(order)]
         found.s[run] = abs(place - radius)
@@ -247,6 +247,6 @@ def _angles(R: Array, free_axis: int | None) -> Array:
     """Angles between neighbouring rotations, or between their axes that may be turned about."""
     if free_axis is not None:
         steps = steps_of(R[:, :, free_axis])
-        return np.asarray(2.0 * np.arcsin(np.minimum(0.5 * np.linalg.norm(steps, axis=1), 1.0)))
+        return np.asarray(2.0 * np.arcsin(np.minimum(0.5 * lengths_of(steps), 1.0)))
     chords = np.sqrt(((R[1:] - R[:-1]) ** 2).sum(axis=(1, 2)) / 8.0)
     return np.asarray(2.0 * np.arcsin(np.minimum(chords, 1.0)))

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import pinocchio as pin
 
-from ikplan.arrays import Array
+from ikplan.arrays import Array, lengths_of
 from ikplan.documents.certificate import LimitPlace
 from ikplan.limits.motion_limits import MotionLimits
 from ikplan.robots import Robot
@@ -235,10 +235,10 @@ def tool_acceleration_ratios(
             model, data, frame, pin.ReferenceFrame.LOCAL
         ).vector
     v, a = velocities[:, :3], accelerations[:, :3]
-    speed = np.linalg.norm(v, axis=1)
+    speed = lengths_of(v)
     # A tool at rest sets out, or has come to rest, along its acceleration.
     moves = speed > _STILL
-    along = np.linalg.norm(a, axis=1)
+    along = lengths_of(a)
     along[moves] = np.abs((v[moves] * a[moves]).sum(axis=1)) / speed[moves]
     return np.asarray(np.maximum(_larger(accelerations, limit), along / tangential))
 
@@ -255,8 +255,8 @@ def _with_tool_frame(robot: Robot) -> tuple[pin.Model, int]:
 
 
 def _larger(twists: Array, limit: tuple[float, float]) -> Array:
-    linear = np.linalg.norm(twists[:, :3], axis=1) / limit[0]
-    angular = np.linalg.norm(twists[:, 3:], axis=1) / limit[1]
+    linear = lengths_of(twists[:, :3]) / limit[0]
+    angular = lengths_of(twists[:, 3:]) / limit[1]
     return np.asarray(np.maximum(linear, angular))
 
 

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from ikplan.arrays import Array, Indices
+from ikplan.arrays import Array, Indices, lengths_of
 from ikplan.certificate.claim import Claim
 from ikplan.documents.certificate import LimitPlace
 from ikplan.documents.poses import Tolerance
@@ -45,7 +45,7 @@ def polyline_deviation(claim: Claim, asked: Array) -> tuple[dict[str, Any], list
     row, joint = np.unravel_index(int(np.argmax(off)), off.shape)
     R, p = claim.robot.poses(claim.q)
     R_line, p_line = claim.robot.poses(nearest)
-    distance, angle = np.linalg.norm(p - p_line, axis=1), _angles(R, R_line)
+    distance, angle = lengths_of(p - p_line), _angles(R, R_line)
     found = {
         "max_joint_deviation": float(off[row, joint]),
         "max_joint_deviation_at": LimitPlace(
@@ -64,7 +64,7 @@ def polyline_deviation(claim: Claim, asked: Array) -> tuple[dict[str, Any], list
     if isinstance(tolerance, Tolerance):
         R, p = claim.robot.poses(claim.waypoint_q)
         R_asked, p_asked = claim.robot.poses(asked)
-        distance = np.append(distance, np.linalg.norm(p - p_asked, axis=1))
+        distance = np.append(distance, lengths_of(p - p_asked))
         angle = np.append(angle, _angles(R, R_asked))
         if distance.max() > tolerance.position * _SLACK:
             wrong.append(f"the tool leaves the polyline by {distance.max():.3g} m")

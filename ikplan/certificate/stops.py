@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ikplan.arrays import Array, clamped, steps_of
+from ikplan.arrays import Array, Flags, clamped, lengths_of, steps_of
 from ikplan.certificate.claim import Claim
 
 __all__ = ["false_stops", "stops"]
@@ -70,9 +70,9 @@ def _seen(claim: Claim) -> Array:
     return np.sort(np.array(found, dtype=np.float64))
 
 
-def _to_rest(v: Array, a: Array) -> tuple[Array, Array]:
+def _to_rest(v: Array, a: Array) -> tuple[Array, Flags]:
     """Time until velocities, changed by accelerations, are least, and whether they are about 0."""
     square = np.maximum((a * a).sum(axis=1), 1e-300)
     after = np.maximum(-(v * a).sum(axis=1) / square, 0.0)
-    left = np.linalg.norm(v + after[:, None] * a, axis=1)
-    return after, left <= _STRAIGHT * np.linalg.norm(v, axis=1)
+    left = lengths_of(v + after[:, None] * a)
+    return after, left <= _STRAIGHT * lengths_of(v)

@@ -12,7 +12,7 @@ import math
 import numpy as np
 
 from ikplan._jit import leaf_kernel
-from ikplan.arrays import Array
+from ikplan.arrays import Array, lengths_of
 
 __all__ = ["covering_spheres", "enclosing_box", "sphere_box_gap"]
 
@@ -48,7 +48,7 @@ def _edge_frames(points: Array) -> list[Array]:
     if len(points) != 8:
         return []
     edges = points[1:] - points[0]
-    edges = edges[np.argsort(np.linalg.norm(edges, axis=1), kind="stable")]
+    edges = edges[np.argsort(lengths_of(edges), kind="stable")]
     first = edges[0] / max(float(np.linalg.norm(edges[0])), 1e-300)
     across = edges - np.outer(edges @ first, first)
     found = []
@@ -140,21 +140,16 @@ class _Farthest:
     def from_point(self, centre: Array) -> tuple[int, float]:
         """Return the first of the points that are the farthest, and its distance [m]."""
         if len(self._points) <= _FEW:
-            distance = _lengths(self._points - centre)
+            distance = lengths_of(self._points - centre)
             far = int(np.argmax(distance))
             return far, float(distance[far])
         # The squares of the distances, but for what all points share, to a rounding.
         nearly = np.dot(self._offsets, 2.0 * (centre - self._middle), out=self._nearly)
         np.subtract(self._squares, nearly, out=nearly)
         among = np.flatnonzero(nearly >= nearly.max() - self._alike)
-        distance = _lengths(self._points[among] - centre)
+        distance = lengths_of(self._points[among] - centre)
         far = int(np.argmax(distance))
         return int(among[far]), float(distance[far])
-
-
-def _lengths(steps: Array) -> Array:
-    """Lengths of vectors, shape (n, 3): what ``np.linalg.norm`` computes, without its choices."""
-    return np.asarray(np.sqrt(np.add.reduce(steps * steps, axis=1)))
 
 
 @leaf_kernel

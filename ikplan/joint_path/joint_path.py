@@ -8,7 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ikplan.arrays import Array, Indices, steps_of
+from ikplan.arrays import Array, Indices, lengths_of, steps_of
 from ikplan.errors import InvalidRequest
 from ikplan.joint_path.evaluation import evaluate_path, slopes_on
 from ikplan.joint_path.spline import hermite_extrema, tangents_between
@@ -113,7 +113,7 @@ class JointPath:
                 )
         kept, knot_of_waypoint = _distinct(q)
         q_knots = q[kept]
-        s_knots = np.concatenate([[0.0], np.cumsum(np.linalg.norm(steps_of(q_knots), axis=1))])
+        s_knots = np.concatenate([[0.0], np.cumsum(lengths_of(steps_of(q_knots)))])
         rests = sorted({0, len(kept) - 1, *(int(knot_of_waypoint[i]) for i in rest_at)})
         lower, upper = (
             (np.full(q.shape[1], -np.inf), np.full(q.shape[1], np.inf))
@@ -281,7 +281,7 @@ class JointPath:
 
 def _distinct(q: Array) -> tuple[Indices, Indices]:
     """Return the rows to keep and, for each row, the number of the kept row it belongs to."""
-    steps = np.linalg.norm(steps_of(q), axis=1)
+    steps = lengths_of(steps_of(q))
     smallest = _MERGE * steps.sum()
     if (steps > smallest).all():
         return np.arange(len(q)), np.arange(len(q))

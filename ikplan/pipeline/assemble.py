@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ikplan._version import __version__
-from ikplan.arrays import steps_of
+from ikplan.arrays import lengths_of, steps_of
 from ikplan.certificate import Claim, RequestedSegment, certify
 from ikplan.certificate.clearance.leaving import Leaving
 from ikplan.certificate.regions import has_regions, prove_regions
@@ -48,7 +48,7 @@ def joint_steps(q_before: Array, q: Array) -> Array:
         q: Configurations, shape (n, dof) [rad or m].
     """
     steps = steps_of(np.vstack([q_before[None], q]))
-    return np.asarray(np.linalg.norm(steps, axis=1))
+    return np.asarray(lengths_of(steps))
 
 
 def waypoint_results(

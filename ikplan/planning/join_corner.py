@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ikplan.arrays import Array
+from ikplan.arrays import Array, lengths_of
 from ikplan.collision.check import ContactCheck
 from ikplan.joint_path import JointPath
 from ikplan.kinematics.forward import forward_batch
@@ -118,13 +118,13 @@ class JoinCorner:
         path = JointPath.through(np.vstack([rows, self.q_beyond]), limits)
         knots = path.s_waypoints
         looks = np.linspace(knots[bend.start], knots[len(head)], _LOOKS)
-        away = np.linalg.norm(self._tool(path(looks)) - p_corner, axis=1)
+        away = lengths_of(self._tool(path(looks)) - p_corner)
         if away.max() > self.radius:
             return None
         contact = self.tracked.contact
         if contact is not None and _touches(contact, rows):
             return None
-        near = np.linalg.norm(self._tool(rows[bend]) - p_corner, axis=1)
+        near = lengths_of(self._tool(rows[bend]) - p_corner)
         joints = len(self.q_joint) - 1
         place = {k: min(k, self.kept) for k in range(joints)}
         place |= {joints: bend.start + int(np.argmin(near))}
@@ -146,7 +146,7 @@ class JoinCorner:
         if high - low < 1e-9:
             return None
         looks = np.linspace(high, low, _LOOKS)
-        away = np.linalg.norm(self._tool(path(looks)) - self._tool(self.q_tool[:1]), axis=1)
+        away = lengths_of(self._tool(path(looks)) - self._tool(self.q_tool[:1]))
         out = np.flatnonzero(away > reach)
         sigma = float(looks[out[0] - 1 if len(out) else -1])
         if high - sigma < 1e-9:

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from ikplan.arrays import Array
+from ikplan.arrays import Array, lengths_of
 from ikplan.documents.plan_request import PlanRequest
 from ikplan.documents.poses import Posture, PostureReport
 from ikplan.documents.segment import JointSegment, JointTarget, MoveSegment
@@ -145,7 +145,7 @@ def report_posture(robot: Robot, posture: Posture | None, q: Array) -> PostureRe
     distance = None
     if posture.q is not None:
         weights = motion_cost(robot, posture).weights
-        distance = float(np.linalg.norm(weights * (q - np.array(posture.q)), axis=1).mean())
+        distance = float(lengths_of(weights * (q - np.array(posture.q))).mean())
     lower, upper = soft_limits(robot, posture)
     past = np.maximum(lower - q, q - upper).max(axis=0)
     given = posture.lower is not None or posture.upper is not None

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ikplan.arrays import Array
+from ikplan.arrays import Array, lengths_of
 from ikplan.documents.limits import LimitOptions
 from ikplan.documents.path import PathRequest
 from ikplan.documents.poses import Frame
@@ -173,7 +173,7 @@ def _other_branch(problem: JointPathProblem) -> Iterator[Repair]:
         arm.closed_form,
     )
     branches = distinct_modulo_turns(arm, found.q[0, : found.counts[0]])
-    order = np.argsort(np.linalg.norm(branches - problem.q_start, axis=1), kind="stable")
+    order = np.argsort(lengths_of(branches - problem.q_start), kind="stable")
     tracker, copies = path_tracker(problem), StartCopies(problem.q_start, True, problem.posture)
     starts: list[Array] = []
     for q in branches[order][:_MOST_BRANCHES]:

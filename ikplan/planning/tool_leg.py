@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ikplan.arrays import Array
+from ikplan.arrays import Array, lengths_of
 from ikplan.collision.check import ContactCheck
 from ikplan.errors import (
     BudgetExceeded,
@@ -177,7 +177,7 @@ def _track_from_more(tracker: TolerantTracker, path: ToolPath, ways: StartingWay
     more = more[tracker.farthest_starts(path, more, ways.copies)]
     costs = np.zeros(len(more))
     if ways.costs.any():
-        costs = np.linalg.norm(more - ways.problem.q_start, axis=1)
+        costs = lengths_of(more - ways.problem.q_start)
     return tracker.track(path, more, costs, ways.copies)
 
 
@@ -209,7 +209,7 @@ def _held_by_contact(
         return None
     unchecked = replace(tracker, contact=None)
     every = branches(replace(ways.problem, contact=None))
-    costs = np.linalg.norm(every - ways.problem.q_start, axis=1)
+    costs = lengths_of(every - ways.problem.q_start)
     try:
         tracked = unchecked.track(path, every, costs, ways.copies)
     except TrackingFailed:

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ikplan.arrays import Array
+from ikplan.arrays import Array, lengths_of
 from ikplan.certificate.requested.curves import QuinticCurve
 from ikplan.certificate.requested.pieces import TURN_LENGTH, End, Piece
 from ikplan.certificate.requested.rounded import QuinticArc, RoundedPiece
@@ -89,7 +89,7 @@ def round_corner(before: Piece, after: Piece, radius: float) -> Rounding:
     for _ in range(40):
         a, b = before.end(before.length - reach), after.end(reach)
         curve = QuinticCurve(_scaled(a, 2.0 * reach), _scaled(b, 2.0 * reach))
-        away = np.linalg.norm(curve.control_points - corner, axis=1)
+        away = lengths_of(curve.control_points - corner)
         if (away <= radius * (1.0 + 1e-9)).all():
             break
         reach *= 0.8

@@ -6,7 +6,7 @@ from typing import Protocol
 
 import numpy as np
 
-from ikplan.arrays import Array
+from ikplan.arrays import Array, lengths_of
 from ikplan.certificate.requested.arc_length import ArcLength
 from ikplan.certificate.requested.curves import cubic_values, natural_cubic
 from ikplan.certificate.requested.rotations import exp, quaternions_of, rotations_of, unit
@@ -117,7 +117,7 @@ class QuaternionSpline:
         """How far the spline gets from unit length, at eighths of each span."""
         between = np.linspace(self._knots[:-1], self._knots[1:], 9).ravel()
         values = cubic_values(self._knots, self._q, self._bends, between)[0]
-        return float(np.abs(np.linalg.norm(values, axis=1) - 1.0).max())
+        return float(np.abs(lengths_of(values) - 1.0).max())
 
     def _warped(self, s: Array) -> tuple[Array, Array]:
         """The parameter of the spline at arc lengths, and its derivative."""

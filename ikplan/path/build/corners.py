@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ikplan.arrays import Array, Flags
+from ikplan.arrays import Array, Flags, lengths_of
 from ikplan.errors import InvalidRequest
 from ikplan.path.build.items import PathItem
 from ikplan.path.pieces.piece import TURN_LENGTH, dot
@@ -57,15 +57,15 @@ class Junctions(NamedTuple):
         oriented = np.array([item.piece.oriented for item in items])
         spots = np.array([item.piece.turns for item in items])
         both = oriented[1:] & oriented[:-1]
-        turn = np.where(both, TURN_LENGTH * np.linalg.norm(before.w - after.w, axis=1), 0.0)
-        across = np.linalg.norm(np.cross(before.v, after.v), axis=1)
-        rates = np.linalg.norm(before.w, axis=1) + np.linalg.norm(after.w, axis=1)
+        turn = np.where(both, TURN_LENGTH * lengths_of(before.w - after.w), 0.0)
+        across = lengths_of(np.cross(before.v, after.v))
+        rates = lengths_of(before.w) + lengths_of(after.w)
         return cls(
-            (np.linalg.norm(before.v - after.v, axis=1) > _JUMP) | (turn > _JUMP),
+            (lengths_of(before.v - after.v) > _JUMP) | (turn > _JUMP),
             np.arctan2(across, dot(before.v, after.v)) > np.pi - _BACK,
             spots[1:] | spots[:-1],
             np.where(both, rates, 0.0),
-            (np.linalg.norm(before.v - after.v, axis=1) > _SHARP) | (turn > _SHARP),
+            (lengths_of(before.v - after.v) > _SHARP) | (turn > _SHARP),
         )
 
 

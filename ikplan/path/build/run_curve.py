@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ikplan.arrays import Array, Indices
+from ikplan.arrays import Array, Indices, lengths_of
 from ikplan.path.build.items import PathItem
 from ikplan.path.build.tolerance_corners import CornerTolerance
 from ikplan.path.pieces.steady import SteadyPiece
@@ -103,7 +103,7 @@ class RunCurve:
         of the curvature: the integral of that root. Curves past the same points compare.
         """
         at = np.linspace(self.clusters.u[0], self.clusters.u[-1], 4 * len(self.spline.t))
-        bending = np.linalg.norm(self.spline(at, 2), axis=1)
+        bending = lengths_of(self.spline(at, 2))
         return float(np.sqrt(bending).mean() * (at[-1] - at[0]))
 
 
@@ -149,21 +149,21 @@ def _off(curve: RunCurve, points: RunPoints, allowed: CornerTolerance) -> float:
     for at, before, after in checks:
         y = spline(at)
         share = np.clip(((y[:, :3] - a) * along).sum(axis=1) / square, 0.0, 1.0)[:, None]
-        distance = np.linalg.norm(y[:, :3] - a - share * along, axis=1)
+        distance = lengths_of(y[:, :3] - a - share * along)
         angle = np.zeros(len(at))
         if turns:
             q = points.q[before] + share * (points.q[after] - points.q[before])
             angle = _angle(y[:, 3:], q)
         worst = max(worst, allowed.ratio(distance, angle))
     y = spline(u[of_point])
-    distance = np.linalg.norm(y[:, :3] - points.p, axis=1)
+    distance = lengths_of(y[:, :3] - points.p)
     angle = _angle(y[:, 3:], points.q) if turns else np.zeros(len(distance))
     return max(worst, allowed.ratio(distance, angle))
 
 
 def _angle(a: Array, b: Array) -> Array:
     """Angles between the rotations of quaternions of about unit length, shape (m,) [rad]."""
-    a = a / np.linalg.norm(a, axis=1)[:, None]
-    b = b / np.linalg.norm(b, axis=1)[:, None]
-    chord = np.minimum(np.linalg.norm(a - b, axis=1), np.linalg.norm(a + b, axis=1))
+    a = a / lengths_of(a)[:, None]
+    b = b / lengths_of(b)[:, None]
+    chord = np.minimum(lengths_of(a - b), lengths_of(a + b))
     return np.asarray(4.0 * np.arcsin(np.minimum(0.5 * chord, 1.0)))

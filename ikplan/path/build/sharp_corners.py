@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ikplan.arrays import Array, Indices, clamped, length_of
+from ikplan.arrays import Array, Indices, clamped, length_of, lengths_of
 from ikplan.path.pieces.blend import Blend
 from ikplan.path.pieces.piece import Piece, dot
 from ikplan.path.pieces.piece_kernels import PieceStack
@@ -115,4 +115,4 @@ def _ratios(
     """Ratios to what is allowed of steps and, where it counts, of the angles between rotations."""
     angle = np.zeros(len(step))
     angle[oriented] = angle_between(R[oriented], sharp[oriented])
-    return ratios(np.asarray(np.linalg.norm(step, axis=1)), angle)
+    return ratios(np.asarray(lengths_of(step)), angle)

@@ -7,7 +7,7 @@ from typing import Protocol
 
 import numpy as np
 
-from ikplan.arrays import Array, Flags, Indices, clamped, steps_of
+from ikplan.arrays import Array, Flags, Indices, clamped, lengths_of, steps_of
 from ikplan.path.rotation.so3 import angle_between
 from ikplan.path.tool_path import SegmentRange
 
@@ -172,7 +172,7 @@ def nearest_positions(
     m, found = len(near), reference.positions(np.concatenate([ahead, behind, near]))
     p_ahead, p_behind, p_near = found[:m], found[m : 2 * m], found[2 * m :]
     tangent = (p_ahead - p_behind) / (ahead - behind)[:, None]
-    speed = np.linalg.norm(tangent, axis=1)
+    speed = lengths_of(tangent)
     along = np.einsum("ij,ij->i", p - p_near, tangent)
     step = np.where(speed > 1e-6, along / np.maximum(speed**2, 1e-12), 0.0)
     return clamped(near + step, low, high)

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ikplan.arrays import Array
+from ikplan.arrays import Array, lengths_of
 from ikplan.kinematics.target import Freedom
 from ikplan.path.rotation.so3 import log
 from ikplan.planning.ladder.ik_candidates import Targets
@@ -52,7 +52,7 @@ def violation_between(targets: Targets, R: Array, p: Array, shares: Array) -> tu
     if freedom.axis >= 0:
         if freedom.cone > 0.0:
             a, b = R[:, :, freedom.axis], targets.R[:, :, freedom.axis]
-            sine = np.linalg.norm(np.cross(a, b), axis=1)
+            sine = lengths_of(np.cross(a, b))
             lean = np.arctan2(sine, np.einsum("mi,mi->m", a, b))
             angle = _outside(lean.reshape(n, k, 1), np.array([freedom.cone]), shares)
     elif freedom.boxed:
@@ -65,7 +65,7 @@ def violation_between(targets: Targets, R: Array, p: Array, shares: Array) -> tu
 def _outside(values: Array, most: Array, shares: Array) -> Array:
     """Norm of what the peaks of values, shape (n, k, c), have over most, shape (c,): shape (n,)."""
     peak = np.maximum(_highest(values, shares), _highest(-values, shares))
-    return np.asarray(np.linalg.norm(np.maximum(peak - most, 0.0), axis=1))
+    return np.asarray(lengths_of(np.maximum(peak - most, 0.0)))
 
 
 def _highest(values: Array, shares: Array) -> Array:

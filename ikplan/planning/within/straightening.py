@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ikplan.arrays import Array, steps_of
+from ikplan.arrays import Array, lengths_of, steps_of
 from ikplan.planning.ladder.joint_length import joint_path_length
 from ikplan.planning.tracking.reference_path import ReferencePath
 from ikplan.planning.tracking.track_from import TrackedPart
@@ -69,7 +69,7 @@ def _flip(
     tracked: TrackedArm, reference: ReferencePath, s: Array, q: Array, passed: float
 ) -> int | None:
     """Index of the point where the first flip behind a path position is fastest, None: none."""
-    moved = np.concatenate([[0.0], np.cumsum(np.linalg.norm(steps_of(q), axis=1))])
+    moved = np.concatenate([[0.0], np.cumsum(lengths_of(steps_of(q)))])
     over = np.interp(s + _SPAN, s, moved) - moved
     begins = np.flatnonzero((over > _FLIP) & (s >= passed))
     if len(begins) == 0:

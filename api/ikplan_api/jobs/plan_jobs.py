@@ -6,7 +6,6 @@ import asyncio
 import contextlib
 import json
 import logging
-import time
 from collections.abc import Callable
 from typing import Any
 
@@ -32,9 +31,6 @@ __all__ = ["PlanJobs"]
 
 _MAX_STORING = 8
 """Plans that may be returned before they are stored."""
-_STORE_AFTER_S = 0.005
-"""Time after which a plan is stored: its clients have it, and do not wait while the thread of the
-store holds the interpreter to copy it [s]."""
 
 _log = logging.getLogger("ikplan.service")
 
@@ -204,23 +200,17 @@ class PlanJobs(RunningJobs[PlanInProgress]):
             await self._wait_until_stored()
         self._recent.put(scoped(job.owner, job.plan_id), document)
         if key_of(job) not in self._storing:
-            storing = self._store_plan(job, document, time.time())
-            self._storing[key_of(job)] = asyncio.create_task(storing)
+            self._storing[key_of(job)] = asyncio.create_task(self._store_plan(job, document))
 
     async def _wait_until_stored(self) -> None:
         if self._storing:
             await asyncio.wait(self._storing.values())
 
-    async def _store_plan(self, job: Job, document: bytes, made: float) -> None:
+    async def _store_plan(self, job: Job, document: bytes) -> None:
         name = scoped(job.owner, job.plan_id)
         try:
-            await asyncio.sleep(_STORE_AFTER_S)
             await self._store.put(
-                *(job.plan_id, document),
-                owner=job.owner,
-                kind=job.kind,
-                robot=job.robot_name,
-                made=made,
+                job.plan_id, document, owner=job.owner, kind=job.kind, robot=job.robot_name
             )
             self._recent.delete(name)  # now subject to the bounds of the store
             self._stored = True

@@ -115,7 +115,6 @@ class PlanStore(OpenStore, Protocol):
         owner: str = EVERYONE,
         kind: str = "plan",
         robot: str = "",
-        made: float | None = None,
     ) -> None:
         """Store a plan and delete the job that requested it.
 
@@ -125,7 +124,6 @@ class PlanStore(OpenStore, Protocol):
             owner: Whose it is.
             kind: ``"plan"`` or ``"time"``.
             robot: Name of its robot.
-            made: When it was made [s since 1970]; None: now.
 
         Raises:
             StoreFault: The write fails.

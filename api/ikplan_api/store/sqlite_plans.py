@@ -93,7 +93,6 @@ class SqlitePlanStore(SqliteFile):
         owner: str = EVERYONE,
         kind: str = "plan",
         robot: str = "",
-        made: float | None = None,
     ) -> None:
         """Store a plan and evict the least recently used ones."""
         key, size = scoped(owner, plan_id), len(document)
@@ -102,7 +101,7 @@ class SqlitePlanStore(SqliteFile):
             return
         await self.change(
             "INSERT INTO kept (id, made, document, owner, kind, robot) VALUES (?, ?, ?, ?, ?, ?)",
-            (key, time.time() if made is None else made, document, owner, kind, robot),
+            (key, time.time(), document, owner, kind, robot),
         )
         self._purge.added(key, size)
         try:

@@ -132,7 +132,7 @@ class _KernelCache(caching.FunctionCache):  # type: ignore[misc]
 
     _impl_class = _KernelCacheImpl
 
-    _enabled = True
+    _enabled = True  # what the base class sets, whose constructor looks for the files
 
     def __init__(self, dispatcher: Any, py_func: Callable[..., Any]) -> None:
         self._dispatcher = dispatcher

@@ -140,4 +140,4 @@ def _deviations(
 def _elongations(claim: Claim) -> Array:
     """Joint distance of each waypoint from the one before, or the start, shape (n,)."""
     begin = claim.waypoint_q[:1] if claim.q_start is None else claim.q_start[None]
-    return np.asarray(lengths_of(steps_of(np.vstack([begin, claim.waypoint_q]))))
+    return lengths_of(steps_of(np.vstack([begin, claim.waypoint_q])))

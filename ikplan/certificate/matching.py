@@ -179,19 +179,14 @@ class _Search:
         begin = np.searchsorted(nodes, np.maximum(low, samples.low)[left])
         end = np.searchsorted(nodes, np.minimum(high, samples.high)[left], "right")
         count = np.maximum(end - begin, 0)
-        first, pairs = 0, np.cumsum(count)
-        while first < len(left):
-            # As many samples at once as have so many pairs with a node, one at least.
-            before = pairs[first] - count[first]
-            last = max(first + 1, int(np.searchsorted(pairs, before + _PAIRS, "right")))
-            rows = slice(first, last)
-            sample = np.repeat(left[rows], count[rows])
-            since = np.arange(len(sample)) - np.repeat(
-                np.cumsum(count[rows]) - count[rows], count[rows]
-            )
+        # About so many pairs of a sample and a node at once.
+        part = np.cumsum(count) // _PAIRS
+        for rows in np.split(np.arange(len(left)), np.flatnonzero(np.diff(part)) + 1):
+            many = count[rows]
+            sample = np.repeat(left[rows], many)
+            since = np.arange(len(sample)) - np.repeat(np.cumsum(many) - many, many)
             if len(sample):
-                self._look_from(sample, nodes[np.repeat(begin[rows], count[rows]) + since])
-            first = last
+                self._look_from(sample, nodes[np.repeat(begin[rows], many) + since])
 
     def _look_from(self, sample: Indices, begins: Array) -> None:
         """Look from places [m] of samples, one after the other, and on from the best of each."""

@@ -48,7 +48,7 @@ def joint_steps(q_before: Array, q: Array) -> Array:
         q: Configurations, shape (n, dof) [rad or m].
     """
     steps = steps_of(np.vstack([q_before[None], q]))
-    return np.asarray(lengths_of(steps))
+    return lengths_of(steps)
 
 
 def waypoint_results(

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from ikplan.arrays import Array, Indices, lengths_of
+from ikplan.arrays import Array, Indices, lengths_of, steps_of
 from ikplan.collision.check import ContactCheck
 from ikplan.documents.path import PathRequest
 from ikplan.documents.requests.ik_options import IkOptions
@@ -101,7 +101,7 @@ class JointPathProblem:
             q: The others, shape (c, dof) [rad or m].
             q_from: The one, shape (dof,) [rad or m].
         """
-        return np.asarray(lengths_of(self.cost.weights * (q - q_from)))
+        return lengths_of(self.cost.weights * (q - q_from))
 
 
 @dataclass(frozen=True)
@@ -194,4 +194,4 @@ class JointRoute:
     @property
     def length(self) -> float:
         """Joint distance along its chords [rad or m]."""
-        return float(lengths_of(np.diff(self.q, axis=0)).sum())
+        return float(lengths_of(steps_of(self.q)).sum())

@@ -13,7 +13,7 @@ from typing import Protocol
 
 import numpy as np
 
-from ikplan.arrays import Array, lengths_of
+from ikplan.arrays import Array, lengths_of, steps_of
 
 __all__ = ["CubicCurve", "Curve", "QuinticCurve", "RoseCurve", "SinusoidCurve", "natural_cubic"]
 
@@ -114,7 +114,7 @@ class CubicCurve:
     """
 
     def __init__(self, points: Array) -> None:
-        self.breaks: Array = np.concatenate([[0.0], np.cumsum(lengths_of(np.diff(points, axis=0)))])
+        self.breaks: Array = np.concatenate([[0.0], np.cumsum(lengths_of(steps_of(points)))])
         self._points, self._bends = points, natural_cubic(self.breaks, points)
 
     def derivatives(self, t: Array) -> Derivatives:

@@ -103,7 +103,7 @@ def _blended(
     corners = [(pieces[k], pieces[k + 1], (radii[k],)) for k in rows]
 
     def blended(new: list[int]) -> list[Blend]:
-        return [blend_corner(*corners[k][:2], *corners[k][2]) for k in new]
+        return [blend_corner(*corners[k][:2], radii[rows[k]]) for k in new]
 
     blends: list[Blend | None] = [None] * len(radii)
     for k, blend in zip(rows, found.of(corners, blended), strict=True):

@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ikplan.arrays import Array, Flags, lengths_of
+from ikplan.arrays import Array, Flags, lengths_of, steps_of
 from ikplan.path.build.corners import Junctions
 from ikplan.path.build.items import ItemWaypoint, PathItem
 from ikplan.path.build.run_curve import RunCurve, RunPoints, curve_past, points_of
@@ -90,7 +90,7 @@ def _is_noisy(
     if curve is None or wider is None:
         return wider is not None
     # What a motion from rest to rest along a line as long takes, in the same unit.
-    length = float(lengths_of(np.diff(points.p, axis=0)).sum())
+    length = float(lengths_of(steps_of(points.p)).sum())
     straight = 2.0 * length**0.5
     return bool(wider.effort + straight < _FASTER * (curve.effort + straight))
 
@@ -111,8 +111,8 @@ def _crowded(
         if lines[k]:
             here = item.piece.evaluate(np.array([0.5 * item.piece.length]))
             v[k], w[k] = here.v[0], here.w[0]
-    bend = lengths_of(np.diff(v, axis=0))
-    turn = lengths_of(np.diff(w, axis=0))
+    bend = lengths_of(steps_of(v))
+    turn = lengths_of(steps_of(w))
     reach = np.minimum(
         allowed.position / np.maximum(MIDDLE * bend, 1e-12),
         allowed.orientation / np.maximum(_TURNING * turn, 1e-12),

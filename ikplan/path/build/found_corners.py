@@ -15,7 +15,9 @@ from ikplan.path.pieces.steady import SteadyPiece
 
 __all__ = ["FoundCorners"]
 
-Corner = tuple[Piece, Piece, tuple[float, ...]]
+SharpCorner = tuple[Piece, Piece, tuple[float, ...]]
+"""The piece that ends at a corner, the piece that begins there, and what else the curve follows
+from: the radius of a blend; or what is allowed."""
 
 
 class FoundCorners:
@@ -30,14 +32,13 @@ class FoundCorners:
 
     def of(
         self,
-        corners: Sequence[Corner],
+        corners: Sequence[SharpCorner],
         find: Callable[[list[int]], Sequence[Blend | None]],
     ) -> list[Blend | None]:
         """Return the rounded corners; None: there is no room for one.
 
         Args:
-            corners: The piece that ends at each, the piece that begins there, and what else its
-                curve follows from: the radius of a blend; or what is allowed.
+            corners: The corners.
             find: Rounds those of some indices, which were not rounded before.
         """
         digests: dict[int, bytes] = {}

@@ -41,11 +41,11 @@ class SharpCorners:
 
     @classmethod
     def of(cls, pieces: Sequence[Piece], wanted: Sequence[bool]) -> SharpCorners:
-        """Return the corners that are wanted.
+        """Return some of the corners between the pieces of a path.
 
         Args:
-            pieces: The pieces of the path.
-            wanted: Which of the corners between them.
+            pieces: The n pieces, in order.
+            wanted: Which of the n - 1 corners.
         """
         rows = np.flatnonzero(wanted)
         stack, lengths = stack_pieces(pieces), np.array([piece.length for piece in pieces])
@@ -115,4 +115,4 @@ def _ratios(
     """Ratios to what is allowed of steps and, where it counts, of the angles between rotations."""
     angle = np.zeros(len(step))
     angle[oriented] = angle_between(R[oriented], sharp[oriented])
-    return ratios(np.asarray(lengths_of(step)), angle)
+    return ratios(lengths_of(step), angle)

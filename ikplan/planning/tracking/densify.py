@@ -58,31 +58,16 @@ def densify(
         BudgetExceeded: The time budget ran out.
     """
     most = most_points(len(s))
-    targets_at = functools.partial(tracked.targets_at, reference)
-    steps: Indices | None = None
+    beside: Indices | None = None
     while True:
         tracked.clock.check()
         rest = rest_points(reference, s)
         path = JointPath.through(q, tracked.limits, rest_at=rest)
-        off, spent = deviation_ratios(
-            tracked.arm.chain,
-            reference,
-            targets_at,
-            s,
-            path,
-            tracked.tolerance,
-            tracked.deviation_share,
-            bounded=has_bounds(tracked.freedom),
-            steps=steps,
-        )
-        tracked.clock.count(spent)
-        looked = np.arange(len(s) - 1) if steps is None else steps
-        wide = looked[off > _allowed(tracked, reference, s, q, windows or [])[looked]]
+        wide = _wide_steps(tracked, reference, s, q, path, windows or [], beside)
+        if len(wide) == 0 and beside is not None:
+            wide = _wide_steps(tracked, reference, s, q, path, windows or [], None)
         if len(wide) == 0:
-            if steps is None:
-                return s, q, rest
-            steps = None
-            continue
+            return s, q, rest
         if len(s) > most:
             raise InvalidRequest(
                 f"path: more than {most} path points are needed to keep the tool "
@@ -104,9 +89,35 @@ def densify(
             at = int(bad[0])
             raise TrackingFailed(float(s[at]), q[at].copy(), q[at + 1].copy())
         order = np.argsort(np.concatenate([s, middle]), kind="stable")
-        steps = _beside(np.flatnonzero(order >= len(s)), len(order))
+        beside = _beside(np.flatnonzero(order >= len(s)), len(order))
         s = np.concatenate([s, middle])[order]
         q = np.ascontiguousarray(np.vstack([q, q_middle])[order])
+
+
+def _wide_steps(
+    tracked: TrackedArm,
+    reference: ReferencePath,
+    s: Array,
+    q: Array,
+    path: JointPath,
+    windows: SpanList,
+    steps: Indices | None,
+) -> Indices:
+    """Return the steps in which the joint spline leaves the path, of some or, closely, of all."""
+    off, spent = deviation_ratios(
+        tracked.arm.chain,
+        reference,
+        functools.partial(tracked.targets_at, reference),
+        s,
+        path,
+        tracked.tolerance,
+        tracked.deviation_share,
+        bounded=has_bounds(tracked.freedom),
+        steps=steps,
+    )
+    tracked.clock.count(spent)
+    looked = np.arange(len(s) - 1) if steps is None else steps
+    return looked[off > _allowed(tracked, reference, s, q, windows)[looked]]
 
 
 def _beside(points: Indices, count: int) -> Indices:

@@ -65,7 +65,7 @@ def violation_between(targets: Targets, R: Array, p: Array, shares: Array) -> tu
 def _outside(values: Array, most: Array, shares: Array) -> Array:
     """Norm of what the peaks of values, shape (n, k, c), have over most, shape (c,): shape (n,)."""
     peak = np.maximum(_highest(values, shares), _highest(-values, shares))
-    return np.asarray(lengths_of(np.maximum(peak - most, 0.0)))
+    return lengths_of(np.maximum(peak - most, 0.0))
 
 
 def _highest(values: Array, shares: Array) -> Array:
